@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/table.hpp>
+
+#include <fmt/format.h>
+
+namespace nscdd {
+
+std::size_t Table::column(const std::string& name) const {
+  std::string known;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i].name == name) return i;
+    known += (i == 0 ? "" : ", ") + columns[i].name;
+  }
+  throw Error(fmt::format("expected a column '{}', met only: {}", name, known));
+}
+
+std::string to_text(const Cell& cell) {
+  return std::visit([](const auto& value) { return fmt::format("{}", value); }, cell);
+}
+
+}  // namespace nscdd
