@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/linalg/arpack.hpp>
+
+#include <arpack/arpack.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <vector>
+
+namespace nscdd {
+namespace {
+
+std::mutex one_call_at_a_time;  // ARPACK's Fortran SAVE variables are shared by the whole process
+
+// Reproducible start: the same vector for the same size, with a component along every mode of practice.
+Vector start_vector(Index n) {
+  Vector v(n);
+  std::uint64_t state = 0x9e3779b97f4a7c15ULL;
+  for (Index i = 0; i < n; ++i) {  // splitmix64
+    state += 0x9e3779b97f4a7c15ULL;
+    std::uint64_t z = state;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    z ^= z >> 31;
+    v[i] = static_cast<double>(z >> 11) * 0x1.0p-52 - 1.0;
+  }
+  return v;
+}
+
+// Work arrays of one reverse-communication run, with ARPACK's own names.
+struct Workspace {
+  a_int n, nev, ncv;
+  Vector resid, workd, workl;
+  Matrix v;
+  a_int iparam[11] = {};
+  a_int ipntr[14] = {};
+  Workspace(Index size, Index wanted, const ArpackOptions& options, a_int mode)
+      : n(static_cast<a_int>(size)),
+        nev(static_cast<a_int>(std::min(wanted, size - 2))),
+        ncv(static_cast<a_int>(std::min(size, std::max(options.basis, 2 * wanted + 3)))),
+        resid(start_vector(size)),
+        workd(Vector::Zero(3 * size)),
+        v(Matrix::Zero(size, ncv)) {
+    iparam[0] = 1;  // exact shifts
+    iparam[2] = static_cast<a_int>(options.maximum_restarts);
+    iparam[3] = 1;
+    iparam[6] = mode;
+  }
+  auto block(int which) { return workd.segment(ipntr[which] - 1, n); }
+};
+
+void require_size(Index n) {
+  if (n < arpack_smallest_size)
+    throw Error(fmt::format("ARPACK: expected a problem of size >= {}, met {}", arpack_smallest_size, n));
+}
+
+}  // namespace
+
+LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse,
+                      SpectrumEnd end, const ArpackOptions& options) {
+  require_size(n);
+  const std::lock_guard lock(one_call_at_a_time);
+  LanczosResult result;
+  Workspace w(n, 1, options, 2);
+  const auto which =
+      end == SpectrumEnd::largest ? arpack::which::largest_algebraic : arpack::which::smallest_algebraic;
+  w.workl = Vector::Zero(w.ncv * (w.ncv + 8));
+  const a_int lworkl = static_cast<a_int>(w.workl.size());
+  a_int ido = 0, info = 1;  // info = 1: resid holds the start vector
+  while (true) {
+    arpack::saupd(ido, arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
+                  w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, info);
+    if (ido == -1 || ido == 1) {
+      const Vector ax = a(w.block(0));
+      w.block(1) = m_inverse(ax);
+      w.block(0) = ax;  // mode 2 wants A x left in place of x
+      ++result.applications;
+    } else if (ido == 2) {
+      w.block(1) = m(w.block(0));
+    } else {
+      break;
+    }
+  }
+  if (info < 0 || w.iparam[4] < 1) return result;  // nothing converged: data, not an error
+  std::vector<a_int> select(at(w.ncv), 0);
+  Vector value(w.nev);
+  Matrix z(n, w.nev);
+  a_int status = 0;
+  arpack::seupd(1, arpack::howmny::ritz_vectors, select.data(), value.data(), z.data(), w.n, 0.0,
+                arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
+                w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, status);
+  if (status != 0) return result;
+  result.value = value[0];
+  result.vector = z.col(0);
+  result.converged = info == 0;
+  return result;
+}
+
+ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options) {
+  require_size(n);
+  const std::lock_guard lock(one_call_at_a_time);
+  ArnoldiResult result;
+  // Six wanted: neighbours of the dominant one converge with it, and a pair cut at the edge does no harm.
+  Workspace w(n, std::min<Index>(6, n - 3), options, 1);
+  w.workl = Vector::Zero(3 * w.ncv * w.ncv + 6 * w.ncv);
+  const a_int lworkl = static_cast<a_int>(w.workl.size());
+  a_int ido = 0, info = 1;
+  while (true) {
+    arpack::naupd(ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev,
+                  options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr,
+                  w.workd.data(), w.workl.data(), lworkl, info);
+    if (ido != -1 && ido != 1) break;
+    w.block(1) = a(w.block(0));
+    ++result.applications;
+  }
+  if (info < 0 || w.iparam[4] < 1) return result;
+  std::vector<a_int> select(at(w.ncv), 0);
+  Vector real(w.nev + 1), imaginary(w.nev + 1), workev(3 * w.ncv);
+  real.setZero();
+  imaginary.setZero();
+  Matrix z = Matrix::Zero(n, w.nev + 1);
+  a_int status = 0;
+  arpack::neupd(1, arpack::howmny::ritz_vectors, select.data(), real.data(), imaginary.data(), z.data(), w.n,
+                0.0, 0.0, workev.data(), arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev,
+                options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(),
+                w.workl.data(), lworkl, status);
+  if (status != 0) return result;
+  // A complex pair stands in two columns: the real part of its vector, then the imaginary part.
+  const Index found = w.iparam[4];
+  Index best = 0;
+  for (Index k = 1; k < found; ++k)
+    if (std::hypot(real[k], imaginary[k]) > std::hypot(real[best], imaginary[best])) best = k;
+  result.value = {real[best], std::abs(imaginary[best])};
+  const Index first = imaginary[best] < 0 ? best - 1 : best;
+  const Vector x = z.col(first);
+  const Vector y = imaginary[best] != 0 ? Vector(z.col(first + 1)) : Vector(Vector::Zero(n));
+  // (A - lambda)(x + i y), in real arithmetic
+  const Vector rx = a(x) - result.value.real() * x + result.value.imag() * y;
+  const Vector ry = imaginary[best] != 0 ? Vector(a(y) - result.value.real() * y - result.value.imag() * x)
+                                         : Vector(Vector::Zero(n));
+  result.applications += imaginary[best] != 0 ? 2 : 1;
+  result.residual = std::sqrt((rx.squaredNorm() + ry.squaredNorm()) / (x.squaredNorm() + y.squaredNorm()));
+  result.converged = info == 0;
+  return result;
+}
+
+}  // namespace nscdd
