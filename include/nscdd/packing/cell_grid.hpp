@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <span>
+#include <vector>
+
+namespace nscdd {
+
+/// Points sorted into square cells of at least a given side, for neighbour searches in O(N).
+/// The cells form a bounded table (about one per point at the most), so a sparse or elongated cloud costs
+/// no memory: cells grow until the table fits.
+class CellGrid {
+ public:
+  /// x, y: coordinates, m, finite and of the same length; side > 0, m.
+  CellGrid(std::span<const double> x, std::span<const double> y, double side);
+
+  /// Calls visit(i, j) for every pair i < j in the same or in touching cells: every pair no farther apart
+  /// than `side` in both coordinates, and some that are.
+  template <class Visit>
+  void for_each_pair(Visit&& visit) const {
+    for (Index row = 0; row < rows_; ++row)
+      for (Index column = 0; column < columns_; ++column) {
+        const auto here = cell(column, row);
+        for (std::size_t a = 0; a < here.size(); ++a)
+          for (std::size_t b = a + 1; b < here.size(); ++b) ordered(here[a], here[b], visit);
+        // Half of the eight neighbours; the other half see this cell as theirs.
+        constexpr Index ahead[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+        for (const auto& step : ahead) {
+          const Index c = column + step[0], r = row + step[1];
+          if (c < 0 || c >= columns_ || r >= rows_) continue;
+          for (const Index i : here)
+            for (const Index j : cell(c, r)) ordered(i, j, visit);
+        }
+      }
+  }
+
+ private:
+  template <class Visit>
+  static void ordered(Index i, Index j, Visit& visit) {
+    i < j ? visit(i, j) : visit(j, i);
+  }
+  std::span<const Index> cell(Index column, Index row) const {
+    const Index c = row * columns_ + column;
+    return std::span(points_).subspan(at(start_[at(c)]), at(start_[at(c + 1)] - start_[at(c)]));
+  }
+
+  Index columns_ = 1, rows_ = 1;
+  std::vector<Index> start_;   ///< first point of each cell, one more at the end
+  std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
+};
+
+}  // namespace nscdd

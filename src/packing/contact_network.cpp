@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/packing/cell_grid.hpp>
+#include <nscdd/packing/contact_network.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+// A pair (i, j) with its geometry, or a gap beyond the tolerance for a pair that does not touch.
+Contact pair_geometry(const Packing& p, Index i, Index j) {
+  const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
+  const double distance = std::hypot(dx, dy);
+  Contact contact{.a = i, .b = j};
+  contact.gap = distance - (p.radius[at(i)] + p.radius[at(j)]);
+  contact.midpoint = {p.x[at(i)] + 0.5 * dx, p.y[at(i)] + 0.5 * dy};
+  if (distance > 0) contact.normal = {dx / distance, dy / distance};
+  return contact;
+}
+
+void require_no_overlap(const Packing& p, const Contact& contact, double allowed) {
+  const auto [i, j] = std::pair(contact.a, contact.b);
+  const auto describe = [&](Index g) {
+    return fmt::format("({}, {}) of radius {}", p.x[at(g)], p.y[at(g)], p.radius[at(g)]);
+  };
+  if (p.x[at(i)] == p.x[at(j)] && p.y[at(i)] == p.y[at(j)])
+    throw Error(
+        fmt::format("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j)));
+  if (-contact.gap > allowed)
+    throw Error(fmt::format(
+        "grains {} and {} overlap by {} m, more than the {} m allowed (overlap_tolerance): {} and {}", i, j,
+        -contact.gap, allowed, describe(i), describe(j)));
+}
+
+}  // namespace
+
+ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
+  ContactNetwork network{.contacts = {}, .grains = packing.size()};
+  if (packing.size() == 0) return network;
+  const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
+  const CellGrid grid(packing.x, packing.y, largest * (2 + detection.tolerance));
+  grid.for_each_pair([&](Index i, Index j) {
+    const double reach = packing.radius[at(i)] + packing.radius[at(j)] + detection.tolerance * largest;
+    if (std::abs(packing.x[at(j)] - packing.x[at(i)]) > reach) return;  // most pairs end here, without a root
+    const Contact contact = pair_geometry(packing, i, j);
+    const double smaller = std::min(packing.radius[at(i)], packing.radius[at(j)]);
+    if (contact.gap > detection.tolerance * smaller) return;
+    require_no_overlap(packing, contact, detection.overlap_tolerance * smaller);
+    network.contacts.push_back(contact);
+  });
+  // The order of cells is an accident of the grid; the order of grains is the packing's own.
+  std::sort(network.contacts.begin(), network.contacts.end(),
+            [](const Contact& l, const Contact& r) { return std::pair(l.a, l.b) < std::pair(r.a, r.b); });
+  return network;
+}
+
+std::vector<Index> contact_counts(const ContactNetwork& network) {
+  std::vector<Index> counts(at(network.grains), 0);
+  for (const Contact& contact : network.contacts) {
+    ++counts[at(contact.a)];
+    ++counts[at(contact.b)];
+  }
+  return counts;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/packing/generators/triangular_strip.hpp>
+
+#include <numbers>
+
+namespace nscdd {
+
+Packing generate(const TriangularStrip& strip) {
+  Packing packing;
+  for (Index i = 0; i < strip.grains; ++i) {
+    packing.x.push_back(static_cast<double>(i) * strip.radius);
+    packing.y.push_back(i % 2 == 0 ? 0.0 : std::numbers::sqrt3 * strip.radius);
+    packing.radius.push_back(strip.radius);
+  }
+  return packing;
+}
+
+}  // namespace nscdd
