@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+namespace nscdd {
+
+/// What a Gauss-Seidel sweep over contacts needs of a body of grains, prepared once.
+struct ContactSystem {
+  SparseMatrix h;         ///< H, d n x c
+  SparseMatrix response;  ///< M^-1 H: velocity change of the grains per unit impulse
+  Vector delassus;        ///< diagonal of W = H^T M^-1 H, c entries
+};
+
+ContactSystem prepare_contacts(const Vector& inertia, const SparseMatrix& h);
+
+/// One NonLinear Gauss-Seidel sweep in the order of the contacts: each contact in turn takes the impulse its
+/// law gives for the present velocities, and its grains are updated at once. Grain velocities carry the
+/// off-diagonal part of W, which is never formed.
+/// `impulses`: r, c entries; `velocities`: V, d n entries, on entry and exit V = V_free + M^-1 H r.
+template <class Law>
+void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& impulses, Vector& velocities) {
+  for (Index c = 0; c < contacts.h.cols(); ++c) {
+    double velocity = 0;  // v = H_c^T V
+    for (SparseMatrix::InnerIterator e(contacts.h, c); e; ++e) velocity += e.value() * velocities[e.row()];
+    const double free_velocity = velocity - contacts.delassus[c] * impulses[c];
+    const double impulse = law.impulse(free_velocity, contacts.delassus[c]);
+    const double change = impulse - impulses[c];
+    impulses[c] = impulse;
+    for (SparseMatrix::InnerIterator e(contacts.response, c); e; ++e)
+      velocities[e.row()] += e.value() * change;
+  }
+}
+
+}  // namespace nscdd

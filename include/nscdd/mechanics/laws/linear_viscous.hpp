@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace nscdd {
+
+/// Linear interaction law r = -v / epsilon ([ADI12] eq. (9)); epsilon = 0 is the rigid limit v = 0.
+/// epsilon is a flexibility, s/kg (inverse of an integral viscosity, the paper's 1/k).
+struct LinearViscous {
+  double epsilon = 1.0;
+
+  double flexibility() const { return epsilon; }
+
+  /// Impulse of one contact: solves v = free_velocity + delassus r together with the law; delassus > 0.
+  double impulse(double free_velocity, double delassus) const {
+    return -free_velocity / (delassus + epsilon);
+  }
+};
+
+}  // namespace nscdd

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/packing.hpp>
+
+#include <array>
+#include <vector>
+
+namespace nscdd {
+
+/// Velocity with which a grain arrives, imposed on it as an impact (V^-, m/s); its mass stays free.
+struct PrescribedVelocity {
+  Index grain = 0;
+  std::array<double, 2> velocity{};
+};
+
+/// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
+///     M V = M V^- + H r,   v = H^T V.
+/// Geometry ends here: everything above sees M and H only.
+struct ReferenceProblem {
+  Index dofs_per_grain = 2;  ///< d: translations of a frictionless disk
+  Vector inertia;            ///< diagonal of M, d n entries, kg
+  SparseMatrix h;            ///< H, d n x c: column of contact (a, b) is -n on a, +n on b (zeros stored)
+  Vector arriving_velocity;  ///< V^-, d n entries, m/s
+
+  Index grains() const { return inertia.size() / dofs_per_grain; }
+  Index contacts() const { return h.cols(); }
+};
+
+/// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation.
+/// Throws Error where masses are missing or a prescribed grain does not exist or has no finite velocity.
+ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
+                          const std::vector<PrescribedVelocity>& prescribed = {});
+
+/// Grains that a contact acts on, ascending, read off the pattern of H.
+std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact);
+
+/// M^-1/2 H: its Gram matrix is the Delassus operator W = H^T M^-1 H, its rank that of W.
+SparseMatrix scaled_connectivity(const Vector& inertia, const SparseMatrix& h);
+
+}  // namespace nscdd
