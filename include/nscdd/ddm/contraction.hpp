@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/ddm/schemes/enriched.hpp>
+#include <nscdd/ddm/schemes/generic.hpp>
+#include <nscdd/mechanics/laws/linear_viscous.hpp>
+
+#include <variant>
+#include <vector>
+
+namespace nscdd {
+
+/// Stage 2 of the two-stage algorithm: one file and one word here per scheme.
+using Scheme = std::variant<Generic, Enriched>;
+
+/// The contraction operator of the two-stage algorithm,  B = I - omega P^-1 S,  with
+///   S = X_epsilon on the contacts Stage 1 works with (the law), P = X_eta on all contacts (the scheme).
+/// All six matrices of [ADI12] are this one:
+///   B_eps (10): P = X_inf        B_eps,eta (20): P = X_eta      (S = X_eps on all contacts)
+///   B_0 (25): S = X_0            B_0,eta: S = X_0, P = X_eta
+///   B-bar (31): S = X_0 on the active contacts, P = X_inf       B-bar_eta (34): the same with P = X_eta
+/// since Y_eps = X - X_eps, Y_eps,eta = X_eta - X_eps by the Woodbury identity.
+struct Contraction {
+  InterfaceOperator preconditioner;  ///< P, positive definite
+  InterfaceOperator system;          ///< S, positive semidefinite
+  double relaxation = 1.0;           ///< omega of F <- F + omega (F' - F); 1 is the paper's algorithm
+
+  Index rows() const { return system.rows(); }
+  Index cols() const { return system.rows(); }
+  Vector apply(const Vector& f) const { return f - relaxation * preconditioner.solve(system.apply(f)); }
+};
+
+/// The contraction operator of a scheme with a linear law on every contact.
+inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const LinearViscous& law) {
+  const InterfaceFamily family(parts);
+  const double eta = std::visit([](const auto& one) { return one.flexibility(); }, scheme);
+  return {family.at(eta), family.at(law.flexibility())};
+}
+
+/// The same with Stage 1 on the active contacts only (G_E) while Stage 2 keeps them all (H_E): at epsilon = 0
+/// the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the packing.
+inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const LinearViscous& law,
+                               const std::vector<char>& active) {
+  const double eta = std::visit([](const auto& one) { return one.flexibility(); }, scheme);
+  return {InterfaceFamily(parts).at(eta),
+          InterfaceFamily(restrict_contacts(parts, active)).at(law.flexibility())};
+}
+
+}  // namespace nscdd

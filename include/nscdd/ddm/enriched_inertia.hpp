@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace nscdd {
+
+/// M_{E,eta} = M_E + K_E / eta, K_E = H_E H_E^T ([ADI12] eqs. (23), (24)), ready to be inverted.
+/// eta = infinity is M_E; eta = 0 is the rigid limit, whose "inverse" is
+///     M_E^inf = M_E^-1/2 (I - Pi) M_E^-1/2,   Pi the projector onto range(M_E^-1/2 H_E)
+/// ([ADI12] eq. (26)): it exists for every network, hyperstatic ones included.
+class EnrichedInertia {
+ public:
+  /// M_{E,eta}^-1 R (eta = 0: M_E^inf R). R: impulses on the grains, d n_E; result: velocities.
+  /// All NaN where M_{E,eta} is not positive definite in double precision.
+  Vector solve(const Vector& impulses) const;
+
+  /// A_E M_{E,eta}^-1 A_E^T on the interface rows that touch E, in the order of `interface_rows`.
+  Matrix condense() const;
+
+  class Implementation;
+  explicit EnrichedInertia(std::shared_ptr<const Implementation> implementation);
+
+ private:
+  std::shared_ptr<const Implementation> implementation_;
+};
+
+/// Every M_{E,eta} of one subdomain, for a sweep along eta.
+/// Small subdomains are diagonalised once, M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T, after which each eta costs
+/// one scaling: the weights eta / (eta + lambda) run from 1 (eta = infinity) to the indicator of lambda = 0.
+/// Large ones keep their sparse Cholesky pattern, and refactorise numbers only.
+/// An eigenvalue below 1e-12 of the largest counts as zero.
+class EnrichedInertiaFamily {
+ public:
+  static constexpr Index default_dense_limit =
+      300;  ///< unknowns d n_E up to which a subdomain is diagonalised
+
+  explicit EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit = default_dense_limit);
+  EnrichedInertia at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
+
+  class Preparation;
+
+ private:
+  std::shared_ptr<const Preparation> preparation_;
+};
+
+/// Rows of A_E that are not empty, ascending.
+std::vector<Index> interface_rows(const Subdomain& subdomain);
+
+}  // namespace nscdd

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/ddm/enriched_inertia.hpp>
+#include <nscdd/linalg/pencil.hpp>
+
+#include <memory>
+
+namespace nscdd {
+
+/// The interface operator  X_eta = sum_E A_E (M_E + K_E / eta)^-1 A_E^T  ([ADI12] eq. (17)), n_Gamma x
+/// n_Gamma, s.p.d. for eta > 0: velocity jumps caused by interface impulses F_Gamma while the contact network
+/// acts as links of flexibility eta. eta = infinity is the X of the generic algorithm; eta = 0 its rigid
+/// limit, semidefinite; on restricted contacts (G_E) it is the X-bar of the nonsmooth analysis.
+class InterfaceOperator {
+ public:
+  double eta() const;
+  Index rows() const;
+  Index cols() const { return rows(); }
+
+  Vector apply(const Vector& f) const;  ///< X_eta F by one local solve per subdomain
+  const Matrix& dense() const;          ///< X_eta, symmetric to the last bit; assembled once, then kept
+
+  /// Bases of ker X_eta and of its complement, from the dense matrix: the kernel is empty for eta > 0, and in
+  /// the rigid limit holds the interface impulses that the networks can carry either way. Computed once.
+  const KernelSplit& kernel() const;
+
+  /// X_eta^-1 g for eta > 0, by one solve with the assembled M + K/eta of the undivided packing and no Schur
+  /// complement: copies V_E = R_E U + o_E of jumps g whose impulses M_{E,eta} V_E balance on every grain.
+  /// Throws Error for eta = 0.
+  Vector solve(const Vector& g) const;
+
+  /// diag(X_inf), the natural scale of every X_eta: 0 <= X_eta <= X_inf.
+  const Vector& scale() const;
+
+  class Implementation;
+  explicit InterfaceOperator(std::shared_ptr<const Implementation> implementation);
+
+ private:
+  std::shared_ptr<const Implementation> implementation_;
+};
+
+/// Every X_eta of one decomposition, for sweeps along eta (or epsilon): what does not depend on the
+/// flexibility is computed once. Operators own what they need and outlive the family.
+class InterfaceFamily {
+ public:
+  explicit InterfaceFamily(const Decomposition& parts,
+                           Index dense_limit = EnrichedInertiaFamily::default_dense_limit);
+  InterfaceOperator at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
+  const Decomposition& parts() const;
+
+  class Preparation;
+
+ private:
+  std::shared_ptr<const Preparation> preparation_;
+};
+
+}  // namespace nscdd

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/enriched_inertia.hpp>
+#include <nscdd/linalg/range_projector.hpp>
+#include <nscdd/linalg/sparse_cholesky.hpp>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <variant>
+
+namespace nscdd {
+namespace {
+
+constexpr double rank_tolerance = 1e-12;  // of eigenvalues, hence 1e-6 of singular values
+
+// A_E without its empty rows.
+SparseMatrix compact_rows(const SparseMatrix& a, const std::vector<Index>& rows) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index j = 0; j < a.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(a, j); e; ++e)
+      entries.emplace_back(
+          static_cast<int>(std::lower_bound(rows.begin(), rows.end(), e.row()) - rows.begin()),
+          static_cast<int>(j), e.value());
+  SparseMatrix compact(count(rows), a.cols());
+  compact.setFromTriplets(entries.begin(), entries.end());
+  return compact;
+}
+
+// Modes of one subdomain: M^-1/2 Q, their eigenvalues, and their traces on the interface, A M^-1/2 Q.
+struct Modes {
+  Matrix vectors;
+  Vector eigenvalues;
+  Matrix traces;
+
+  Vector weights(double eta) const {
+    return eigenvalues.unaryExpr(
+        [eta](double lambda) { return lambda == 0 || std::isinf(eta) ? 1.0 : eta / (eta + lambda); });
+  }
+};
+
+Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
+  const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();  // M^-1/2
+  const Matrix b = root.asDiagonal() * Matrix(subdomain.h);          // M^-1/2 H
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
+  Modes modes;
+  modes.eigenvalues = solver.eigenvalues();
+  const double largest = modes.eigenvalues.size() > 0 ? modes.eigenvalues.maxCoeff() : 0.0;
+  for (double& lambda : modes.eigenvalues)
+    if (lambda <= rank_tolerance * largest) lambda = 0;
+  modes.vectors = root.asDiagonal() * solver.eigenvectors();
+  modes.traces = a * modes.vectors;
+  return modes;
+}
+
+}  // namespace
+
+std::vector<Index> interface_rows(const Subdomain& subdomain) {
+  std::vector<Index> rows;
+  for (Index j = 0; j < subdomain.a.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e) rows.push_back(e.row());
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
+// What does not depend on eta.
+class EnrichedInertiaFamily::Preparation {
+ public:
+  Preparation(const Subdomain& subdomain, Index dense_limit)
+      : inertia(subdomain.inertia), h(subdomain.h), a(compact_rows(subdomain.a, interface_rows(subdomain))) {
+    if (inertia.size() <= dense_limit) {
+      modes = diagonalise(subdomain, a);
+      return;
+    }
+    SparseMatrix zero_diagonal(inertia.size(), inertia.size());  // keeps a place for M in the pattern of K
+    zero_diagonal.setIdentity();
+    zero_diagonal.coeffs().setZero();
+    stiffness = SparseMatrix(h * h.transpose()) + zero_diagonal;  // K = H H^T
+    analysis.emplace(stiffness);
+  }
+
+  Vector inertia;
+  SparseMatrix h, a, stiffness;
+  std::optional<Modes> modes;
+  std::optional<CholeskyAnalysis> analysis;
+};
+
+class EnrichedInertia::Implementation {
+ public:
+  struct Diagonal {};  // eta = infinity
+  struct Modal {
+    Vector weights;
+  };  // small subdomain, any eta
+  struct Factor {
+    SparseCholesky cholesky;
+  };
+  struct Rigid {
+    RangeProjector range;
+  };  // eta = 0
+
+  static std::variant<Diagonal, Modal, Factor, Rigid> choose(const EnrichedInertiaFamily::Preparation& p,
+                                                             double eta) {
+    if (p.modes) return Modal{p.modes->weights(eta)};
+    if (std::isinf(eta)) return Diagonal{};
+    if (eta == 0) return Rigid{RangeProjector(scaled_connectivity(p.inertia, p.h))};
+    SparseMatrix sum = p.stiffness / eta;  // M + K / eta
+    sum.diagonal() += p.inertia;
+    return Factor{SparseCholesky(*p.analysis, sum)};
+  }
+
+  Implementation(std::shared_ptr<const EnrichedInertiaFamily::Preparation> p, double eta)
+      : preparation(std::move(p)), inverse(choose(*preparation, eta)) {}
+
+  Matrix apply(const Matrix& r) const {
+    struct Visitor {
+      const EnrichedInertiaFamily::Preparation& p;
+      const Matrix& r;
+      Matrix operator()(const Diagonal&) const { return p.inertia.cwiseInverse().asDiagonal() * r; }
+      Matrix operator()(const Modal& modal) const {
+        return p.modes->vectors * (modal.weights.asDiagonal() * (p.modes->vectors.transpose() * r));
+      }
+      Matrix operator()(const Factor& factor) const {
+        if (!factor.cholesky.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
+        return factor.cholesky.solve(r);
+      }
+      Matrix operator()(const Rigid& rigid) const {  // M^-1/2 (I - Pi) M^-1/2
+        const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
+        Matrix scaled = root.asDiagonal() * r;
+        for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= rigid.range.apply(scaled.col(j));
+        return root.asDiagonal() * scaled;
+      }
+    };
+    return std::visit(Visitor{*preparation, r}, inverse);
+  }
+
+  std::shared_ptr<const EnrichedInertiaFamily::Preparation> preparation;
+  std::variant<Diagonal, Modal, Factor, Rigid> inverse;
+};
+
+EnrichedInertia::EnrichedInertia(std::shared_ptr<const Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+Vector EnrichedInertia::solve(const Vector& impulses) const { return implementation_->apply(impulses); }
+
+Matrix EnrichedInertia::condense() const {
+  const auto& p = *implementation_->preparation;
+  if (const auto* modal = std::get_if<Implementation::Modal>(&implementation_->inverse)) {
+    const Matrix scaled = p.modes->traces * modal->weights.cwiseSqrt().asDiagonal();
+    return scaled * scaled.transpose();
+  }
+  Matrix condensed(p.a.rows(), p.a.rows());
+  constexpr Index block = 64;  // right-hand sides at a time, so that memory stays that of a few vectors
+  const SparseMatrix transposed = p.a.transpose();
+  for (Index first = 0; first < p.a.rows(); first += block) {
+    const Index width = std::min(block, p.a.rows() - first);
+    condensed.middleCols(first, width) =
+        p.a * implementation_->apply(Matrix(transposed.middleCols(first, width)));
+  }
+  return 0.5 * (condensed + condensed.transpose());
+}
+
+EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
+    : preparation_(std::make_shared<const Preparation>(subdomain, dense_limit)) {}
+
+EnrichedInertia EnrichedInertiaFamily::at(double eta) const {
+  if (!(eta >= 0)) throw Error(fmt::format("flexibility: expected a number in [0, inf], met {}", eta));
+  return EnrichedInertia(std::make_shared<const EnrichedInertia::Implementation>(preparation_, eta));
+}
+
+}  // namespace nscdd

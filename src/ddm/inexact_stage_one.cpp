@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/inexact_stage_one.hpp>
+#include <nscdd/linalg/linear_operator.hpp>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+constexpr Index dense_limit = 400;
+constexpr double unit_tolerance = 1e-9;
+
+InexactRadius dense_radius(const InexactIteration& j, double tolerance) {
+  InexactRadius result;
+  result.solver = "dense";
+  const Matrix matrix = dense(j);
+  result.applications = matrix.cols();
+  const Eigen::EigenSolver<Matrix> solver(matrix);
+  if (solver.info() != Eigen::Success) {
+    result.converged = false;
+    result.value = result.subdominant = result.residual = not_a_number;
+    return result;
+  }
+  Index best = 0;
+  for (Index k = 0; k < matrix.cols(); ++k) {
+    const std::complex<double> value = solver.eigenvalues()[k];
+    const bool unit = std::abs(value - 1.0) <= unit_tolerance;
+    if (unit) ++result.unit_multiplicity;
+    if (!unit) result.subdominant = std::max(result.subdominant, std::abs(value));
+    if (std::abs(value) > std::abs(solver.eigenvalues()[best])) best = k;
+  }
+  const std::complex<double> value = solver.eigenvalues()[best];
+  const Eigen::VectorXcd x = solver.eigenvectors().col(best);
+  result.dominant = {value.real(), std::abs(value.imag())};
+  result.value = std::abs(value);
+  result.residual = (matrix * x - value * x).norm() / x.norm();
+  result.converged = result.residual <= tolerance;
+  return result;
+}
+
+}  // namespace
+
+Vector InexactIteration::apply(const Vector& z) const {
+  TwoStageState state = iteration.zero_state();
+  Index offset = 0;
+  for (Vector& r : state.impulses) {
+    r = z.segment(offset, r.size());
+    offset += r.size();
+  }
+  state.interface_impulses = z.tail(iteration.interface_size());
+  state = iteration.iterate(std::move(state));
+  Vector image(z.size());
+  offset = 0;
+  for (const Vector& r : state.impulses) {
+    image.segment(offset, r.size()) = r;
+    offset += r.size();
+  }
+  image.tail(iteration.interface_size()) = state.interface_impulses;
+  return image;
+}
+
+InexactRadius inexact_radius(const InexactIteration& j, const SpectralOptions& options) {
+  const Index n = j.rows();
+  if (j.iteration.interface_size() == 0 && n == 0) return {};
+  if (options.solver == SpectralSolver::dense || n < arpack_smallest_size ||
+      (options.solver == SpectralSolver::automatic && n <= dense_limit))
+    return dense_radius(j, options.tolerance);
+  const ArnoldiResult arpack = arnoldi(n, linear_map(j), options.arpack);
+  InexactRadius result;
+  result.solver = "arpack";
+  result.applications = arpack.applications;
+  result.dominant = arpack.value;
+  result.value = std::abs(arpack.value);
+  result.residual = arpack.residual;
+  result.subdominant = std::abs(arpack.value - 1.0) <= unit_tolerance ? not_a_number : result.value;
+  result.converged = arpack.converged && arpack.residual <= options.tolerance;
+  if (arpack.applications == 0 || !arpack.converged) result.converged = false;
+  return result;
+}
+
+}  // namespace nscdd

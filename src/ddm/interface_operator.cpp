@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/interface_operator.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+namespace nscdd {
+namespace {
+
+Vector inertia_scale(const Decomposition& parts) {
+  Vector scale = Vector::Zero(parts.interface_size());
+  for (const Subdomain& subdomain : parts.subdomains)
+    for (Index j = 0; j < subdomain.a.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
+        scale[e.row()] += 1.0 / subdomain.inertia[j];
+  return scale;
+}
+
+}  // namespace
+
+class InterfaceFamily::Preparation {
+ public:
+  Preparation(const Decomposition& decomposition, Index limit)
+      : parts(decomposition), dense_limit(limit), scale(inertia_scale(decomposition)) {
+    for (const Subdomain& subdomain : parts.subdomains) {
+      rows.push_back(interface_rows(subdomain));
+      locals.emplace_back(subdomain, dense_limit);
+    }
+  }
+
+  // The undivided packing is needed by `solve` only, and only then put together.
+  struct Whole {
+    std::vector<Index> position;  // of a grain of the packing in the assembled system
+    EnrichedInertiaFamily family;
+  };
+  const Whole& whole() const {
+    std::call_once(whole_once, [this] {
+      const Subdomain assembled = reassemble(parts);
+      std::vector<Index> position(parts.multiplicity.size(), -1);
+      for (Index i = 0; i < count(assembled.grains); ++i)
+        position[nscdd::at(assembled.grains[nscdd::at(i)])] = i;
+      whole_.emplace(Whole{std::move(position), EnrichedInertiaFamily(assembled, dense_limit)});
+    });
+    return *whole_;
+  }
+
+  Decomposition parts;
+  Index dense_limit;
+  Vector scale;
+  std::vector<std::vector<Index>> rows;  // interface rows of each subdomain
+  std::vector<EnrichedInertiaFamily> locals;
+
+ private:
+  mutable std::once_flag whole_once;
+  mutable std::optional<Whole> whole_;
+};
+
+class InterfaceOperator::Implementation {
+ public:
+  Implementation(std::shared_ptr<const InterfaceFamily::Preparation> p, double flexibility)
+      : preparation(std::move(p)), eta(flexibility) {
+    for (const EnrichedInertiaFamily& local : preparation->locals) locals.push_back(local.at(eta));
+  }
+
+  const EnrichedInertia& whole() const {
+    std::call_once(whole_once, [this] { whole_.emplace(preparation->whole().family.at(eta)); });
+    return *whole_;
+  }
+
+  const Matrix& dense() const {
+    std::call_once(dense_once, [this] { dense_ = assemble(); });
+    return dense_;
+  }
+
+  const KernelSplit& kernel() const {
+    std::call_once(kernel_once, [this] { kernel_ = split_kernel(dense(), preparation->scale); });
+    return kernel_;
+  }
+
+  std::shared_ptr<const InterfaceFamily::Preparation> preparation;
+  double eta;
+  std::vector<EnrichedInertia> locals;
+
+ private:
+  Matrix assemble() const {
+    const Index n = preparation->parts.interface_size();
+    Matrix x = Matrix::Zero(n, n);
+    for (std::size_t e = 0; e < locals.size(); ++e) {
+      const auto& touched = preparation->rows[e];
+      const Matrix local = locals[e].condense();
+      for (std::size_t j = 0; j < touched.size(); ++j)
+        for (std::size_t i = 0; i < touched.size(); ++i)
+          x(touched[i], touched[j]) += local(static_cast<Index>(i), static_cast<Index>(j));
+    }
+    return x;
+  }
+
+  mutable std::once_flag whole_once, dense_once, kernel_once;
+  mutable std::optional<EnrichedInertia> whole_;
+  mutable Matrix dense_;
+  mutable KernelSplit kernel_;
+};
+
+InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+double InterfaceOperator::eta() const { return implementation_->eta; }
+Index InterfaceOperator::rows() const { return implementation_->preparation->parts.interface_size(); }
+const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
+
+Vector InterfaceOperator::apply(const Vector& f) const {
+  const auto& subdomains = implementation_->preparation->parts.subdomains;
+  Vector jumps = Vector::Zero(rows());
+  for (std::size_t e = 0; e < subdomains.size(); ++e)
+    jumps += subdomains[e].a * implementation_->locals[e].solve(subdomains[e].a.transpose() * f);
+  return jumps;
+}
+
+const Matrix& InterfaceOperator::dense() const { return implementation_->dense(); }
+const KernelSplit& InterfaceOperator::kernel() const { return implementation_->kernel(); }
+
+Vector InterfaceOperator::solve(const Vector& g) const {
+  const double eta = implementation_->eta;
+  if (eta == 0) throw Error("interface operator: the rigid limit (eta = 0) has no inverse");
+  const Decomposition& parts = implementation_->preparation->parts;
+  const auto& position = implementation_->preparation->whole().position;
+  const EnrichedInertia& assembled = implementation_->whole();
+  const Index d = parts.dofs_per_grain;
+
+  // o_E: copies of jump g, read along the tree of gluing rows: V_second = V_first - g.
+  std::vector<Vector> copies;
+  for (const Subdomain& subdomain : parts.subdomains)
+    copies.push_back(Vector::Zero(subdomain.inertia.size()));
+  for (Index row = 0; row < count(parts.gluing); ++row) {
+    const auto& [grain, first, second] = parts.gluing[at(row)];
+    copies[at(second.subdomain)].segment(d * second.grain, d) =
+        copies[at(first.subdomain)].segment(d * first.grain, d) - g.segment(d * row, d);
+  }
+  const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
+    Vector r = parts.subdomains[e].inertia.cwiseProduct(v);
+    if (!std::isinf(eta)) r += parts.subdomains[e].h * (parts.subdomains[e].h.transpose() * v) / eta;
+    return r;
+  };
+  // (M + K/eta) U = - sum_E R_E^T M_{E,eta} o_E
+  const auto whole_size =
+      static_cast<Index>(std::count_if(position.begin(), position.end(), [](Index p) { return p >= 0; }));
+  Vector right = Vector::Zero(d * whole_size);
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
+    const Vector r = multiply(e, copies[e]);
+    const auto& grains = parts.subdomains[e].grains;
+    for (Index i = 0; i < count(grains); ++i)
+      right.segment(d * position[at(grains[at(i)])], d) -= r.segment(d * i, d);
+  }
+  const Vector u = assembled.solve(right);
+  std::vector<Vector> impulses;  // M_{E,eta} (R_E U + o_E) = A_E^T F
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
+    const auto& grains = parts.subdomains[e].grains;
+    for (Index i = 0; i < count(grains); ++i)
+      copies[e].segment(d * i, d) += u.segment(d * position[at(grains[at(i)])], d);
+    impulses.push_back(multiply(e, copies[e]));
+  }
+  // Leaves first: a copy with no row below it feels - F of the row that brought it, and passes the rest on.
+  Vector f(g.size());
+  for (Index row = count(parts.gluing) - 1; row >= 0; --row) {
+    const auto& [grain, first, second] = parts.gluing[at(row)];
+    const auto leaf = impulses[at(second.subdomain)].segment(d * second.grain, d);
+    f.segment(d * row, d) = -leaf;
+    impulses[at(first.subdomain)].segment(d * first.grain, d) += leaf;
+  }
+  return f;
+}
+
+InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit)
+    : preparation_(std::make_shared<const Preparation>(parts, dense_limit)) {}
+
+InterfaceOperator InterfaceFamily::at(double eta) const {
+  return InterfaceOperator(std::make_shared<const InterfaceOperator::Implementation>(preparation_, eta));
+}
+
+const Decomposition& InterfaceFamily::parts() const { return preparation_->parts; }
+
+}  // namespace nscdd

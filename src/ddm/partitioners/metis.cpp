@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/partitioners/metis.hpp>
+
+#include <fmt/format.h>
+#include <metis.h>
+
+#include <algorithm>
+
+namespace nscdd {
+namespace {
+
+// Adjacency of the contact graph in METIS's compressed rows.
+struct Graph {
+  std::vector<idx_t> start{0}, neighbours;
+};
+
+Graph contact_graph(const ReferenceProblem& problem) {
+  std::vector<std::vector<Index>> contacts_of_grain(at(problem.grains()));
+  for (Index c = 0; c < problem.contacts(); ++c)
+    for (const Index grain : grains_of_contact(problem, c)) contacts_of_grain[at(grain)].push_back(c);
+  Graph graph;
+  std::vector<Index> others;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    others.clear();
+    for (const Index grain : grains_of_contact(problem, c))
+      for (const Index other : contacts_of_grain[at(grain)])
+        if (other != c) others.push_back(other);
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    for (const Index other : others) graph.neighbours.push_back(static_cast<idx_t>(other));
+    graph.start.push_back(static_cast<idx_t>(graph.neighbours.size()));
+  }
+  return graph;
+}
+
+}  // namespace
+
+Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& partitioner) {
+  Partition partition{.subdomains = partitioner.metis,
+                      .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
+  // METIS takes neither an empty graph nor more parts than vertices; one contact per part is then as good.
+  if (partitioner.metis == 1 || problem.contacts() == 0) return partition;
+  if (partitioner.metis >= problem.contacts()) {
+    for (Index c = 0; c < problem.contacts(); ++c) partition.subdomain_of_contact[at(c)] = c;
+    return partition;
+  }
+  Graph graph = contact_graph(problem);
+  idx_t vertices = static_cast<idx_t>(problem.contacts()), constraints = 1;
+  idx_t parts = static_cast<idx_t>(partitioner.metis), cut = 0;
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = static_cast<idx_t>(partitioner.seed);
+  std::vector<idx_t> part(at(problem.contacts()));
+  const int status =
+      METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbours.data(), nullptr,
+                          nullptr, nullptr, &parts, nullptr, nullptr, options, &cut, part.data());
+  if (status != METIS_OK)
+    throw Error(fmt::format("METIS: expected a partition into {} subdomains, met status {}",
+                            partitioner.metis, status));
+  std::copy(part.begin(), part.end(), partition.subdomain_of_contact.begin());
+  return partition;
+}
+
+}  // namespace nscdd
