@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/fields.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/ddm/partitioner.hpp>
+#include <nscdd/mechanics/reference_problem.hpp>
+#include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/generator.hpp>
+#include <nscdd/packing/packing.hpp>
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace nscdd {
+
+/// A packing read from a file, with the name it was read under.
+struct PackingFile {
+  std::string path;
+  Packing packing;
+};
+
+/// Everything that defines a problem to be studied: a case file, resolved.
+struct Case {
+  std::string name;  ///< stem of the file; the `case` column of every table
+  std::string title;
+  std::variant<Generator, PackingFile> packing = Generator{TriangularStrip{}};
+  ContactDetection contacts;
+  Masses masses;
+  Partitioner partition = GridPartitioner{};
+  /// Grain numbers count from 0; a negative one from the end, -1 being the last grain.
+  std::vector<PrescribedVelocity> prescribed;
+};
+
+/// Sets one parameter of a case from text: "packing.grains", "contacts.tolerance", "masses.density",
+/// "partition.grid" and so on. Throws Error for a key that the case does not have, naming those it has.
+void override_case(Case& one, std::string_view key, std::string_view value);
+
+/// The case as a case file that reads back to it (a packing file by its path).
+std::string to_toml(const Case& one);
+
+/// A case made ready for analysis.
+struct Model {
+  std::string name;
+  Packing packing;  ///< with masses
+  ContactNetwork network;
+  ReferenceProblem problem;
+  Partition partition;
+  Decomposition parts;
+};
+
+/// Generates or takes over the packing, sets masses, finds contacts, assembles and decomposes.
+/// Throws Error for whatever cannot be used (see the functions called).
+Model build(const Case& one);
+
+}  // namespace nscdd

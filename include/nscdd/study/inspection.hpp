@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/study/case.hpp>
+
+#include <map>
+#include <vector>
+
+namespace nscdd {
+
+/// Kinematics of one contact network: rank W = rank H.
+struct NetworkDegrees {
+  Index grains = 0;
+  Index contacts = 0;
+  Index rank = 0;            ///< rank of the Delassus operator
+  Index rigid_modes = 0;     ///< grain motions that no contact sees: d n - rank
+  Index hyperstaticity = 0;  ///< self-stresses: contacts - rank
+};
+
+struct Inspection {
+  NetworkDegrees whole;  ///< isolated grains left out
+  std::vector<NetworkDegrees> subdomains;
+  Index isolated_grains = 0;                ///< touching nothing
+  Index components = 0;                     ///< connected pieces of the network, isolated grains left out
+  double coordination_number = 0;           ///< mean number of contacts per grain, 2 c / n
+  std::map<Index, Index> interface_grains;  ///< multiplicity q >= 2 -> number of grains
+  Index interface_dofs = 0;
+  Index empty_subdomains = 0;
+  /// Multiplicity of the eigenvalue 1 of B_0 counted from ranks alone:
+  /// hyperstaticity of the whole minus that of the subdomains (self-stresses that cross the interface).
+  Index unit_multiplicity = 0;
+};
+
+/// Ranks are those of M^-1/2 H, by sparse rank-revealing QR.
+Inspection inspect(const Model& model);
+
+}  // namespace nscdd

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/ddm/two_stage.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <cstdint>
+
+namespace nscdd {
+
+/// Convergence rate of a run of the algorithm itself.
+struct ObservedRate {
+  double value = 0;  ///< factor by which the correction of F_Gamma shrinks per iteration
+  double error = 0;  ///< of the fit: standard error plus what the fit still drifts by
+  Index iterations = 0;
+  bool converged = true;  ///< the drift fell below the tolerance before the last iteration allowed
+};
+
+/// Runs the two-stage iteration without loads from a random F_Gamma (the error of the linear problem obeys
+/// it) and fits a line (GSL) to log || F_{i+1} - F_i ||_P, P = X_eta, over the last sixth of the run. In that
+/// norm the ratio of successive corrections rises to the radius, never overshooting, for an exact Stage 1.
+/// Doubles the run until slope and drift agree to `tolerance`, or to `maximum_iterations`.
+ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner,
+                           std::uint64_t seed, Index maximum_iterations = 20000, double tolerance = 1e-9);
+
+/// Observed and predicted rate at every point of a sweep, one row each (relaxation must be a number or
+/// optimal, Gauss-Seidel sweeps may be finite). Columns are described in docs/formats.md.
+std::vector<Column> observed_rate_columns();
+Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed, const RowSink& sink,
+              const Monitor& monitor = {});
+
+}  // namespace nscdd

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/table.hpp>
+#include <nscdd/study/sweep.hpp>
+
+namespace nscdd {
+
+struct OptimumParameters {
+  double epsilon = 0.0;
+  ContactSet contacts = ContactSet::active;
+  SpectralOptions spectral;
+};
+
+/// Where a best value was found.
+enum class OptimumStatus {
+  interior,         ///< at a root or an inner minimum
+  eta_to_zero,      ///< the radius falls all the way down the range searched
+  eta_to_infinity,  ///< with relaxation only: no enriched algorithm beats the relaxed generic one
+  no_interface,     ///< nothing to optimise: one subdomain, or no shared grain
+  already_exact,    ///< the generic algorithm converges in one iteration
+  not_converged,    ///< some spectrum needed did not converge
+};
+std::string_view to_string(OptimumStatus status);
+
+/// The best flexibility eta of Stage 2. With lambda_min(eta) <= lambda_max(eta) the ends of the spectrum of
+/// X_eta^-1 S outside ker S, both decreasing in eta:
+///   best:        lambda_min + lambda_max = 2, ends equal and opposite, rho = (lambda_max - lambda_min) / 2
+///   convergent:  lambda_max < 2
+///   better than the generic algorithm:  lambda_max < 1 + rho(infinity)
+///   relaxed:     min over eta of (kappa - 1)/(kappa + 1), kappa = lambda_max/lambda_min,
+///                reached with omega = 2/(lambda_min + lambda_max)
+/// All three conditions hold from a threshold on up to infinity. Radii are subdominant ones (unit
+/// eigenvalues of a hyperstatic rigid limit, which no eta changes, left out).
+struct Optimum {
+  OptimumStatus status = OptimumStatus::interior;
+  Index unit_multiplicity = 0;
+  double generic_radius = not_a_number;   ///< at eta = infinity
+  double eta = not_a_number;              ///< best eta, s/kg
+  double radius = not_a_number;           ///< radius there
+  double convergent_from = not_a_number;  ///< smallest eta with rho < 1; 0 where every eta converges
+  double better_from = not_a_number;      ///< smallest eta better than the generic algorithm; 0 for all
+  double generic_relaxed_radius = not_a_number;  ///< generic with its optimal omega
+  double generic_relaxation = not_a_number;      ///< that omega
+  OptimumStatus relaxed_status = OptimumStatus::interior;
+  double relaxed_eta = not_a_number;  ///< best eta with relaxation
+  double relaxed_radius = not_a_number;
+  double relaxation = not_a_number;  ///< omega at relaxed_eta
+  double residual = 0;               ///< largest residual of the spectra used
+  Index spectra = 0;                 ///< spectra computed
+};
+
+/// Searches eta over 16 decades around the natural scale sum of 1/mass at the interface, by Brent's method on
+/// log eta. Throws Error where the active set is asked for and nothing is prescribed.
+Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
+
+/// Columns and row of a table of optima, described in docs/formats.md.
+std::vector<Column> optimum_columns();
+Row optimum_row(const Model& model, const OptimumParameters& parameters, const Optimum& best);
+
+}  // namespace nscdd

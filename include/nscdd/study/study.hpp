@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/core/table.hpp>
+#include <nscdd/study/case.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace nscdd {
+
+/// What a table of a study measures: one word here and one branch in `run_table`.
+enum class Observable {
+  spectral_radius,  ///< rows of a sweep
+  optimum,          ///< best eta per case and epsilon
+  observed_rate,    ///< predicted beside fitted rate
+  links,            ///< contact network with impulses
+  grains,           ///< grains with multiplicities
+};
+
+/// Name and summary of each observable, in the order of the enumeration.
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 5> observables{{
+    {"spectral_radius", "spectral radius of the contraction operator at every point of a sweep"},
+    {"optimum", "best flexibility eta of the enriched algorithm, with and without relaxation"},
+    {"observed_rate", "rate fitted to a run of the algorithm, beside the predicted radius"},
+    {"links", "contact network: grains, normal, subdomain, impulse, active"},
+    {"grains", "grains: position, radius, mass, multiplicity, prescribed velocity"},
+}};
+
+/// A case parameter taken through a list of values, such as packing.grains.
+struct Variation {
+  std::string parameter;
+  std::vector<std::string> values;
+};
+
+/// One table of a study: cases x variations x sweep, through one observable.
+struct StudyTable {
+  std::string name;
+  Observable observable = Observable::spectral_radius;
+  std::vector<Case> cases;
+  std::vector<Variation> vary;  ///< every combination, the last one running fastest
+  SweepParameters sweep;
+  std::uint64_t seed = 1;
+};
+
+/// A study folder, resolved.
+struct Study {
+  std::string name;
+  std::string title;
+  std::vector<StudyTable> tables;
+};
+
+/// Columns of a study table: those of its observable, with one column per varied parameter after `case`.
+std::vector<Column> study_columns(const StudyTable& table);
+
+/// Rows of a study table, as they come. Throws Error naming the case where one cannot be built.
+void run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {});
+
+}  // namespace nscdd

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/core/table.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+#include <nscdd/study/case.hpp>
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace nscdd {
+
+/// Contacts that Stage 1 works with; Stage 2 always has them all.
+enum class ContactSet {
+  all,     ///< H_E
+  active,  ///< G_E: those in compression ([ADI12] section 4.3)
+};
+
+/// What to vary and how to solve: rows are the product of the lists, the last one running fastest.
+struct SweepParameters {
+  std::vector<double> epsilon{1.0};
+  std::vector<double> eta{infinity};
+  std::vector<std::optional<double>> relaxation{1.0};                  ///< empty: the optimal one
+  std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
+  ContactSet contacts = ContactSet::all;
+  SpectralOptions spectral;
+};
+
+/// The decomposition of a model together with what the choice of contacts makes of it.
+struct Selection {
+  Decomposition stage_one;  ///< with the contacts Stage 1 works with
+  Index active_contacts = 0;
+  std::string rule;  ///< "all", "compressive (unique)" or "compressive (least norm)"
+};
+
+/// Throws Error where the active set is asked for and nothing is prescribed.
+Selection select(const Model& model, ContactSet contacts);
+
+/// Columns common to every table about a case, and their values.
+std::vector<Column> case_columns();
+Row case_cells(const Model& model, const Selection& selection, ContactSet contacts);
+
+/// Columns of a sweep, described in docs/formats.md.
+std::vector<Column> sweep_columns();
+
+/// Takes the rows of a table as they come.
+using RowSink = std::function<void(const Row&)>;
+
+/// Spectral radius at every point of a sweep. Points that do not converge are rows with converged = false.
+/// Returns how many rows did not converge. Stops early where the monitor asks for it.
+Index sweep(const Model& model, const SweepParameters& parameters, const RowSink& sink,
+            const Monitor& monitor = {});
+
+}  // namespace nscdd

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// Values of a sweep, from its SPEC: a comma-separated list whose items are numbers ("1e-3", "inf") or ranges
+///     FROM:TO:COUNT          logarithmic, FROM and TO > 0
+///     FROM:TO:COUNT:linear
+/// both ends included, COUNT >= 1 (1 only where FROM = TO), at most 10^6 values in all.
+/// Throws Error naming `what` and the item that cannot be read. Never returns an empty list.
+std::vector<double> parse_values(std::string_view spec, std::string_view what);
+
+/// The same for each quantity of a sweep, with its bounds checked:
+std::vector<double> parse_epsilon(std::string_view spec);  ///< finite, >= 0
+std::vector<double> parse_eta(std::string_view spec);      ///< > 0, inf allowed
+/// Relaxation: finite, > 0; the word "optimal" (an empty value here) asks for 2 / (lambda_min + lambda_max).
+std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
+/// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.
+std::vector<std::optional<long>> parse_sweeps(std::string_view spec);
+
+}  // namespace nscdd

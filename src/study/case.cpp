@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/study/case.hpp>
+
+#include <fmt/format.h>
+
+namespace nscdd {
+namespace {
+
+template <class Parameters>
+std::string keys_of(std::string_view section, const Parameters& parameters) {
+  std::string keys;
+  for (const FieldDescription& field : describe_fields(parameters))
+    keys += fmt::format("{}{}.{}", keys.empty() ? "" : ", ", section, field.key);
+  return keys;
+}
+
+// Overrides a field of a section, or says which fields the section has.
+template <class Parameters>
+void override_section(std::string_view section, Parameters& parameters, std::string_view key,
+                      std::string_view path, std::string_view value) {
+  if (!override_field(parameters, key, value, path))
+    throw Error(fmt::format("{}: no such parameter in this case; expected one of {}", path,
+                            keys_of(section, parameters)));
+}
+
+// The optional fields of Masses, in the form the visitors take.
+struct MassFields {
+  double density;
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("density", self.density,
+          Field{.description = "surface density", .unit = "kg/m^2", .minimum = 0, .minimum_excluded = true});
+  }
+};
+
+template <class Parameters>
+std::string field_lines(const Parameters& parameters) {
+  std::string lines;
+  for (const FieldDescription& field : describe_fields(parameters))
+    lines += fmt::format("{} = {}\n", field.key, field.value);
+  return lines;
+}
+
+}  // namespace
+
+void override_case(Case& one, std::string_view path, std::string_view value) {
+  const auto dot = path.find('.');
+  const std::string_view section = path.substr(0, dot);
+  const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
+  if (section == "packing") {
+    auto* generator = std::get_if<Generator>(&one.packing);
+    if (generator == nullptr)
+      throw Error(fmt::format("{}: the packing of this case is a file and has no parameters", path));
+    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
+               *generator);
+  } else if (section == "contacts") {
+    override_section(section, one.contacts, key, path, value);
+  } else if (section == "masses") {
+    MassFields masses{one.masses.density};
+    override_section(section, masses, key, path, value);
+    one.masses = {MassModel::density, masses.density};
+  } else if (section == "partition") {
+    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
+               one.partition);
+  } else {
+    throw Error(
+        fmt::format("{}: no such parameter; expected packing.*, contacts.*, masses.* or partition.*", path));
+  }
+}
+
+std::string to_toml(const Case& one) {
+  std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(one.title));
+  if (const auto* file = std::get_if<PackingFile>(&one.packing)) {
+    text += fmt::format("file = {}\n", field_text(file->path));
+  } else {
+    std::visit(
+        [&](const auto& parameters) {
+          text += fmt::format("generator = \"{}\"\n{}", parameters.name, field_lines(parameters));
+        },
+        std::get<Generator>(one.packing));
+  }
+  text += "\n[contacts]\n" + field_lines(one.contacts);
+  if (one.masses.model) {
+    text += "\n[masses]\n";
+    switch (*one.masses.model) {
+      case MassModel::given:
+        text += "model = \"given\"\n";
+        break;
+      case MassModel::unit:
+        text += "model = \"unit\"\n";
+        break;
+      case MassModel::density:
+        text += fmt::format("model = \"density\"\ndensity = {}\n", one.masses.density);
+        break;
+    }
+  }
+  text += "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, one.partition);
+  for (const PrescribedVelocity& velocity : one.prescribed)
+    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain,
+                        field_text(velocity.velocity));
+  return text;
+}
+
+Model build(const Case& one) {
+  Model model;
+  model.name = one.name;
+  Packing packing = std::holds_alternative<PackingFile>(one.packing)
+                        ? std::get<PackingFile>(one.packing).packing
+                        : generate(std::get<Generator>(one.packing));
+  check(packing);
+  model.packing = with_masses(std::move(packing), one.masses);
+  model.network = detect_contacts(model.packing, one.contacts);
+  std::vector<PrescribedVelocity> prescribed = one.prescribed;
+  for (PrescribedVelocity& velocity : prescribed) {
+    if (velocity.grain < -model.packing.size() || velocity.grain >= model.packing.size())
+      throw Error(
+          fmt::format("prescribed velocity: expected a grain in 0..{} (or -1 for the last), met grain {}",
+                      model.packing.size() - 1, velocity.grain));
+    if (velocity.grain < 0) velocity.grain += model.packing.size();
+  }
+  model.problem = assemble(model.packing, model.network, prescribed);
+  model.partition = partition(one.partition, model.packing, model.network, model.problem);
+  model.parts = decompose(model.problem, model.partition);
+  return model;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/mechanics/active_set.hpp>
+#include <nscdd/study/network_tables.hpp>
+
+namespace nscdd {
+
+std::vector<Column> link_columns() {
+  return {
+      {"case", "", "name of the case"},
+      {"contact", "1", "number of the contact"},
+      {"grain_a", "1", "first grain"},
+      {"grain_b", "1", "second grain, the larger number"},
+      {"x_a", "m", "centre of grain_a"},
+      {"y_a", "m", "centre of grain_a"},
+      {"x_b", "m", "centre of grain_b"},
+      {"y_b", "m", "centre of grain_b"},
+      {"normal_x", "1", "unit normal from grain_a to grain_b"},
+      {"normal_y", "1", "unit normal from grain_a to grain_b"},
+      {"gap", "m", "distance of the surfaces, negative for an overlap"},
+      {"subdomain", "1", "subdomain that owns the contact"},
+      {"impulse", "kg m/s", "impulse of the linear rigid problem, > 0 in compression; nan without a load"},
+      {"active", "1", "in compression (every contact where nothing is prescribed)"},
+      {"impulse_solution", "", "unique, least_norm (hyperstatic network), or none without a load"}};
+}
+
+void link_rows(const Model& model, const RowSink& sink) {
+  const bool loaded = !model.problem.arriving_velocity.isZero(0);
+  RigidImpulses rigid;
+  std::vector<char> active(at(model.network.size()), 1);
+  if (loaded) {
+    rigid = rigid_impulses(model.problem);
+    active = active_contacts(model.problem, rigid);
+  }
+  const std::string solution = !loaded ? "none" : rigid.unique ? "unique" : "least_norm";
+  const Packing& p = model.packing;
+  for (Index c = 0; c < model.network.size(); ++c) {
+    const Contact& k = model.network.contacts[at(c)];
+    sink({model.name, std::int64_t{c}, std::int64_t{k.a}, std::int64_t{k.b}, p.x[at(k.a)], p.y[at(k.a)],
+          p.x[at(k.b)], p.y[at(k.b)], k.normal[0], k.normal[1], k.gap,
+          std::int64_t{model.partition.subdomain_of_contact[at(c)]},
+          loaded ? rigid.impulses[c] : not_a_number, active[at(c)] != 0, solution});
+  }
+}
+
+std::vector<Column> grain_columns() {
+  return {{"case", "", "name of the case"},
+          {"grain", "1", "number of the grain"},
+          {"x", "m", "centre"},
+          {"y", "m", "centre"},
+          {"radius", "m", "radius"},
+          {"mass", "kg", "mass"},
+          {"contacts", "1", "contacts of the grain"},
+          {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing"},
+          {"velocity_x", "m/s", "prescribed velocity, 0 where none is"},
+          {"velocity_y", "m/s", "prescribed velocity, 0 where none is"}};
+}
+
+void grain_rows(const Model& model, const RowSink& sink) {
+  const std::vector<Index> contacts = contact_counts(model.network);
+  const Packing& p = model.packing;
+  for (Index i = 0; i < p.size(); ++i)
+    sink({model.name, std::int64_t{i}, p.x[at(i)], p.y[at(i)], p.radius[at(i)], p.mass[at(i)],
+          std::int64_t{contacts[at(i)]}, std::int64_t{model.parts.multiplicity[at(i)]},
+          model.problem.arriving_velocity[2 * i], model.problem.arriving_velocity[2 * i + 1]});
+}
+
+}  // namespace nscdd

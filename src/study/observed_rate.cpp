@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/linalg/linear_fit.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/study/observed_rate.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace nscdd {
+namespace {
+
+// A correction this much smaller than the one before means the algorithm is done: its radius is 0.
+constexpr double done_ratio = 1e-13;
+
+TwoStageState difference(const TwoStageState& next, const TwoStageState& previous) {
+  TwoStageState d{next.interface_impulses - previous.interface_impulses, {}};
+  for (std::size_t e = 0; e < next.impulses.size(); ++e)
+    d.impulses.push_back(next.impulses[e] - previous.impulses[e]);
+  return d;
+}
+
+TwoStageState scaled(TwoStageState state, double factor) {
+  state.interface_impulses *= factor;
+  for (Vector& r : state.impulses) r *= factor;
+  return state;
+}
+
+// Follows the corrections F_{i+1} - F_i of a run without loads. The iteration is linear, so corrections obey
+// it themselves: they are iterated in place of F, which keeps their digits however small they get, and are
+// rescaled on the way, so that a long run never underflows.
+class Run {
+ public:
+  Run(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner, std::uint64_t seed)
+      : iteration_(iteration), preconditioner_(preconditioner) {
+    TwoStageState start = iteration.zero_state();
+    start.interface_impulses = RandomStream(seed).normal_vector(iteration.interface_size());
+    const double before = norm(start);
+    correction_ = difference(iteration_.iterate(start), start);
+    record(norm(correction_), before);
+  }
+
+  // One iteration; false where the correction has vanished.
+  bool advance() {
+    if (vanished_) return false;
+    const double before = norm(correction_);
+    correction_ = iteration_.iterate(std::move(correction_));
+    const double after = norm(correction_);
+    record(after, before);
+    if (!vanished_ && iteration_.rigid() && after < 1e-6 * last_cleaned_) clean(after);
+    if (!vanished_ && (after < 1e-100 || after > 1e100)) {  // linear: a factor changes nothing but the offset
+      correction_ = scaled(correction_, 1 / after);
+      offset_ += std::log(after);
+      last_cleaned_ = 1;
+    }
+    return !vanished_;
+  }
+
+  std::vector<double> logarithms;  // of the norms of the corrections
+
+ private:
+  double norm(const TwoStageState& state) const {
+    const Vector& f = state.interface_impulses;
+    return std::sqrt(std::max(0.0, f.dot(preconditioner_.apply(f))));
+  }
+  void record(double norm, double before) {
+    vanished_ = !(norm > done_ratio * before);
+    if (last_cleaned_ == 0) last_cleaned_ = norm;
+    if (!vanished_) logarithms.push_back(std::log(norm) + offset_);
+  }
+  // Rounding feeds stationary components (unit eigenvalues of a hyperstatic rigid limit), which do not decay:
+  // a further difference removes them before they can be seen, at the price of one constant factor.
+  void clean(double size) {
+    correction_ = difference(iteration_.iterate(correction_), correction_);
+    const double cleaned = norm(correction_);
+    if (cleaned > 0) correction_ = scaled(correction_, size / cleaned);
+    last_cleaned_ = size;
+  }
+
+  const TwoStageIteration& iteration_;
+  const InterfaceOperator& preconditioner_;
+  TwoStageState correction_;
+  double offset_ = 0, last_cleaned_ = 0;
+  bool vanished_ = false;
+};
+
+double slope(const std::vector<double>& y, std::size_t first, std::size_t last, double* error = nullptr) {
+  std::vector<double> x;
+  for (std::size_t i = first; i < last; ++i) x.push_back(static_cast<double>(i));
+  const LinearFit fit = linear_fit(x, std::span(y).subspan(first, last - first));
+  if (error != nullptr) *error = fit.slope_error;
+  return fit.slope;
+}
+
+}  // namespace
+
+ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner,
+                           std::uint64_t seed, Index maximum_iterations, double tolerance) {
+  ObservedRate observed;
+  if (iteration.interface_size() == 0) return observed;
+  Run run(iteration, preconditioner, seed);
+  for (Index target = 48;; target = std::min(2 * target, maximum_iterations)) {
+    while (count(run.logarithms) < target)
+      if (!run.advance()) {
+        observed.iterations = count(run.logarithms);
+        return observed;  // rate 0: nothing left to correct
+      }
+    // Slopes of the last three sixths: they close in on log(rate) geometrically, which bounds what is left.
+    const std::size_t n = run.logarithms.size(), sixth = n / 6;
+    double standard_error = 0;
+    const double s1 = slope(run.logarithms, n - 3 * sixth, n - 2 * sixth);
+    const double s2 = slope(run.logarithms, n - 2 * sixth, n - sixth);
+    const double s3 = slope(run.logarithms, n - sixth, n, &standard_error);
+    const double ratio = s2 == s1 ? 0.0 : std::min(0.99, std::abs((s3 - s2) / (s2 - s1)));
+    const double drift = std::abs(s3 - s2) * std::max(1.0, ratio / (1 - ratio));
+    observed.value = std::exp(s3);
+    observed.error = observed.value * (standard_error + drift);
+    observed.iterations = count(run.logarithms);
+    observed.converged = observed.error <= tolerance;
+    if (observed.converged || target >= maximum_iterations) return observed;
+  }
+}
+
+std::vector<Column> observed_rate_columns() {
+  std::vector<Column> columns = case_columns();
+  const std::vector<Column> more{
+      {"epsilon", "s/kg", "flexibility of the linear law, 0 for the rigid limit"},
+      {"eta", "s/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
+      {"relaxation", "1", "omega of F <- F + omega (F' - F)"},
+      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"},
+      {"predicted_rate", "1", "subdominant spectral radius of the contraction operator"},
+      {"observed_rate", "1", "rate fitted to a run of the algorithm itself"},
+      {"observed_rate_error", "1", "error of the fit"},
+      {"difference", "1", "observed minus predicted"},
+      {"agree", "1", "|difference| within the error of the fit and the residual of the prediction"},
+      {"iterations", "1", "iterations run"},
+      {"seed", "1", "seed of the random first F_Gamma"},
+      {"residual", "1", "residual of the prediction"},
+      {"converged", "1", "both the fit and the prediction converged"}};
+  columns.insert(columns.end(), more.begin(), more.end());
+  return columns;
+}
+
+Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed, const RowSink& sink,
+              const Monitor& monitor) {
+  const Selection selection = select(model, parameters.contacts);
+  const Row head = case_cells(model, selection, parameters.contacts);
+  const InterfaceFamily family(model.parts);
+  const Table layout{sweep_columns(), {}};
+  const auto cell = [&](const Row& row, const char* name) {
+    return std::get<double>(row[layout.column(name)]);
+  };
+  Index failed = 0;
+  const auto observe_one = [&](const Row& predicted) {
+    const double epsilon = cell(predicted, "epsilon"), eta = cell(predicted, "eta");
+    const double relaxation = cell(predicted, "relaxation"), sweeps = cell(predicted, "gauss_seidel_sweeps");
+    const InterfaceOperator preconditioner = family.at(eta);
+    const TwoStageIteration iteration(
+        selection.stage_one, LinearViscous{epsilon}, preconditioner,
+        std::isinf(sweeps) ? std::nullopt : std::optional<Index>(static_cast<Index>(sweeps)), relaxation);
+    const ObservedRate observed = observed_rate(iteration, preconditioner, seed);
+    const double rate = cell(predicted, "subdominant_radius"), residual = cell(predicted, "residual");
+    const double difference = observed.value - rate;
+    const bool converged = observed.converged && std::get<bool>(predicted[layout.column("converged")]);
+    const double allowed = observed.error + residual + 1e-12;  // and the rounding of both
+    if (!converged) ++failed;
+    Row row = head;
+    row.insert(row.end(), {epsilon, eta, relaxation, sweeps, rate, observed.value, observed.error, difference,
+                           std::abs(difference) <= allowed, std::int64_t{observed.iterations},
+                           static_cast<std::int64_t>(seed), residual, converged});
+    sink(row);
+  };
+  sweep(model, parameters, observe_one, monitor);
+  return failed;
+}
+
+}  // namespace nscdd

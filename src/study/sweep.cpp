@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/inexact_stage_one.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+void append(Row& row, std::initializer_list<Cell> cells) {
+  row.insert(row.end(), cells.begin(), cells.end());
+}
+
+std::int64_t integer(Index value) { return static_cast<std::int64_t>(value); }
+
+double optimal_relaxation(const SpectralRadius& plain) {
+  // omega = 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
+  return 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max);
+}
+
+// Operators of one family; the last one made is kept, which serves the inner loop of a sweep.
+class OperatorStore {
+ public:
+  explicit OperatorStore(const Decomposition& parts) : family_(parts) {}
+  const InterfaceOperator& at(double eta) {
+    if (!current_ || current_->eta() != eta) current_ = family_.at(eta);
+    return *current_;
+  }
+
+ private:
+  InterfaceFamily family_;
+  std::optional<InterfaceOperator> current_;
+};
+
+Row exact_cells(const InterfaceOperator& preconditioner, const InterfaceOperator& system,
+                const std::optional<double>& relaxation, const SpectralOptions& options) {
+  Contraction b{preconditioner, system, relaxation.value_or(1.0)};
+  SpectralRadius radius = spectral_radius(b, options);
+  if (!relaxation && radius.solver != "none") {
+    b.relaxation = optimal_relaxation(radius);
+    radius = spectral_radius(b, options);
+  }
+  const double dominant = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max)
+                              ? radius.eigenvalue_min
+                              : radius.eigenvalue_max;
+  Row row;
+  append(row, {b.relaxation, infinity, radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
+               integer(radius.unit_multiplicity), radius.subdominant, dominant,
+               radius.solver == "none" ? not_a_number : 0.0, std::string(radius.solver),
+               integer(radius.applications), radius.residual, radius.converged});
+  return row;
+}
+
+Row inexact_cells(const Decomposition& stage_one, const InterfaceOperator& preconditioner, double epsilon,
+                  long sweeps, double relaxation, const SpectralOptions& options) {
+  const InexactIteration j{
+      TwoStageIteration(stage_one, LinearViscous{epsilon}, preconditioner, Index{sweeps}, relaxation)};
+  const InexactRadius radius = inexact_radius(j, options);
+  Row row;
+  append(row, {relaxation, static_cast<double>(sweeps), radius.value, not_a_number, not_a_number,
+               integer(radius.unit_multiplicity), radius.subdominant, radius.dominant.real(),
+               radius.dominant.imag(), std::string(radius.solver), integer(radius.applications),
+               radius.residual, radius.converged});
+  return row;
+}
+
+}  // namespace
+
+Selection select(const Model& model, ContactSet contacts) {
+  if (contacts == ContactSet::all) return {model.parts, model.problem.contacts(), "all"};
+  const RigidImpulses rigid = rigid_impulses(model.problem);
+  const std::vector<char> active = active_contacts(model.problem, rigid);
+  Selection selection{restrict_contacts(model.parts, active), 0,
+                      rigid.unique ? "compressive (unique)" : "compressive (least norm)"};
+  for (const char flag : active) selection.active_contacts += flag;
+  return selection;
+}
+
+std::vector<Column> case_columns() {
+  return {{"case", "", "name of the case"},
+          {"grains", "1", "grains of the packing"},
+          {"contacts", "1", "contacts of the packing"},
+          {"active_contacts", "1", "contacts that Stage 1 works with"},
+          {"subdomains", "1", "subdomains of the partition, empty ones included"},
+          {"interface_dofs", "1", "interface unknowns n_Gamma"},
+          {"contact_set", "", "all (H_E) or active (G_E) in Stage 1"},
+          {"contact_rule", "", "how the contacts of Stage 1 were chosen"}};
+}
+
+Row case_cells(const Model& model, const Selection& selection, ContactSet contacts) {
+  Row row;
+  append(row, {model.name, integer(model.packing.size()), integer(model.network.size()),
+               integer(selection.active_contacts), integer(model.partition.subdomains),
+               integer(model.parts.interface_size()),
+               std::string(contacts == ContactSet::all ? "all" : "active"), selection.rule});
+  return row;
+}
+
+std::vector<Column> sweep_columns() {
+  std::vector<Column> columns = case_columns();
+  const std::vector<Column> more{
+      {"epsilon", "s/kg", "flexibility of the linear law, 0 for the rigid limit"},
+      {"eta", "s/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
+      {"relaxation", "1", "omega of F <- F + omega (F' - F)"},
+      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"},
+      {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator"},
+      {"eigenvalue_min", "1", "smallest eigenvalue (exact Stage 1 only, else nan)"},
+      {"eigenvalue_max", "1", "largest eigenvalue (exact Stage 1 only, else nan)"},
+      {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1 in the rigid limit"},
+      {"subdominant_radius", "1", "largest modulus among the other eigenvalues"},
+      {"dominant_real", "1", "real part of the eigenvalue of largest modulus"},
+      {"dominant_imaginary", "1", "its imaginary part, of a pair the positive one"},
+      {"solver", "", "dense, arpack, or none for an empty interface"},
+      {"applications", "1", "operator applications, 0 where matrices were assembled"},
+      {"residual", "1",
+       "bound on the error of the eigenvalues printed (a plain residual for inexact Stage 1)"},
+      {"converged", "1", "the solver converged and the residual is within the tolerance"}};
+  columns.insert(columns.end(), more.begin(), more.end());
+  return columns;
+}
+
+Index sweep(const Model& model, const SweepParameters& parameters, const RowSink& sink,
+            const Monitor& monitor) {
+  for (const auto& relaxation : parameters.relaxation)
+    for (const auto& sweeps : parameters.gauss_seidel_sweeps)
+      if (!relaxation && sweeps)
+        throw Error(fmt::format(
+            "relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is "
+            "known for an exact Stage 1 only",
+            *sweeps));
+  const Selection selection = select(model, parameters.contacts);
+  const Row head = case_cells(model, selection, parameters.contacts);
+  OperatorStore preconditioners(model.parts), systems(selection.stage_one);
+  const Index total = count(parameters.epsilon) * count(parameters.eta) * count(parameters.relaxation) *
+                      count(parameters.gauss_seidel_sweeps);
+  Index done = 0, failed = 0;
+  const std::size_t converged_column = sweep_columns().size() - 1;
+  for (const double epsilon : parameters.epsilon)
+    for (const double eta : parameters.eta)
+      for (const auto& relaxation : parameters.relaxation)
+        for (const auto& sweeps : parameters.gauss_seidel_sweeps) {
+          const InterfaceOperator& preconditioner = preconditioners.at(eta);
+          Row row = head;
+          append(row, {epsilon, eta});
+          const Row cells =
+              sweeps ? inexact_cells(selection.stage_one, preconditioner, epsilon, *sweeps, *relaxation,
+                                     parameters.spectral)
+                     : exact_cells(preconditioner, systems.at(epsilon), relaxation, parameters.spectral);
+          row.insert(row.end(), cells.begin(), cells.end());
+          if (!std::get<bool>(row[converged_column])) ++failed;
+          sink(row);
+          if (!report(monitor, ++done, total)) return failed;
+        }
+  return failed;
+}
+
+}  // namespace nscdd

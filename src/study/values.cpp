@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/study/values.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+namespace nscdd {
+namespace {
+
+constexpr std::size_t most_values = 1'000'000;
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const auto next = text.find(separator);
+    parts.push_back(text.substr(0, next));
+    if (next == std::string_view::npos) return parts;
+    text.remove_prefix(next + 1);
+  }
+}
+
+// Points of one range; both ends are met exactly, whatever the rounding between.
+std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts,
+                          const std::string& what) {
+  const bool linear = parts.size() == 4 && parts[3] == "linear";
+  const bool logarithmic = parts.size() == 3 || (parts.size() == 4 && parts[3] == "log");
+  if (!linear && !logarithmic)
+    throw Error(fmt::format("{}: expected FROM:TO:COUNT or FROM:TO:COUNT:linear, met '{}'", what, item));
+  const double from = parse_number(parts[0], what), to = parse_number(parts[1], what);
+  const Index points = parse_integer(parts[2], what);
+  if (!std::isfinite(from) || !std::isfinite(to))
+    throw Error(fmt::format("{}: expected finite ends of a range, met '{}'", what, item));
+  if (logarithmic && (from <= 0 || to <= 0))
+    throw Error(
+        fmt::format("{}: expected ends > 0 of a logarithmic range (or :linear), met '{}'", what, item));
+  if (points < 1 || points > static_cast<Index>(most_values) || (points == 1 && from != to))
+    throw Error(fmt::format("{}: expected a count between 2 and {} in '{}', met {}", what, most_values, item,
+                            points));
+  std::vector<double> values;
+  for (Index i = 0; i < points; ++i) {
+    const double t = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
+    values.push_back(linear ? from + t * (to - from)
+                            : std::pow(10.0, std::log10(from) + t * (std::log10(to) - std::log10(from))));
+  }
+  values.front() = from;
+  values.back() = to;
+  return values;
+}
+
+template <class Check>
+void require(const std::vector<double>& values, std::string_view what, std::string_view expected,
+             Check&& check) {
+  for (const double value : values)
+    if (!check(value)) throw Error(fmt::format("{}: expected {}, met {}", what, expected, value));
+}
+
+}  // namespace
+
+std::vector<double> parse_values(std::string_view spec, std::string_view name) {
+  const std::string what(name);
+  std::vector<double> values;
+  for (const std::string_view item : split(spec, ',')) {
+    const auto parts = split(item, ':');
+    const std::vector<double> more =
+        parts.size() == 1 ? std::vector<double>{parse_number(item, what)} : range(item, parts, what);
+    values.insert(values.end(), more.begin(), more.end());
+    if (values.size() > most_values)
+      throw Error(fmt::format("{}: expected at most {} values, met more", what, most_values));
+  }
+  return values;
+}
+
+std::vector<double> parse_epsilon(std::string_view spec) {
+  const auto values = parse_values(spec, "epsilon");
+  require(values, "epsilon", "a finite number >= 0", [](double v) { return std::isfinite(v) && v >= 0; });
+  return values;
+}
+
+std::vector<double> parse_eta(std::string_view spec) {
+  const auto values = parse_values(spec, "eta");
+  require(values, "eta", "a number > 0 (or inf for the generic algorithm)", [](double v) { return v > 0; });
+  return values;
+}
+
+std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {
+  std::vector<std::optional<double>> all;
+  for (const std::string_view item : split(spec, ',')) {
+    if (item == "optimal") {
+      all.emplace_back(std::nullopt);
+      continue;
+    }
+    const auto values = parse_values(item, "relaxation");
+    require(values, "relaxation", "a finite number > 0 (or 'optimal')",
+            [](double v) { return std::isfinite(v) && v > 0; });
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+std::vector<std::optional<long>> parse_sweeps(std::string_view spec) {
+  std::vector<std::optional<long>> all;
+  for (const double value : parse_values(spec, "gauss_seidel_sweeps")) {
+    if (std::isinf(value) && value > 0) {
+      all.emplace_back(std::nullopt);
+      continue;
+    }
+    if (!(value >= 1 && value <= 1e9) || value != std::floor(value))
+      throw Error(fmt::format(
+          "gauss_seidel_sweeps: expected an integer >= 1 (or inf for an exact Stage 1), met {}", value));
+    all.emplace_back(static_cast<long>(value));
+  }
+  return all;
+}
+
+}  // namespace nscdd
