@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/table.hpp>
+#include <nscdd/io/output_file.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// Writes a table row by row as CSV (RFC 4180 with line feeds): a line of column names, then one line per
+/// row, each flushed. Equal tables give equal bytes.
+class CsvWriter {
+ public:
+  CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns);
+  void write(const Row& row);
+  void finish() { file_.finish(); }
+
+ private:
+  OutputFile file_;
+};
+
+/// A CSV file as texts.
+struct CsvText {
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::size_t> lines;  ///< line number of each row, from 1
+};
+
+/// Splits CSV text: first line of names, quotes as in RFC 4180, blank lines and lines that begin with '#'
+/// left out, CRLF and a byte order mark accepted. Throws Error "name:line: ..." for a row with too few or too
+/// many values, an open quote, an empty or repeated column name, or text without a line of names.
+CsvText parse_csv(std::string_view text, const std::string& name);
+
+/// Whole content of a regular file. Throws Error where it cannot be read.
+std::string read_text(const std::string& path);
+
+/// First difference between a table and the CSV text of another, or "" where there is none: same columns,
+/// same number of rows, texts equal, numbers within `tolerance` x max(1, |number|). Columns that tell the
+/// effort of a solver (applications, iterations, spectra) or its rounding (residual, difference) are not
+/// compared.
+std::string compare(const Table& table, const CsvText& expected, double tolerance);
+
+}  // namespace nscdd

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace nscdd {
+
+/// Throws Error where `path` (or the `path.partial` of an interrupted run) exists and `force` is false, or
+/// where its folder does not exist. Devices and pipes exist without holding anything: they are always
+/// accepted.
+void require_writable(const std::filesystem::path& path, bool force);
+
+/// The name under which an output grows until it is complete.
+std::filesystem::path partial_path(const std::filesystem::path& path);
+
+/// Renames `path.partial` to `path`. Throws Error where that fails.
+void complete(const std::filesystem::path& path);
+
+/// A text output that appears under its name only when complete: it grows as `path.partial`, every line
+/// flushed, and is renamed by `finish`. A killed run leaves the readable partial file; one that ends by an
+/// exception removes it. "-" is standard output; devices and pipes are written to directly. Every function
+/// throws Error where the system refuses (no room left, no permission).
+class OutputFile {
+ public:
+  OutputFile(const std::string& path, bool force);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  void line(std::string_view text);  ///< writes text and a line feed, and flushes
+  void finish();
+
+ private:
+  std::string name_;
+  std::filesystem::path growing_;  ///< empty for a stream that is not a file of its own
+  std::FILE* stream_ = nullptr;
+};
+
+}  // namespace nscdd

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "strict_toml.hpp"
+#include <nscdd/io/config.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/packing_file.hpp>
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+// Sets `chosen` to the alternative of that name, with its fields read from the section.
+template <std::size_t I = 0>
+bool read_generator(StrictTable& section, std::string_view name, Generator& chosen) {
+  if constexpr (I == std::variant_size_v<Generator>) {
+    return false;
+  } else {
+    using Alternative = std::variant_alternative_t<I, Generator>;
+    if (Alternative::name != name) return read_generator<I + 1>(section, name, chosen);
+    Alternative parameters;
+    section.read_fields(parameters);
+    chosen = parameters;
+    return true;
+  }
+}
+
+std::string generator_names() {
+  std::string names;
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    ((names += (I == 0 ? "\"" : ", \"") + std::string(std::variant_alternative_t<I, Generator>::name) + "\""),
+     ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<Generator>>());
+  return names;
+}
+
+void read_packing_section(StrictTable section, Case& one, const PackingReader& read) {
+  if (section.has("generator") == section.has("file"))
+    section.fail("generator", "either generator = ... or file = ...",
+                 section.has("file") ? "both" : "neither");
+  if (section.has("file")) {
+    PackingFile file;
+    section.read("file", file.path);
+    try {
+      file.packing = read(file.path);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: packing.file: {}", section.location(section.node("file")), error.what()));
+    }
+    one.packing = std::move(file);
+  } else {
+    std::string name;
+    section.read("generator", name);
+    Generator generator;
+    if (!read_generator(section, name, generator))
+      section.fail("generator", fmt::format("one of {}", generator_names()), fmt::format("\"{}\"", name));
+    one.packing = generator;
+  }
+  section.finish();
+}
+
+void read_masses_section(StrictTable section, Masses& masses) {
+  std::string model;
+  section.read("model", model);
+  section.read("density", masses.density);
+  if (section.has("density") && model.empty()) model = "density";
+  if (model == "given") {
+    masses.model = MassModel::given;
+  } else if (model == "unit") {
+    masses.model = MassModel::unit;
+  } else if (model == "density") {
+    masses.model = MassModel::density;
+    if (!section.has("density")) section.fail("density", "a number for model \"density\"", "none");
+  } else if (section.has("model")) {
+    section.fail("model", "\"given\", \"unit\" or \"density\"", fmt::format("\"{}\"", model));
+  }
+  if (section.has("density")) {
+    if (masses.model != MassModel::density)
+      section.fail("density", "no density", fmt::format("one, with model \"{}\"", model));
+    check_bounds(masses.density, Field{.description = "", .minimum = 0, .minimum_excluded = true},
+                 fmt::format("{}: masses.density", section.location(section.node("density"))));
+  }
+  section.finish();
+}
+
+void read_partition_section(StrictTable section, Partitioner& partitioner) {
+  if (section.has("grid") == section.has("metis"))
+    section.fail("grid", "either grid = [nx, ny] or metis = n", section.has("grid") ? "both" : "neither");
+  if (section.has("grid")) {
+    GridPartitioner grid;
+    section.read_fields(grid);
+    partitioner = grid;
+  } else {
+    MetisPartitioner metis;
+    section.read_fields(metis);
+    partitioner = metis;
+  }
+  section.finish();
+}
+
+void read_prescribed(StrictTable section, Case& one) {
+  PrescribedVelocity velocity;
+  for (const char* key : {"grain", "velocity"})
+    if (!section.has(key)) section.fail(key, "a value", "none");
+  section.read("grain", velocity.grain);
+  section.read("velocity", velocity.velocity);
+  check_bounds(
+      velocity.velocity, Field{.description = ""},
+      fmt::format("{}: {}", section.location(section.node("velocity")), section.key_path("velocity")));
+  section.finish();
+  for (const PrescribedVelocity& other : one.prescribed)
+    if (other.grain == velocity.grain)
+      section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
+  one.prescribed.push_back(velocity);
+}
+
+}  // namespace
+
+Case parse_case(std::string_view text, const std::string& file, const PackingReader& read) {
+  const toml::table document = parse_toml(text, file);
+  StrictTable root(document, file, "");
+  Case one;
+  one.name = std::filesystem::path(file).stem().string();
+  root.read("title", one.title);
+  read_packing_section(root.section("packing", true), one, read);
+  StrictTable contacts = root.section("contacts", false);
+  contacts.read_fields(one.contacts);
+  contacts.finish();
+  if (root.has("masses")) read_masses_section(root.section("masses", false), one.masses);
+  root.node("masses");
+  read_partition_section(root.section("partition", true), one.partition);
+  for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, one);
+  root.finish();
+  return one;
+}
+
+Case read_case(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return parse_case(read_text(path), path, [&](const std::string& name) {
+    return read_packing(std::filesystem::path(name).is_absolute() ? name : (folder / name).string());
+  });
+}
+
+}  // namespace nscdd

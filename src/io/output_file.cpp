@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/output_file.hpp>
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+namespace nscdd {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+[[noreturn]] void refuse(std::string_view name, std::string_view action) {
+  throw Error(fmt::format("{}: cannot {}: {}", name, action, std::strerror(errno)));
+}
+
+}  // namespace
+
+fs::path partial_path(const fs::path& path) { return fs::path(path.string() + ".partial"); }
+
+void require_writable(const fs::path& path, bool force) {
+  std::error_code ignored;
+  if (path.empty()) throw Error("output: expected a file name, met an empty one");
+  if (is_stream(path)) return;
+  if (fs::is_directory(path, ignored))
+    throw Error(fmt::format("{}: expected the name of a file to write, met a folder", path.string()));
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored))
+    throw Error(fmt::format("{}: cannot be written: there is no folder {}", path.string(), folder.string()));
+  if (force) return;
+  if (fs::exists(path, ignored))
+    throw Error(
+        fmt::format("{}: exists already; choose another name, or --force to replace it", path.string()));
+  if (fs::exists(partial_path(path), ignored))
+    throw Error(fmt::format("{}: left by an interrupted run; move it away, or --force to replace it",
+                            partial_path(path).string()));
+}
+
+void complete(const fs::path& path) {
+  std::error_code status;
+  fs::rename(partial_path(path), path, status);
+  if (status)
+    throw Error(fmt::format("{}: cannot be renamed from {}: {}", path.string(), partial_path(path).string(),
+                            status.message()));
+}
+
+OutputFile::OutputFile(const std::string& path, bool force) : name_(path == "-" ? "standard output" : path) {
+  if (path == "-") {
+    stream_ = stdout;
+    return;
+  }
+  require_writable(path, force);
+  if (!is_stream(path)) growing_ = partial_path(path);
+  stream_ = std::fopen((growing_.empty() ? fs::path(path) : growing_).c_str(), "wb");
+  if (stream_ == nullptr) refuse(name_, "be opened for writing");
+}
+
+OutputFile::~OutputFile() {
+  if (stream_ != nullptr && stream_ != stdout) std::fclose(stream_);
+  if (stream_ != nullptr && !growing_.empty()) {
+    std::error_code ignored;
+    fs::remove(growing_, ignored);
+  }
+}
+
+void OutputFile::line(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stream_);
+  std::fputc('\n', stream_);
+  if (std::fflush(stream_) != 0 || std::ferror(stream_) != 0) refuse(name_, "be written");
+}
+
+void OutputFile::finish() {
+  if (stream_ == stdout) {
+    if (std::fflush(stdout) != 0) refuse(name_, "be written");
+    return;
+  }
+  if (std::fclose(stream_) != 0) {
+    stream_ = nullptr;
+    std::error_code ignored;
+    if (!growing_.empty()) fs::remove(growing_, ignored);
+    refuse(name_, "be written");
+  }
+  stream_ = nullptr;
+  if (!growing_.empty()) complete(name_);
+}
+
+}  // namespace nscdd

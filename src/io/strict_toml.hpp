@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// A TOML table read strictly: every key must be asked for before `finish`, and every value must have the
+/// type and lie in the bounds asked for; else Error "file:line: key: expected ..., met ...".
+class StrictTable {
+ public:
+  StrictTable(const toml::table& table, std::string file, std::string path)
+      : table_(&table), file_(std::move(file)), path_(std::move(path)) {}
+
+  std::string key_path(std::string_view key) const {
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+  }
+
+  [[noreturn]] void fail(const toml::node* node, std::string_view key, std::string_view expected,
+                         std::string_view met) const {
+    throw Error(fmt::format("{}: {}: expected {}, met {}", location(node), key_path(key), expected, met));
+  }
+  [[noreturn]] void fail(std::string_view key, std::string_view expected, std::string_view met) const {
+    fail(table_->get(key), key, expected, met);
+  }
+
+  bool has(std::string_view key) const { return table_->contains(key); }
+
+  const toml::node* node(std::string_view key) {
+    known_.emplace(key);
+    return table_->get(key);
+  }
+
+  /// A section [key]; `required` ones must be there, others read as empty.
+  StrictTable section(std::string_view key, bool required) {
+    static const toml::table empty;
+    const toml::node* found = node(key);
+    if (found == nullptr) {
+      if (required)
+        throw Error(fmt::format("{}: expected a section [{}], met none", location(nullptr), key_path(key)));
+      return {empty, file_, key_path(key)};
+    }
+    if (!found->is_table()) fail(key, fmt::format("a section [{}]", key_path(key)), describe(*found));
+    return {*found->as_table(), file_, key_path(key)};
+  }
+
+  /// The tables [[key]], none where the key is absent.
+  std::vector<StrictTable> tables(std::string_view key) {
+    std::vector<StrictTable> all;
+    const toml::node* found = node(key);
+    if (found == nullptr) return all;
+    const toml::array* array = found->as_array();
+    if (array == nullptr) fail(key, fmt::format("tables [[{}]]", key_path(key)), describe(*found));
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      const toml::node& element = (*array)[i];
+      if (!element.is_table())
+        fail(&element, key, fmt::format("tables [[{}]]", key_path(key)), describe(element));
+      all.emplace_back(*element.as_table(), file_, fmt::format("{}[{}]", key_path(key), i));
+    }
+    return all;
+  }
+
+  void read(std::string_view key, std::string& value) {
+    if (const toml::node* found = node(key)) {
+      if (!found->is_string()) fail(key, "a text", describe(*found));
+      value = **found->as_string();
+    }
+  }
+  void read(std::string_view key, bool& value) {
+    if (const toml::node* found = node(key)) {
+      if (!found->is_boolean()) fail(key, "true or false", describe(*found));
+      value = **found->as_boolean();
+    }
+  }
+  void read(std::string_view key, double& value) {
+    if (const toml::node* found = node(key)) value = number(*found, key);
+  }
+  void read(std::string_view key, Index& value) {
+    if (const toml::node* found = node(key)) value = integer(*found, key);
+  }
+  void read(std::string_view key, std::array<double, 2>& value) {
+    if (const toml::array* pair = pair_of(key, "two numbers [a, b]"))
+      for (std::size_t i = 0; i < 2; ++i) value[i] = number((*pair)[i], key);
+  }
+  void read(std::string_view key, std::array<Index, 2>& value) {
+    if (const toml::array* pair = pair_of(key, "two integers [a, b]"))
+      for (std::size_t i = 0; i < 2; ++i) value[i] = integer((*pair)[i], key);
+  }
+
+  /// Every field of a parameter struct, checked against its bounds.
+  template <class Parameters>
+  void read_fields(Parameters& parameters) {
+    Parameters::fields(parameters, [this](std::string_view key, auto& value, const Field& field) {
+      read(key, value);
+      const toml::node* found = table_->get(key);
+      check_bounds(value, field, fmt::format("{}: {}", location(found), key_path(key)));
+    });
+  }
+
+  /// Throws for the first key that nothing asked for.
+  void finish() const {
+    for (const auto& [key, value] : *table_) {
+      if (known_.count(std::string(key.str())) > 0) continue;
+      std::string expected;
+      for (const std::string& name : known_) expected += (expected.empty() ? "" : ", ") + name;
+      throw Error(fmt::format("{}:{}: unknown key '{}'; expected {}", file_, key.source().begin.line,
+                              key_path(key.str()), expected.empty() ? "none" : "one of " + expected));
+    }
+  }
+
+  std::string location(const toml::node* found) const {
+    const auto line = found != nullptr ? found->source().begin.line : table_->source().begin.line;
+    return line > 0 ? fmt::format("{}:{}", file_, line) : file_;
+  }
+
+  static std::string describe(const toml::node& found) {
+    std::ostringstream text;
+    found.visit([&](const auto& value) {
+      if constexpr (toml::is_value<decltype(value)>) text << *value;
+    });
+    const std::string_view type = found.is_string()           ? "the text"
+                                  : found.is_integer()        ? "the integer"
+                                  : found.is_floating_point() ? "the number"
+                                  : found.is_boolean()        ? "the boolean"
+                                  : found.is_array()          ? "an array"
+                                  : found.is_table()          ? "a section"
+                                                              : "a date or time";
+    return text.str().empty() ? std::string(type) : fmt::format("{} '{}'", type, text.str().substr(0, 80));
+  }
+
+ private:
+  double number(const toml::node& found, std::string_view key) const {
+    if (found.is_floating_point()) return **found.as_floating_point();
+    if (found.is_integer()) return static_cast<double>(**found.as_integer());
+    fail(&found, key, "a number", describe(found));
+  }
+  Index integer(const toml::node& found, std::string_view key) const {
+    if (!found.is_integer()) fail(&found, key, "an integer", describe(found));
+    return static_cast<Index>(**found.as_integer());
+  }
+  const toml::array* pair_of(std::string_view key, std::string_view expected) {
+    const toml::node* found = node(key);
+    if (found == nullptr) return nullptr;
+    const toml::array* array = found->as_array();
+    if (array == nullptr) fail(key, expected, describe(*found));
+    if (array->size() != 2) fail(key, expected, fmt::format("an array of {}", array->size()));
+    return array;
+  }
+
+  const toml::table* table_;
+  std::string file_, path_;
+  std::set<std::string> known_;
+};
+
+/// Parses TOML text; a syntax error becomes Error "file:line: ...".
+inline toml::table parse_toml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw Error(
+        fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description()));
+  }
+}
+
+}  // namespace nscdd
