@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# ARPACK-NG with its C++ binding, as the target ARPACK::arpack; sets ARPACK_VERSION. The library is looked for
+# itself: its own package file names targets (parpack) that distributions ship apart.
+find_path(ARPACK_INCLUDE_DIR arpack/arpack.hpp)
+find_library(ARPACK_LIBRARY arpack)
+if(ARPACK_INCLUDE_DIR AND EXISTS ${ARPACK_INCLUDE_DIR}/arpack/arpackdef.h)
+  file(STRINGS ${ARPACK_INCLUDE_DIR}/arpack/arpackdef.h version_line REGEX "define +ARPACK_VERSION")
+  string(REGEX MATCH "[0-9]+\\.[0-9]+\\.[0-9]+" ARPACK_VERSION "${version_line}")
+endif()
+if(NOT ARPACK_VERSION)
+  find_package(PkgConfig QUIET)
+  if(PkgConfig_FOUND)
+    pkg_check_modules(ARPACK_PC QUIET arpack)
+    set(ARPACK_VERSION "${ARPACK_PC_VERSION}")
+  endif()
+endif()
+if(NOT ARPACK_VERSION)
+  set(ARPACK_VERSION "unknown")
+endif()
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(ARPACK REQUIRED_VARS ARPACK_LIBRARY ARPACK_INCLUDE_DIR)
+if(ARPACK_FOUND AND NOT TARGET ARPACK::arpack)
+  add_library(ARPACK::arpack UNKNOWN IMPORTED)
+  set_target_properties(ARPACK::arpack PROPERTIES IMPORTED_LOCATION ${ARPACK_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${ARPACK_INCLUDE_DIR})
+endif()
+mark_as_advanced(ARPACK_INCLUDE_DIR ARPACK_LIBRARY)

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case_options.hpp"
+
+#include "data_files.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/io/packing_file.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace nscdd::app {
+namespace {
+
+// NXxNY, or metis:N.
+Partitioner parse_subdomains(const std::string& text) {
+  const std::string what = "--subdomains";
+  if (text.rfind("metis:", 0) == 0) {
+    MetisPartitioner metis;
+    override_field(metis, "metis", text.substr(6), what);
+    return metis;
+  }
+  const auto cross = text.find('x');
+  if (cross == std::string::npos)
+    throw Error(fmt::format("{}: expected NXxNY such as 2x1, or metis:N, met '{}'", what, text));
+  GridPartitioner grid;
+  override_field(grid, "grid", text.substr(0, cross) + "," + text.substr(cross + 1), what);
+  return grid;
+}
+
+PrescribedVelocity parse_prescribed(const std::string& text) {
+  const std::string what = "--prescribed";
+  const auto first = text.find(':');
+  const auto second = first == std::string::npos ? first : text.find(':', first + 1);
+  if (second == std::string::npos || text.find(':', second + 1) != std::string::npos)
+    throw Error(fmt::format("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text));
+  PrescribedVelocity velocity;
+  velocity.grain = parse_integer(text.substr(0, first), what);
+  velocity.velocity = {parse_number(text.substr(first + 1, second - first - 1), what),
+                       parse_number(text.substr(second + 1), what)};
+  check_bounds(velocity.velocity, Field{.description = ""}, what);
+  return velocity;
+}
+
+}  // namespace
+
+void CaseOptions::declare(CLI::App& command) {
+  command
+      .add_option("CASE", name,
+                  "case file (.toml), packing file (.csv with x,y,radius[,mass]), or a known case")
+      ->required();
+  command.add_option("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command
+      .add_option("--prescribed", prescribed,
+                  "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)")
+      ->allow_extra_args(false);
+  command.add_option("--density", density, "masses = density x pi radius^2, kg/m^2");
+  command.add_option("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
+  command.add_option("--overlap-tolerance", overlap_tolerance,
+                     "overlap accepted, times smaller radius (1e-7)");
+  command.add_option("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16")
+      ->allow_extra_args(false);
+}
+
+Case CaseOptions::resolve() const {
+  const std::string path = find_case(name);
+  const std::string extension = std::filesystem::path(path).extension().string();
+  Case one;
+  if (extension == ".toml") {
+    one = read_case(path);
+  } else if (extension == ".csv") {
+    one.name = std::filesystem::path(path).stem().string();
+    one.packing = PackingFile{path, read_packing(path)};
+  } else {
+    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv)", path));
+  }
+  if (!subdomains.empty()) one.partition = parse_subdomains(subdomains);
+  if (!prescribed.empty()) one.prescribed.clear();
+  for (const std::string& text : prescribed) {
+    const PrescribedVelocity velocity = parse_prescribed(text);
+    for (const PrescribedVelocity& other : one.prescribed)
+      if (other.grain == velocity.grain)
+        throw Error(
+            fmt::format("--prescribed: expected each grain once, met grain {} again", velocity.grain));
+    one.prescribed.push_back(velocity);
+  }
+  if (density) override_case(one, "masses.density", field_text(*density));
+  if (tolerance) override_case(one, "contacts.tolerance", field_text(*tolerance));
+  if (overlap_tolerance) override_case(one, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos)
+      throw Error(fmt::format("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting));
+    override_case(one, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  return one;
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/study/case.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nscdd::app {
+
+/// CASE and the options that go with it, the same for every verb that takes a case.
+struct CaseOptions {
+  std::string name;
+  std::string subdomains;
+  std::vector<std::string> prescribed;
+  std::optional<double> density;
+  std::optional<double> tolerance, overlap_tolerance;
+  std::vector<std::string> settings;
+
+  void declare(CLI::App& command);
+
+  /// The case with every option applied: a case file, a known case, or a packing file (one subdomain unless
+  /// --subdomains says otherwise). Throws Error for whatever cannot be used.
+  Case resolve() const;
+};
+
+}  // namespace nscdd::app

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "verbs.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/version.hpp>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <system_error>
+
+namespace {
+
+using namespace nscdd::app;
+
+// Every verb of the program.
+constexpr std::array<Verb, 6> verbs{{
+    {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV",
+     declare_sweep},
+    {"run", "run a study: its tables as CSV and HDF5", declare_run},
+    {"network", "contact network of a case: links, impulses, active contacts, as CSV", declare_network},
+    {"inspect", "counts, interface, ranks, rigid modes and hyperstaticity of a case", declare_inspect},
+    {"optimum", "best flexibility eta of the enriched algorithm for a case", declare_optimum},
+    {"list", "known cases, studies, generators, partitioners and observables", declare_list},
+}};
+
+std::string joined(int argc, char** argv) {
+  std::string line = "nscdd";
+  for (int i = 1; i < argc; ++i) {
+    const bool plain = std::strpbrk(argv[i], " \t\"'\\$*?;&|<>()") == nullptr && argv[i][0] != '\0';
+    line += plain ? fmt::format(" {}", argv[i]) : fmt::format(" '{}'", argv[i]);
+  }
+  return line;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("nscdd: convergence study of domain decomposition for nonsmooth contact dynamics", "nscdd");
+  app.set_version_flag("--version", "nscdd " + nscdd::version());
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  nscdd sweep disks4 --epsilon 0,1 --csv -\n"
+      "  nscdd optimum disks8\n"
+      "  nscdd run figure-5\n"
+      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage. 'nscdd VERB --help' has the options.");
+  const Context context{joined(argc, argv)};
+  std::array<std::function<int()>, verbs.size()> actions;
+  std::array<CLI::App*, verbs.size()> commands{};
+  for (std::size_t i = 0; i < verbs.size(); ++i) {
+    commands[i] = app.add_subcommand(verbs[i].name, verbs[i].summary);
+    actions[i] = verbs[i].declare(*commands[i], context);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  for (std::size_t i = 0; i < verbs.size(); ++i)
+    if (commands[i]->parsed()) return actions[i]();
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const int exit_code = run(argc, argv);
+    if (std::fflush(stdout) != 0)
+      throw nscdd::Error(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
+    return exit_code;
+  } catch (const nscdd::Error& error) {
+    fmt::print(stderr, "nscdd: error: {}\n", error.what());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "nscdd: error: not enough memory for a problem of this size\n");
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "nscdd: error: {}\n", error.what());
+  }
+  return 2;
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "data_files.hpp"
+#include "verbs.hpp"
+#include <nscdd/core/fields.hpp>
+#include <nscdd/study/case.hpp>
+#include <nscdd/study/study.hpp>
+
+#include <fmt/format.h>
+
+namespace nscdd::app {
+namespace {
+
+template <class Parameters>
+void print_fields(const std::string& section) {
+  for (const FieldDescription& field : describe_fields(Parameters{}))
+    fmt::print("      {:<32}{} [{}{}{}]\n", section + field.key + " = " + field.value, field.description,
+               field.type, field.unit == "1" ? "" : ", ", field.unit == "1" ? "" : field.unit);
+}
+
+template <class Alternatives>
+void print_alternatives(const std::string& section) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (
+        [&] {
+          using Alternative = std::variant_alternative_t<I, Alternatives>;
+          fmt::print("  {:<12}{}\n", Alternative::name, Alternative::summary);
+          print_fields<Alternative>(section);
+        }(),
+        ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<Alternatives>>());
+}
+
+int run() {
+  fmt::print("Cases\n");
+  for (const std::string& name : known_cases()) fmt::print("  {}\n", name);
+  fmt::print("Studies\n");
+  for (const std::string& name : known_studies()) fmt::print("  {}\n", name);
+  fmt::print("Generators of packings, [packing] generator = \"...\"\n");
+  print_alternatives<Generator>("packing.");
+  fmt::print("Partitioners, [partition]\n");
+  print_alternatives<Partitioner>("partition.");
+  fmt::print("Contact detection, [contacts]\n");
+  print_fields<ContactDetection>("contacts.");
+  fmt::print("Observables of a study, observable = \"...\"\n");
+  for (const auto& [name, summary] : observables) fmt::print("  {:<17}{}\n", name, summary);
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_list(CLI::App& command, const Context&) {
+  command.footer("Examples:\n  nscdd list");
+  return run;
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case_options.hpp"
+#include "progress.hpp"
+#include "verbs.hpp"
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/output_file.hpp>
+#include <nscdd/study/network_tables.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace nscdd::app {
+namespace {
+
+struct Options {
+  CaseOptions one;
+  std::string csv = "-", grains;
+  bool force = false;
+};
+
+int run(const Options& options) {
+  const Model model = build(options.one.resolve());
+  if (!options.grains.empty()) require_writable(options.grains, options.force);
+  CsvWriter links(options.csv, options.force, link_columns());
+  link_rows(model, [&](const Row& row) { links.write(row); });
+  links.finish();
+  if (!options.grains.empty()) {
+    CsvWriter grains(options.grains, options.force, grain_columns());
+    grain_rows(model, [&](const Row& row) { grains.write(row); });
+    grains.finish();
+  }
+  if (model.problem.arriving_velocity.isZero(0))
+    note(
+        "nothing is prescribed (--prescribed GRAIN:VX:VY): impulses are nan and every contact counts as "
+        "active");
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_network(CLI::App& command, const Context&) {
+  auto options = std::make_shared<Options>();
+  options->one.declare(command);
+  command.add_option("--csv", options->csv, "where the links go, - for standard output")
+      ->capture_default_str();
+  command.add_option("--grains", options->grains, "also write the grains there");
+  command.add_flag("--force", options->force, "replace existing outputs");
+  command.footer(
+      "One row per contact: grains, normal, subdomain, impulse of the linear rigid problem under the "
+      "prescribed\n"
+      "velocity (the least-norm solution for a hyperstatic network, said in impulse_solution), active or "
+      "not.\n"
+      "Examples:\n"
+      "  nscdd network disks4\n"
+      "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv");
+  return [options] { return run(*options); };
+}
+
+}  // namespace nscdd::app

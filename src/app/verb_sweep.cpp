@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case_options.hpp"
+#include "progress.hpp"
+#include "provenance.hpp"
+#include "sweep_options.hpp"
+#include "verbs.hpp"
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/hdf5.hpp>
+#include <nscdd/io/output_file.hpp>
+#include <nscdd/study/sweep.hpp>
+#include <nscdd/study/values.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace nscdd::app {
+namespace {
+
+struct Options {
+  CaseOptions one;
+  SpectralCommandOptions spectral;
+  std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
+  bool force = false;
+  Context context;
+};
+
+SweepParameters parameters(const Options& options) {
+  SweepParameters result;
+  result.epsilon = parse_epsilon(options.epsilon);
+  result.eta = parse_eta(options.eta);
+  result.relaxation = parse_relaxation(options.relaxation);
+  result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
+  result.contacts = options.spectral.contact_set();
+  result.spectral = options.spectral.spectral();
+  return result;
+}
+
+int run(const Options& options) {
+  const SweepParameters sweep_parameters = parameters(options);
+  const Case one = options.one.resolve();
+  if (!options.hdf5.empty()) require_writable(options.hdf5, options.force);
+  const Model model = build(one);
+  if (model.parts.interface_size() == 0)
+    note(fmt::format(
+        "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
+        model.name, model.partition.subdomains));
+  Table table{sweep_columns(), {}};
+  CsvWriter csv(options.csv, options.force, table.columns);
+  Index failed = 0;
+  {
+    Progress progress("sweep");
+    const RowSink sink = [&](const Row& row) {
+      csv.write(row);
+      if (!options.hdf5.empty()) table.rows.push_back(row);
+    };
+    failed = sweep(model, sweep_parameters, sink, progress.monitor());
+  }
+  csv.finish();
+  if (!options.hdf5.empty())
+    write_hdf5(options.hdf5, options.force, provenance(options.context, {one}), {{"sweep", table}});
+  if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'converged'", failed));
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
+  auto options = std::make_shared<Options>();
+  options->context = context;
+  options->one.declare(command);
+  command
+      .add_option("--epsilon", options->epsilon,
+                  "SPEC of the flexibility of the linear law, s/kg; 0 is the rigid limit")
+      ->required();
+  command
+      .add_option("--eta", options->eta,
+                  "SPEC of the flexibility Stage 2 sees, s/kg; inf is the generic algorithm")
+      ->capture_default_str();
+  options->spectral.declare(command, "all");
+  command
+      .add_option("--relaxation", options->relaxation,
+                  "SPEC of omega in F <- F + omega (F' - F), or 'optimal'")
+      ->capture_default_str();
+  command
+      .add_option("--gauss-seidel-sweeps", options->sweeps,
+                  "SPEC of the sweeps n_GS of Stage 1; inf is exact")
+      ->capture_default_str();
+  command.add_option("--csv", options->csv, "where the table goes, - for standard output")->required();
+  command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
+  command.add_flag("--force", options->force, "replace existing outputs");
+  command.footer(
+      "SPEC is a number, a comma list, or FROM:TO:COUNT (logarithmic; FROM:TO:COUNT:linear).\n"
+      "One row per (epsilon, eta, relaxation, sweeps); columns are described in docs/formats.md.\n"
+      "Examples:\n"
+      "  nscdd sweep disks4 --epsilon 0,1 --csv -                            rho(B_0), rho(B_1)\n"
+      "  nscdd sweep disks12 --epsilon 1e-3:1e3:121 --csv figure5.csv        a curve of Figure 5\n"
+      "  nscdd sweep disks8 --epsilon 1 --eta 1e-2:1e2:81 --csv -            rho(B_eps,eta)\n"
+      "  nscdd sweep disks8 --epsilon 0 --eta 0.1,inf --contacts active --csv -   the nonsmooth B-bar\n"
+      "  nscdd sweep mine.csv --subdomains 3x2 --epsilon 1e-3,1 --eta 0.3,inf --csv -   your own packing");
+  return [options] { return run(*options); };
+}
+
+}  // namespace nscdd::app
