@@ -61,7 +61,7 @@ std::function<int()> declare_optimum(CLI::App& command, const Context&) {
   options->one.declare(command);
   command
       .add_option("--epsilon", options->epsilon,
-                  "SPEC of the flexibility of the law, s/kg; 0 is the rigid limit")
+                  "SPEC of the flexibility of the law, 1/kg; 0 is the rigid limit")
       ->capture_default_str();
   options->spectral.declare(command, "active");
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");

@@ -71,11 +71,11 @@ std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
   options->one.declare(command);
   command
       .add_option("--epsilon", options->epsilon,
-                  "SPEC of the flexibility of the linear law, s/kg; 0 is the rigid limit")
+                  "SPEC of the flexibility of the linear law, 1/kg; 0 is the rigid limit")
       ->required();
   command
       .add_option("--eta", options->eta,
-                  "SPEC of the flexibility Stage 2 sees, s/kg; inf is the generic algorithm")
+                  "SPEC of the flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
       ->capture_default_str();
   options->spectral.declare(command, "all");
   command

@@ -43,6 +43,8 @@ struct Modes {
 };
 
 Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
+  if (subdomain.grains.empty())
+    return {Matrix(0, 0), Vector(0), Matrix(0, 0)};                  // Eigen takes no empty matrix
   const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();  // M^-1/2
   const Matrix b = root.asDiagonal() * Matrix(subdomain.h);          // M^-1/2 H
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
@@ -150,7 +152,8 @@ Matrix EnrichedInertia::condense() const {
   const auto& p = *implementation_->preparation;
   if (const auto* modal = std::get_if<Implementation::Modal>(&implementation_->inverse)) {
     const Matrix scaled = p.modes->traces * modal->weights.cwiseSqrt().asDiagonal();
-    return scaled * scaled.transpose();
+    const Matrix product = scaled * scaled.transpose();
+    return 0.5 * (product + product.transpose());
   }
   Matrix condensed(p.a.rows(), p.a.rows());
   constexpr Index block = 64;  // right-hand sides at a time, so that memory stays that of a few vectors

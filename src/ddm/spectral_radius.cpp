@@ -49,7 +49,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const Matrix& p = b.preconditioner.dense();
   const Matrix difference = p - s;  // P B: solved for mu directly, so that small radii keep their digits
   const bool rigid = b.system.eta() == 0;
-  PencilSpectrum spectrum;
+  PencilEnds ends;
   Index unit_multiplicity = 0;
   if (rigid && b.system.kernel().kernel.cols() > 0) {
     // The P-orthogonal complement of ker S is P^-1 range(S): the pencil restricted to it has no unit
@@ -60,16 +60,15 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
     const Eigen::LLT<Matrix> cholesky(p);
     if (cholesky.info() != Eigen::Success) return not_converged("dense");
     const Matrix y = cholesky.solve(split.range);
-    spectrum = symmetric_pencil(y.transpose() * difference * y, y.transpose() * p * y);
+    ends = pencil_ends(y.transpose() * difference * y, y.transpose() * p * y);
   } else {
-    spectrum = symmetric_pencil(difference, p);
+    ends = pencil_ends(difference, p);
   }
-  if (!spectrum.definite) return not_converged("dense");
+  if (!ends.definite) return not_converged("dense");
   SpectralRadius result;
   result.solver = "dense";
-  set_ends(result, spectrum.eigenvalues.minCoeff(), spectrum.eigenvalues.maxCoeff(), unit_multiplicity,
-           b.relaxation);
-  result.residual = b.relaxation * spectrum.residual;
+  set_ends(result, ends.smallest, ends.largest, unit_multiplicity, b.relaxation);
+  result.residual = b.relaxation * ends.residual;
   result.converged = result.residual <= options.tolerance;
   return result;
 }

@@ -42,7 +42,7 @@ Vector solve(const ExactStageOne& stage, const Vector& right) {
 class TwoStageIteration::Implementation {
  public:
   Decomposition parts;
-  LinearViscous law;
+  Law law;
   InterfaceOperator preconditioner;
   std::optional<Index> sweeps;
   double relaxation;
@@ -58,12 +58,16 @@ class TwoStageIteration::Implementation {
       return free_velocity + contacts[e].response * r;
     }
     Vector velocity = free_velocity + contacts[e].response * r;
-    for (Index sweep = 0; sweep < *sweeps; ++sweep) gauss_seidel_sweep(contacts[e], law, r, velocity);
+    std::visit(
+        [&](const auto& one) {
+          for (Index sweep = 0; sweep < *sweeps; ++sweep) gauss_seidel_sweep(contacts[e], one, r, velocity);
+        },
+        law);
     return velocity;
   }
 };
 
-TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const LinearViscous& law,
+TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law,
                                      InterfaceOperator preconditioner, std::optional<Index> sweeps,
                                      double relaxation) {
   if (sweeps && *sweeps < 1)
@@ -72,12 +76,12 @@ TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Linea
       Implementation{stage_one, law, std::move(preconditioner), sweeps, relaxation, {}, {}});
   for (const Subdomain& subdomain : stage_one.subdomains) {
     prepared->contacts.push_back(prepare_contacts(subdomain.inertia, subdomain.h));
-    if (!sweeps) prepared->exact.push_back(factorise(prepared->contacts.back(), law.flexibility()));
+    if (!sweeps) prepared->exact.push_back(factorise(prepared->contacts.back(), flexibility(law)));
   }
   implementation_ = std::move(prepared);
 }
 
-bool TwoStageIteration::rigid() const { return implementation_->law.flexibility() == 0; }
+bool TwoStageIteration::rigid() const { return flexibility(implementation_->law) == 0; }
 
 Index TwoStageIteration::interface_size() const { return implementation_->parts.interface_size(); }
 

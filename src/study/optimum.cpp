@@ -95,7 +95,7 @@ void find_relaxed(Optimum& best, Spectra& spectra, double low, double high) {
     best.relaxed_status = OptimumStatus::eta_to_zero;
     x = point(0);
   } else if (lowest + 1 < samples && values[at(lowest - 1)] > *least && values[at(lowest + 1)] > *least) {
-    x = find_minimum(radius, point(lowest - 1), x, point(lowest + 1), 1e-7).x;
+    x = find_minimum(radius, point(lowest - 1), x, point(lowest + 1), 1e-6).x;
   }
   const Ends ends = spectra.reported(std::exp(x));
   best.relaxed_eta = std::exp(x);
@@ -170,18 +170,18 @@ Optimum optimum(const Model& model, const OptimumParameters& parameters) {
 std::vector<Column> optimum_columns() {
   std::vector<Column> columns = case_columns();
   const std::vector<Column> more{
-      {"epsilon", "s/kg", "flexibility of the linear law, 0 for the rigid limit"},
+      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit"},
       {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1, left out of every radius of this table"},
       {"generic_radius", "1", "radius of the generic algorithm"},
       {"status", "", "interior, eta_to_zero, no_interface, already_exact or not_converged"},
-      {"best_eta", "s/kg", "flexibility of the smallest radius"},
+      {"best_eta", "1/kg", "flexibility of the smallest radius"},
       {"best_radius", "1", "the smallest radius of the enriched algorithm"},
-      {"convergent_from", "s/kg", "the enriched algorithm converges for every eta above this; 0 for all"},
-      {"better_from", "s/kg", "it beats the generic one for every eta above this; 0 for all"},
+      {"convergent_from", "1/kg", "the enriched algorithm converges for every eta above this; 0 for all"},
+      {"better_from", "1/kg", "it beats the generic one for every eta above this; 0 for all"},
       {"generic_relaxation", "1", "best relaxation of the generic algorithm"},
       {"generic_relaxed_radius", "1", "its radius with that relaxation"},
       {"relaxed_status", "", "interior, eta_to_zero or eta_to_infinity"},
-      {"relaxed_best_eta", "s/kg", "flexibility of the smallest radius with relaxation"},
+      {"relaxed_best_eta", "1/kg", "flexibility of the smallest radius with relaxation"},
       {"relaxed_best_relaxation", "1", "relaxation there"},
       {"relaxed_best_radius", "1", "radius there"},
       {"residual", "1", "largest residual of the spectra at the flexibilities of this row"},

@@ -102,8 +102,8 @@ Row case_cells(const Model& model, const Selection& selection, ContactSet contac
 std::vector<Column> sweep_columns() {
   std::vector<Column> columns = case_columns();
   const std::vector<Column> more{
-      {"epsilon", "s/kg", "flexibility of the linear law, 0 for the rigid limit"},
-      {"eta", "s/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
+      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit"},
+      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
       {"relaxation", "1", "omega of F <- F + omega (F' - F)"},
       {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"},
       {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator"},

@@ -6,7 +6,7 @@
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/ddm/schemes/enriched.hpp>
 #include <nscdd/ddm/schemes/generic.hpp>
-#include <nscdd/mechanics/laws/linear_viscous.hpp>
+#include <nscdd/mechanics/law.hpp>
 
 #include <variant>
 #include <vector>
@@ -33,20 +33,23 @@ struct Contraction {
   Vector apply(const Vector& f) const { return f - relaxation * preconditioner.solve(system.apply(f)); }
 };
 
+/// Flexibility of the network that Stage 2 of a scheme sees.
+inline double flexibility(const Scheme& scheme) {
+  return std::visit([](const auto& one) { return one.flexibility(); }, scheme);
+}
+
 /// The contraction operator of a scheme with a linear law on every contact.
-inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const LinearViscous& law) {
+inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const Law& law) {
   const InterfaceFamily family(parts);
-  const double eta = std::visit([](const auto& one) { return one.flexibility(); }, scheme);
-  return {family.at(eta), family.at(law.flexibility())};
+  return {family.at(flexibility(scheme)), family.at(flexibility(law))};
 }
 
 /// The same with Stage 1 on the active contacts only (G_E) while Stage 2 keeps them all (H_E): at epsilon = 0
 /// the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the packing.
-inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const LinearViscous& law,
+inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const Law& law,
                                const std::vector<char>& active) {
-  const double eta = std::visit([](const auto& one) { return one.flexibility(); }, scheme);
-  return {InterfaceFamily(parts).at(eta),
-          InterfaceFamily(restrict_contacts(parts, active)).at(law.flexibility())};
+  return {InterfaceFamily(parts).at(flexibility(scheme)),
+          InterfaceFamily(restrict_contacts(parts, active)).at(flexibility(law))};
 }
 
 }  // namespace nscdd

@@ -4,7 +4,7 @@
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/mechanics/laws/linear_viscous.hpp>
+#include <nscdd/mechanics/law.hpp>
 
 #include <memory>
 #include <optional>
@@ -29,8 +29,8 @@ class TwoStageIteration {
   /// `stage_one`: the decomposition with the contacts Stage 1 works with (all, or the active ones);
   /// `preconditioner`: X_eta of the same gluing; `sweeps`: n_GS >= 1, or none for an exact Stage 1.
   /// Throws Error for sweeps < 1.
-  TwoStageIteration(const Decomposition& stage_one, const LinearViscous& law,
-                    InterfaceOperator preconditioner, std::optional<Index> sweeps, double relaxation = 1.0);
+  TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
+                    std::optional<Index> sweeps, double relaxation = 1.0);
 
   /// All unknowns zero, as Algorithm 1 starts a time step.
   TwoStageState zero_state() const;

@@ -5,18 +5,19 @@
 
 namespace nscdd {
 
-/// Eigenvalues of a symmetric definite pencil, A x = lambda P x.
-struct PencilSpectrum {
-  bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then empty
-  Vector eigenvalues;    ///< all of them, ascending
-  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P over the eigenvectors of the two ends: an eigenvalue of
-  /// the pencil lies within this distance of each end printed (the residual bound for symmetric pencils).
-  double residual = 0;
+/// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
+struct PencilEnds {
+  bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then NaN
+  double smallest = not_a_number;
+  double largest = not_a_number;
+  /// Larger ||A x - lambda P x||_{P^-1} / ||x||_P of the two eigenvectors: an eigenvalue of the pencil lies
+  /// within this distance of each end given (the residual bound for symmetric pencils).
+  double residual = not_a_number;
 };
 
-/// All eigenvalues of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 0.
-/// Householder tridiagonalisation of L^-1 A L^-T with P = L L^T; vectors are computed for the two ends only.
-PencilSpectrum symmetric_pencil(const Matrix& a, const Matrix& p);
+/// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
+/// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection and inverse iteration for the two ends only.
+PencilEnds pencil_ends(const Matrix& a, const Matrix& p);
 
 /// Orthonormal bases of the kernel of a symmetric positive semidefinite matrix and of its complement.
 struct KernelSplit {

@@ -9,7 +9,7 @@ namespace nscdd {
 struct OptimumParameters {
   double epsilon = 0.0;
   ContactSet contacts = ContactSet::active;
-  SpectralOptions spectral;
+  SpectralOptions spectral = {};
 };
 
 /// Where a best value was found.
@@ -36,7 +36,7 @@ struct Optimum {
   OptimumStatus status = OptimumStatus::interior;
   Index unit_multiplicity = 0;
   double generic_radius = not_a_number;   ///< at eta = infinity
-  double eta = not_a_number;              ///< best eta, s/kg
+  double eta = not_a_number;              ///< best eta, 1/kg
   double radius = not_a_number;           ///< radius there
   double convergent_from = not_a_number;  ///< smallest eta with rho < 1; 0 where every eta converges
   double better_from = not_a_number;      ///< smallest eta better than the generic algorithm; 0 for all

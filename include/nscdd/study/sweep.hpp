@@ -26,7 +26,7 @@ struct SweepParameters {
   std::vector<std::optional<double>> relaxation{1.0};                  ///< empty: the optimal one
   std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
   ContactSet contacts = ContactSet::all;
-  SpectralOptions spectral;
+  SpectralOptions spectral = {};
 };
 
 /// The decomposition of a model together with what the choice of contacts makes of it.

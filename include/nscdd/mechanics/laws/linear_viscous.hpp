@@ -4,7 +4,7 @@
 namespace nscdd {
 
 /// Linear interaction law r = -v / epsilon ([ADI12] eq. (9)); epsilon = 0 is the rigid limit v = 0.
-/// epsilon is a flexibility, s/kg (inverse of an integral viscosity, the paper's 1/k).
+/// epsilon is a flexibility, 1/kg (inverse of an integral viscosity, the paper's 1/k).
 struct LinearViscous {
   double epsilon = 1.0;
 

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Installs the library into a folder of its own, builds the consumer against it and runs both programs there.
+function(must)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ARGN}\n${output}")
+  endif()
+endfunction()
+set(prefix ${FOLDER}/prefix)
+file(REMOVE_RECURSE ${FOLDER})
+must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+must(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer -B ${FOLDER}/build -DCMAKE_PREFIX_PATH=${prefix}
+     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
+must(${CMAKE_COMMAND} --build ${FOLDER}/build)
+must(${FOLDER}/build/consumer)
+# The installed program finds its cases and studies beside itself, wherever it is called from.
+must(${CMAKE_COMMAND} -E chdir ${FOLDER} ${prefix}/bin/nscdd sweep disks4 --epsilon 0 --csv -)
+must(${CMAKE_COMMAND} -E chdir ${FOLDER} ${prefix}/bin/nscdd run figure-7 --check)

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What must not change a spectrum: where the packing lies, how things are numbered, how copies are glued.
+#include "../support/problems.hpp"
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+
+#include <Eigen/QR>
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+struct Radii {
+  std::vector<double> values;
+};
+
+// Both ends of four contraction operators: generic and enriched, linear and nonsmooth.
+std::vector<double> ends(const ReferenceProblem& problem, const Decomposition& parts,
+                         double mass_factor = 1) {
+  const InterfaceFamily family(parts);
+  const std::vector<char> active = active_contacts(problem, rigid_impulses(problem));
+  const InterfaceOperator nonsmooth = InterfaceFamily(restrict_contacts(parts, active)).at(0);
+  std::vector<double> values;
+  const double eta = 0.7 / mass_factor, epsilon = 0.02 / mass_factor;
+  for (const Contraction& b :
+       {Contraction{family.at(infinity), family.at(epsilon)}, Contraction{family.at(eta), family.at(epsilon)},
+        Contraction{family.at(eta), nonsmooth}, Contraction{family.at(infinity), family.at(0)}}) {
+    const SpectralRadius radius = spectral_radius(b);
+    REQUIRE(radius.converged);
+    values.insert(values.end(), {radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
+                                 radius.subdominant, static_cast<double>(radius.unit_multiplicity)});
+  }
+  return values;
+}
+
+void require_equal(const std::vector<double>& a, const std::vector<double>& b) {
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == doctest::Approx(b[i]).epsilon(1e-9));
+}
+
+std::vector<Case> shared_problems() {
+  std::vector<Case> all;
+  for (const Case& one : every_problem())
+    if (build(one).parts.interface_size() > 0) all.push_back(one);
+  return all;
+}
+
+// Permutes the contacts of a problem and of its partition together.
+void permute_contacts(ReferenceProblem& problem, Partition& partition, std::uint64_t seed) {
+  std::vector<Index> order(at(problem.contacts()));
+  std::iota(order.begin(), order.end(), Index{0});
+  RandomStream random(seed);
+  for (Index i = problem.contacts() - 1; i > 0; --i) std::swap(order[at(i)], order[at(random.below(i + 1))]);
+  const Matrix h = problem.h;
+  Matrix permuted = h;
+  std::vector<Index> subdomains;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    permuted.col(c) = h.col(order[at(c)]);
+    subdomains.push_back(partition.subdomain_of_contact[at(order[at(c)])]);
+  }
+  problem.h = permuted.sparseView();
+  partition.subdomain_of_contact = subdomains;
+}
+
+}  // namespace
+
+TEST_CASE("rotation and translation of the packing") {
+  for (const Case& one : shared_problems()) {
+    CAPTURE(one.name);
+    const Model still = build(one), turned = moved(one, 0.7, 13.0, -5.0);
+    REQUIRE(turned.network.size() == still.network.size());
+    require_equal(ends(turned.problem, turned.parts), ends(still.problem, still.parts));
+  }
+}
+
+TEST_CASE("renumbering of grains, contacts and subdomains") {
+  for (const Case& one : shared_problems()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    const std::vector<double> expected = ends(model.problem, model.parts);
+    if (one.name != "metis") {  // METIS makes another partition of the renumbered graph
+      const Model other = build(renumbered(one, 11));
+      require_equal(ends(other.problem, other.parts), expected);
+    }
+    ReferenceProblem problem = model.problem;
+    Partition partition = model.partition;
+    permute_contacts(problem, partition, 5);
+    require_equal(ends(problem, decompose(problem, partition)), expected);
+
+    Partition reversed = model.partition;
+    for (Index& subdomain : reversed.subdomain_of_contact) subdomain = reversed.subdomains - 1 - subdomain;
+    require_equal(ends(model.problem, decompose(model.problem, reversed)), expected);
+  }
+}
+
+TEST_CASE("another full-rank gluing: star in place of chain, and any regular combination of the rows") {
+  for (const Case& one : shared_problems()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    const std::vector<double> expected = ends(model.problem, model.parts);
+    require_equal(ends(model.problem, decompose(model.problem, model.partition, GluingShape::star)),
+                  expected);
+
+    Decomposition mixed = model.parts;  // A_E <- T A_E with a random regular T
+    RandomStream random(3);
+    Matrix t(mixed.interface_size(), mixed.interface_size());
+    for (Index j = 0; j < t.cols(); ++j) t.col(j) = random.normal_vector(t.rows());
+    t.diagonal().array() += 3.0 * static_cast<double>(t.rows());
+    for (Subdomain& subdomain : mixed.subdomains) subdomain.a = Matrix(t * Matrix(subdomain.a)).sparseView();
+    require_equal(ends(model.problem, mixed), expected);
+  }
+}
+
+TEST_CASE("masses times a factor: flexibilities divided by it") {
+  for (const Case& one : shared_problems()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    ReferenceProblem heavy = model.problem;
+    heavy.inertia *= 250.0;
+    require_equal(ends(heavy, decompose(heavy, model.partition), 250.0), ends(model.problem, model.parts));
+  }
+}
+
+TEST_CASE("a grain that touches nothing, and a contact-free subdomain, change nothing") {
+  Case one = strip(8);
+  const Model model = build(one);
+  const std::vector<double> expected = ends(model.problem, model.parts);
+  Packing packing = model.packing;  // an isolated grain inside the bounding box, numbered first
+  packing.x.insert(packing.x.begin(), 2.0);
+  packing.y.insert(packing.y.begin(), 0.577);
+  packing.radius.insert(packing.radius.begin(), 0.01);
+  packing.mass.insert(packing.mass.begin(), 3.0);
+  one.packing = PackingFile{"with an isolated grain", packing};
+  const Model with = build(one);
+  REQUIRE(with.network.size() == model.network.size());
+  require_equal(ends(with.problem, with.parts), expected);
+
+  Partition padded = model.partition;
+  padded.subdomains += 3;
+  require_equal(ends(model.problem, decompose(model.problem, padded)), expected);
+}

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Laws of the contraction operator, stated once and run on every problem.
+#include "../support/problems.hpp"
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+#include <nscdd/study/inspection.hpp>
+#include <nscdd/study/optimum.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// Runs a law on every problem with an interface.
+template <class Law>
+void on_every_problem(Law&& law) {
+  int problems = 0;
+  for (const Case& one : every_problem()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    if (model.parts.interface_size() == 0) continue;
+    law(model);
+    ++problems;
+  }
+  CHECK(problems >= 7);
+}
+
+double smallest_eigenvalue(const Matrix& a) {
+  return Eigen::SelfAdjointEigenSolver<Matrix>(a, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+}
+
+InterfaceOperator active_system(const Model& model, double epsilon) {
+  const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
+  return InterfaceFamily(restrict_contacts(model.parts, active)).at(epsilon);
+}
+
+}  // namespace
+
+TEST_CASE("the problems of these tests have cross points and hyperstatic parts") {
+  Index points = 0, unit = 0;
+  for (const Case& one : every_problem()) {
+    const Model model = build(one);
+    points += cross_points(model.parts);
+    unit += inspect(model).unit_multiplicity;
+  }
+  CHECK(points >= 5);
+  CHECK(unit >= 5);
+}
+
+TEST_CASE("signs: epsilon < eta gives [0, 1), epsilon > eta gives <= 0, epsilon = eta gives B = 0") {
+  on_every_problem([](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    for (const double eta : {0.05, 1.0, 20.0})
+      for (const double epsilon : {0.01, 0.05, 1.0, 20.0, 300.0}) {
+        const SpectralRadius radius = spectral_radius({family.at(eta), family.at(epsilon)});
+        REQUIRE(radius.converged);
+        if (epsilon < eta) {
+          CHECK(radius.eigenvalue_min > -1e-12);
+          CHECK(radius.eigenvalue_max < 1);
+        } else if (epsilon > eta) {
+          CHECK(radius.eigenvalue_max < 1e-12);
+        } else {
+          CHECK(radius.value == 0);
+        }
+        CHECK(radius.unit_multiplicity == 0);
+      }
+  });
+}
+
+TEST_CASE("order: X_eta grows with eta, from X_0 to X; fewer contacts make it larger") {
+  on_every_problem([](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    double previous = 0;
+    for (const double eta : {1e-3, 1e-1, 1.0, 10.0, 1e3, infinity}) {
+      const Matrix difference = family.at(eta).dense() - family.at(previous).dense();
+      CHECK(smallest_eigenvalue(difference) > -1e-12);
+      CHECK(difference.norm() > 0);
+      previous = eta;
+    }
+    CHECK(smallest_eigenvalue(active_system(model, 0).dense() - family.at(0).dense()) > -1e-10);
+  });
+}
+
+TEST_CASE("limits: eta to infinity is the generic algorithm, epsilon to 0 the rigid limit") {
+  on_every_problem([](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    const InterfaceOperator system = family.at(0.3);
+    CHECK(spectral_radius({family.at(1e12), system}).value ==
+          doctest::Approx(spectral_radius({family.at(infinity), system}).value).epsilon(1e-10));
+    const SpectralRadius rigid = spectral_radius({family.at(infinity), family.at(0)});
+    const SpectralRadius nearly = spectral_radius({family.at(infinity), family.at(1e-9)});
+    CHECK(nearly.value == doctest::Approx(rigid.value).epsilon(1e-6));
+    CHECK(nearly.eigenvalue_min == doctest::Approx(rigid.eigenvalue_min).epsilon(1e-6));
+  });
+}
+
+TEST_CASE("the generic radius rises monotonically as epsilon falls") {
+  on_every_problem([](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    double previous = 0;
+    for (double exponent = 4; exponent >= -4; exponent -= 0.5) {
+      const double radius = spectral_radius({family.at(infinity), family.at(std::pow(10, exponent))}).value;
+      CHECK(radius > previous);
+      CHECK(radius < 1);
+      previous = radius;
+    }
+  });
+}
+
+TEST_CASE("rigid limit: the multiplicity of 1 is that counted from ranks, for every eta") {
+  on_every_problem([](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    const Index expected = inspect(model).unit_multiplicity;
+    for (const double eta : {0.01, 1.0, infinity}) {
+      const SpectralRadius radius = spectral_radius({family.at(eta), family.at(0)});
+      REQUIRE(radius.converged);
+      CHECK(radius.unit_multiplicity == expected);
+      CHECK(radius.subdominant < 1);
+      if (expected > 0) CHECK(radius.eigenvalue_max == 1);
+      if (expected == 0) CHECK(radius.subdominant == radius.value);
+      // all n_Gamma eigenvalues are accounted for: kernel and complement
+      const KernelSplit& split = family.at(0).kernel();
+      CHECK(split.kernel.cols() + split.range.cols() == radius.unit_multiplicity + split.range.cols());
+      CHECK((family.at(0).dense() * split.kernel).norm() < 1e-10);
+    }
+  });
+}
+
+TEST_CASE("isostatic: rho(B_0,eta) goes to 0 linearly with eta (4 disks: 0.626 eta)") {
+  const Model four = build(strip(4));
+  const InterfaceFamily family(four.parts);
+  for (const double eta : {1e-3, 1e-4, 1e-5, 1e-6})
+    CHECK(spectral_radius({family.at(eta), family.at(0)}).value / eta ==
+          doctest::Approx(0.626).epsilon(2e-3));
+  for (const Index n : {8, 12}) {
+    const InterfaceFamily larger(build(strip(n)).parts);
+    const double at_small = spectral_radius({larger.at(1e-5), larger.at(0)}).value / 1e-5;
+    CHECK(spectral_radius({larger.at(1e-6), larger.at(0)}).value / 1e-6 ==
+          doctest::Approx(at_small).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("nonsmooth, eta to 0: eigenvalues <= 0 and a limit I - X_0^-1 X-bar_0 where X_0 is regular") {
+  for (const Index n : {4, 8, 12}) {
+    const Model model = build(strip(n));
+    const InterfaceFamily family(model.parts);
+    const InterfaceOperator system = active_system(model, 0);
+    const SpectralRadius small = spectral_radius({family.at(1e-7), system});
+    CHECK(small.eigenvalue_max < 1e-6);
+    CHECK(small.value > 1);
+    const Matrix limit = Matrix::Identity(4, 4) - family.at(0).dense().llt().solve(system.dense());
+    const Eigen::VectorXcd eigenvalues = Eigen::EigenSolver<Matrix>(limit, false).eigenvalues();
+    CHECK(small.eigenvalue_min == doctest::Approx(eigenvalues.real().minCoeff()).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("the best eta has equal and opposite ends, and no other eta does better") {
+  for (const Index n : {4, 8, 12, 20}) {
+    CAPTURE(n);
+    const Model model = build(strip(n));
+    const Optimum best = optimum(model);
+    REQUIRE(best.status == OptimumStatus::interior);
+    const InterfaceFamily family(model.parts);
+    const InterfaceOperator system = active_system(model, 0);
+    const SpectralRadius there = spectral_radius({family.at(best.eta), system});
+    CHECK(std::abs(there.eigenvalue_min + there.eigenvalue_max) < 1e-10);
+    CHECK(there.value == doctest::Approx(best.radius));
+    for (const double factor : {0.2, 0.9, 0.999, 1.001, 1.1, 5.0})
+      CHECK(spectral_radius({family.at(best.eta * factor), system}).value > best.radius);
+    // thresholds: on one side of each the property holds, on the other it does not
+    CHECK(spectral_radius({family.at(best.convergent_from * 1.0001), system}).value < 1);
+    CHECK(spectral_radius({family.at(best.convergent_from * 0.9999), system}).value > 1);
+    CHECK(spectral_radius({family.at(best.better_from * 1.0001), system}).value < best.generic_radius);
+    CHECK(spectral_radius({family.at(best.better_from * 0.9999), system}).value > best.generic_radius);
+    CHECK(best.relaxed_radius <= best.radius);
+    CHECK(best.relaxed_radius <= best.generic_relaxed_radius * (1 + 1e-6));
+  }
+}
+
+TEST_CASE("linear law: the best eta is epsilon, where B = 0") {
+  for (const double epsilon : {0.01, 1.0, 40.0}) {
+    const Optimum best = optimum(build(strip(8)), {.epsilon = epsilon, .contacts = ContactSet::all});
+    CHECK(best.status == OptimumStatus::interior);
+    CHECK(best.eta == doctest::Approx(epsilon).epsilon(1e-9));
+    CHECK(best.radius < 1e-9);
+  }
+}
+
+TEST_CASE("optimal relaxation gives (kappa - 1)/(kappa + 1) < 1 for every eta") {
+  on_every_problem([](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    const InterfaceOperator system = active_system(model, 0);
+    for (const double eta : {0.01, 0.3, 1.0, 30.0, infinity}) {
+      CAPTURE(eta);
+      const SpectralRadius plain = spectral_radius({family.at(eta), system});
+      const double low = 1 - plain.subdominant_max, high = 1 - plain.subdominant_min;
+      const SpectralRadius relaxed = spectral_radius({family.at(eta), system, 2 / (low + high)});
+      CHECK(relaxed.subdominant == doctest::Approx((high - low) / (high + low)).epsilon(1e-9));
+      CHECK(relaxed.subdominant < 1);
+      CHECK(relaxed.subdominant <= plain.subdominant + 1e-12);
+      CHECK(relaxed.unit_multiplicity == plain.unit_multiplicity);
+    }
+  });
+}
+
+TEST_CASE("residuals bound the errors of the ends") {
+  // With the dense answer as truth, ARPACK stopped early must be off by no more than it says.
+  const Model model = build(random_lattice(7, 9, 9, {3, 3}));
+  const InterfaceFamily family(model.parts);
+  const Contraction b{family.at(0.5), family.at(0.01)};
+  const SpectralRadius truth = spectral_radius(b, {.solver = SpectralSolver::dense});
+  for (const double tolerance : {1e-2, 1e-4, 1e-8}) {
+    SpectralOptions loose{.solver = SpectralSolver::arpack};
+    loose.arpack.tolerance = tolerance;
+    loose.arpack.basis = 6;
+    const SpectralRadius radius = spectral_radius(b, loose);
+    CHECK(radius.solver == "arpack");
+    CHECK(std::abs(radius.eigenvalue_max - truth.eigenvalue_max) <= radius.residual + 1e-13);
+    CHECK(std::abs(radius.eigenvalue_min - truth.eigenvalue_min) <= radius.residual + 1e-13);
+  }
+}

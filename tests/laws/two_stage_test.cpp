@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The algorithm itself against what the operators say of it.
+#include "../support/literal_formulas.hpp"
+#include "../support/problems.hpp"
+#include <nscdd/ddm/inexact_stage_one.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/ddm/two_stage.hpp>
+#include <nscdd/linalg/linear_operator.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+#include <nscdd/study/observed_rate.hpp>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// Stage 2 of the paper, (16), on the outcome of Stage 1: X_eta F' = sum A M_eta^-1 (F^d + H (r + v/eta)).
+Vector literal_stage_two(const Decomposition& parts, const std::vector<Vector>& loads, const Vector& f,
+                         double epsilon, double eta) {
+  Matrix x = Matrix::Zero(f.size(), f.size());
+  Vector right = Vector::Zero(f.size());
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
+    const Subdomain& s = parts.subdomains[e];
+    const Matrix mass = s.inertia.asDiagonal(), h = s.h, a = s.a;
+    const Matrix w = h.transpose() * mass.inverse() * h;
+    const Vector v_d = h.transpose() * mass.inverse() * loads[e];
+    const Vector r = (w + epsilon * Matrix::Identity(w.rows(), w.cols()))
+                         .lu()
+                         .solve(-v_d + h.transpose() * mass.inverse() * a.transpose() * f);
+    const Vector v = -epsilon * r;
+    const Matrix m_eta = std::isinf(eta) ? mass : Matrix(mass + h * h.transpose() / eta);
+    const Vector r_plus = std::isinf(eta) ? r : Vector(r + v / eta);
+    x += a * m_eta.inverse() * a.transpose();
+    right += a * m_eta.inverse() * (loads[e] + h * r_plus);
+  }
+  return x.lu().solve(right);
+}
+
+}  // namespace
+
+TEST_CASE("one iteration is the paper's Stage 1 and Stage 2, generic and enriched, under loads") {
+  for (const Case& one : every_problem()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    if (model.parts.interface_size() == 0) continue;
+    const std::vector<Vector> loads = impact_loads(model.parts, model.problem.arriving_velocity);
+    const InterfaceFamily family(model.parts);
+    for (const double eta : {0.4, 2.0, infinity}) {
+      const TwoStageIteration iteration(model.parts, LinearViscous{0.3}, family.at(eta), std::nullopt);
+      TwoStageState state = iteration.zero_state();
+      state.interface_impulses = RandomStream(1).normal_vector(model.parts.interface_size());
+      const Vector expected = literal_stage_two(model.parts, loads, state.interface_impulses, 0.3, eta);
+      const Vector met = iteration.iterate(state, &loads).interface_impulses;
+      CHECK((met - expected).norm() < 1e-10 * expected.norm());
+    }
+  }
+}
+
+TEST_CASE("without loads one iteration is the contraction operator, rigid and relaxed included") {
+  for (const Case& one : every_problem()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    if (model.parts.interface_size() == 0) continue;
+    const InterfaceFamily family(model.parts);
+    for (const double epsilon : {0.0, 0.2, 5.0})
+      for (const double eta : {0.7, infinity})
+        for (const double relaxation : {1.0, 0.6}) {
+          const TwoStageIteration iteration(model.parts, LinearViscous{epsilon}, family.at(eta), std::nullopt,
+                                            relaxation);
+          const Contraction b{family.at(eta), family.at(epsilon), relaxation};
+          TwoStageState state = iteration.zero_state();
+          state.interface_impulses = RandomStream(2).normal_vector(b.rows());
+          const Vector expected = b.apply(state.interface_impulses);
+          const Vector met = iteration.iterate(state).interface_impulses;
+          CHECK((met - expected).norm() < 1e-9 * state.interface_impulses.norm());
+        }
+  }
+}
+
+TEST_CASE("at convergence the undivided problem is solved: same impulses, glued velocities") {
+  for (const Index n : {4, 8, 12}) {
+    const Model model = build(strip(n));
+    const std::vector<Vector> loads = impact_loads(model.parts, model.problem.arriving_velocity);
+    const double epsilon = 0.5;
+    const TwoStageIteration iteration(model.parts, LinearViscous{epsilon},
+                                      InterfaceFamily(model.parts).at(0.7), std::nullopt);
+    TwoStageState state = iteration.zero_state();
+    for (int i = 0; i < 200; ++i) state = iteration.iterate(state, &loads);
+    const Matrix h = model.problem.h;
+    const Matrix w = h.transpose() * model.problem.inertia.cwiseInverse().asDiagonal() * h;
+    const Vector expected = (w + epsilon * Matrix::Identity(w.rows(), w.cols()))
+                                .lu()
+                                .solve(-h.transpose() * model.problem.arriving_velocity);
+    for (std::size_t e = 0; e < model.parts.subdomains.size(); ++e)
+      for (Index c = 0; c < count(model.parts.subdomains[e].contacts); ++c)
+        CHECK(state.impulses[e][c] ==
+              doctest::Approx(expected[model.parts.subdomains[e].contacts[at(c)]]).epsilon(1e-10));
+  }
+}
+
+TEST_CASE("J_n: nonzero spectrum of T^n + (I - T^n) W_eps^-1 Ahat^T X^-1 Ahat") {
+  const Model model = build(random_lattice(1, 6, 5, {2, 2}));
+  const double epsilon = 0.4;
+  const LiteralFormulas literal(model.parts);
+  Index contacts = 0;
+  for (const Subdomain& s : model.parts.subdomains) contacts += s.h.cols();
+  Matrix w = Matrix::Zero(contacts, contacts), a_hat = Matrix::Zero(model.parts.interface_size(), contacts);
+  Index offset = 0;
+  for (const Subdomain& s : model.parts.subdomains) {
+    const Index c = s.h.cols();
+    const Matrix h = s.h, inverse_mass = s.inertia.cwiseInverse().asDiagonal();
+    w.block(offset, offset, c, c) = h.transpose() * inverse_mass * h + epsilon * Matrix::Identity(c, c);
+    a_hat.middleCols(offset, c) = Matrix(s.a) * inverse_mass * h;
+    offset += c;
+  }
+  const Matrix lower = w.triangularView<Eigen::Lower>();
+  const Matrix strictly_upper = w - lower;
+  const Matrix t = -lower.lu().solve(strictly_upper);
+  const InterfaceOperator generic = InterfaceFamily(model.parts).at(infinity);
+  for (const Index n : {1, 2, 7}) {
+    Matrix power = Matrix::Identity(contacts, contacts);
+    for (Index k = 0; k < n; ++k) power = power * t;
+    const Matrix j = power + (Matrix::Identity(contacts, contacts) - power) * w.inverse() *
+                                 a_hat.transpose() * literal.x().inverse() * a_hat;
+    const double expected = Eigen::EigenSolver<Matrix>(j, false).eigenvalues().cwiseAbs().maxCoeff();
+    const InexactIteration ours{TwoStageIteration(model.parts, LinearViscous{epsilon}, generic, n)};
+    CHECK(inexact_radius(ours, {.solver = SpectralSolver::dense}).value ==
+          doctest::Approx(expected).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("J_n tends to B as n grows, generic and enriched") {
+  const Model model = build(strip(8));
+  const InterfaceFamily family(model.parts);
+  for (const double eta : {0.3, infinity}) {
+    const double limit = spectral_radius({family.at(eta), family.at(1.0)}).value;
+    const InexactIteration j{TwoStageIteration(model.parts, LinearViscous{1.0}, family.at(eta), Index{400})};
+    CHECK(inexact_radius(j).value == doctest::Approx(limit).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("observed rates agree with the spectral radius to the error of the fit") {
+  for (const Case& one : {strip(4), strip(12), random_lattice(2, 8, 6, {3, 2})}) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    SweepParameters parameters;
+    parameters.epsilon = {0, 0.1, 1};
+    parameters.eta = {0.3, infinity};
+    parameters.gauss_seidel_sweeps = {2, std::nullopt};
+    if (one.name != "strip4") parameters.epsilon = {0.1, 1};
+    const Table layout{observed_rate_columns(), {}};
+    Index rows = 0;
+    observe(model, parameters, 7, [&](const Row& row) {
+      ++rows;
+      CAPTURE(std::get<double>(row[layout.column("epsilon")]));
+      CAPTURE(std::get<double>(row[layout.column("eta")]));
+      CAPTURE(std::get<double>(row[layout.column("gauss_seidel_sweeps")]));
+      const double predicted = std::get<double>(row[layout.column("predicted_rate")]);
+      const double observed = std::get<double>(row[layout.column("observed_rate")]);
+      CAPTURE(predicted);
+      CAPTURE(observed);
+      CHECK(std::get<bool>(row[layout.column("agree")]));
+      CHECK(std::abs(observed - predicted) < 2e-3);
+    });
+    CHECK(rows == static_cast<Index>(parameters.epsilon.size() * 4));
+  }
+}
+
+TEST_CASE("hyperstatic rigid limit: the run shows the subdominant radius, not the unit eigenvalues") {
+  const Model model = build(random_lattice(1, 6, 5, {2, 2}));
+  const InterfaceFamily family(model.parts);
+  const SpectralRadius radius = spectral_radius({family.at(infinity), family.at(0)});
+  REQUIRE(radius.unit_multiplicity > 0);
+  const InterfaceOperator preconditioner = family.at(infinity);
+  const TwoStageIteration iteration(model.parts, LinearViscous{0}, preconditioner, std::nullopt);
+  const ObservedRate observed = observed_rate(iteration, preconditioner, 3);
+  CHECK(observed.value == doctest::Approx(radius.subdominant).epsilon(1e-6));
+}

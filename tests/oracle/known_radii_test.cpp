@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Radii known in closed form (4 disks), and to 30 digits from exact arithmetic (exact_references.csv).
+#include "../support/problems.hpp"
+#include <nscdd/core/fields.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// Eigenvalues of B_eps for 4 disks: 3/(5+2 eps), 1/(5+2 eps) and the roots z of
+// (4 e^3 + 44 e^2 + 153 e + 168) z^2 - (16 e^2 + 108 e + 174) z + 15 e + 42 = 0.
+std::vector<double> four_disks(double e) {
+  const double a = 4 * e * e * e + 44 * e * e + 153 * e + 168, b = 16 * e * e + 108 * e + 174,
+               c = 15 * e + 42;
+  const double root = std::sqrt(b * b - 4 * a * c), larger = (b + root) / (2 * a);
+  return {3 / (5 + 2 * e), 1 / (5 + 2 * e), larger, c / (a * larger)};
+}
+
+std::string source_file(const std::string& name) {
+  const char* source = std::getenv("NSCDD_SOURCE");
+  REQUIRE(source != nullptr);
+  return std::string(source) + "/" + name;
+}
+
+}  // namespace
+
+TEST_CASE("4 disks: closed form of both ends for all epsilon to 1e-12") {
+  const Model model = build(strip(4));
+  const InterfaceFamily family(model.parts);
+  for (double exponent = -10; exponent <= 6; exponent += 0.125) {
+    const double epsilon = std::pow(10.0, exponent);
+    CAPTURE(epsilon);
+    const std::vector<double> expected = four_disks(epsilon);
+    for (const SpectralSolver solver : {SpectralSolver::dense, SpectralSolver::arpack}) {
+      const SpectralRadius radius =
+          spectral_radius({family.at(infinity), family.at(epsilon)}, {.solver = solver});
+      REQUIRE(radius.converged);
+      CHECK(std::abs(radius.value - *std::max_element(expected.begin(), expected.end())) < 1e-12);
+      CHECK(std::abs(radius.eigenvalue_min - *std::min_element(expected.begin(), expected.end())) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("4 disks: rho(B_0) = (29 + sqrt 57)/56, rho(B-bar) = 3/5") {
+  const Model model = build(strip(4));
+  const SpectralRadius rigid = spectral_radius(contraction(model.parts, Generic{}, LinearViscous{0}));
+  CHECK(std::abs(rigid.value - (29 + std::sqrt(57.0)) / 56) < 1e-14);
+  const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
+  CHECK(active == std::vector<char>{1, 1, 0, 1, 1});
+  const SpectralRadius nonsmooth =
+      spectral_radius(contraction(model.parts, Generic{}, LinearViscous{0}, active));
+  CHECK(std::abs(nonsmooth.value - 0.6) < 1e-14);
+}
+
+TEST_CASE("4, 8 and 12 disks: every radius against exact arithmetic to 1e-12") {
+  const std::string path = source_file("tests/oracle/exact_references.csv");
+  const CsvText references = parse_csv(read_text(path), path);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(references.columns.begin(), references.columns.end(), name) -
+                                    references.columns.begin());
+  };
+  const std::map<std::string, Index> grains{{"disks4", 4}, {"disks8", 8}, {"disks12", 12}};
+  Index compared = 0;
+  for (const auto& row : references.rows) {
+    const Model model = build(strip(grains.at(row[column("case")])));
+    const double epsilon = parse_number(row[column("epsilon")], "epsilon");
+    const double eta = parse_number(row[column("eta")], "eta");
+    CAPTURE(row[column("case")]);
+    CAPTURE(row[column("contact_set")]);
+    CAPTURE(epsilon);
+    CAPTURE(eta);
+    const bool all = row[column("contact_set")] == "all";
+    const Contraction b = all ? contraction(model.parts, Enriched{eta}, LinearViscous{epsilon})
+                              : contraction(model.parts, Enriched{eta}, LinearViscous{epsilon},
+                                            active_contacts(model.problem, rigid_impulses(model.problem)));
+    const SpectralRadius radius = spectral_radius(b);
+    CHECK(std::abs(radius.value - parse_number(row[column("spectral_radius")], "")) < 1e-12);
+    CHECK(std::abs(radius.eigenvalue_min - parse_number(row[column("eigenvalue_min")], "")) < 1e-12);
+    CHECK(std::abs(radius.eigenvalue_max - parse_number(row[column("eigenvalue_max")], "")) < 1e-12);
+    ++compared;
+  }
+  CHECK(compared == 90);
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "problems.hpp"
+
+#include <nscdd/linalg/random.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace nscdd::testing {
+
+Case strip(Index grains) {
+  Case one;
+  one.name = "strip" + std::to_string(grains);
+  one.packing = Generator{TriangularStrip{.grains = grains}};
+  one.partition = GridPartitioner{{2, 1}};
+  one.prescribed = {{-1, {-1.0, 0.0}}};
+  return one;
+}
+
+Case random_lattice(std::uint64_t seed, Index columns, Index rows, std::array<Index, 2> grid) {
+  RandomStream random(seed);
+  const Packing full = generate(HexagonalLattice{.columns = columns, .rows = rows, .radius = 0.5});
+  Packing packing;
+  for (Index i = 0; i < full.size(); ++i) {
+    const double mass = 0.5 + random.uniform();
+    if (random.uniform() < 0.12 && i + 1 < full.size()) continue;  // a vacancy
+    packing.x.push_back(full.x[at(i)]);
+    packing.y.push_back(full.y[at(i)]);
+    packing.radius.push_back(full.radius[at(i)]);
+    packing.mass.push_back(mass);
+  }
+  Case one;
+  one.name = "lattice" + std::to_string(seed);
+  one.packing = PackingFile{"made in a test", packing};
+  one.partition = GridPartitioner{grid};
+  one.prescribed = {{0, {1.0, 0.5}}};
+  return one;
+}
+
+std::vector<Case> every_problem() {
+  std::vector<Case> all{strip(4),
+                        strip(8),
+                        strip(12),
+                        random_lattice(1, 6, 5, {2, 2}),
+                        random_lattice(2, 8, 6, {3, 2}),
+                        random_lattice(3, 5, 9, {2, 3})};
+  Case metis = random_lattice(4, 7, 6, {1, 1});
+  metis.name = "metis";
+  metis.partition = MetisPartitioner{.metis = 4, .seed = 1};
+  all.push_back(metis);
+  Case fine = strip(6);
+  fine.name = "empty cells";
+  fine.partition = GridPartitioner{{30, 3}};
+  all.push_back(fine);
+  return all;
+}
+
+Case renumbered(const Case& one, std::uint64_t seed) {
+  const Packing before = build(one).packing;
+  std::vector<Index> order(at(before.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  RandomStream random(seed);
+  for (Index i = before.size() - 2; i > 0; --i) std::swap(order[at(i)], order[at(random.below(i + 1))]);
+  Packing after;
+  for (const Index i : order) {
+    after.x.push_back(before.x[at(i)]);
+    after.y.push_back(before.y[at(i)]);
+    after.radius.push_back(before.radius[at(i)]);
+    after.mass.push_back(before.mass[at(i)]);
+  }
+  Case result = one;
+  result.packing = PackingFile{"renumbered", after};
+  for (PrescribedVelocity& velocity : result.prescribed) {
+    if (velocity.grain < 0) velocity.grain += before.size();
+    velocity.grain = std::find(order.begin(), order.end(), velocity.grain) - order.begin();
+  }
+  return result;
+}
+
+Model moved(const Case& one, double angle, double shift_x, double shift_y) {
+  Model model = build(one);
+  Packing packing = model.packing;
+  const double c = std::cos(angle), s = std::sin(angle);
+  for (Index i = 0; i < packing.size(); ++i) {
+    const double x = packing.x[at(i)], y = packing.y[at(i)];
+    packing.x[at(i)] = c * x - s * y + shift_x;
+    packing.y[at(i)] = s * x + c * y + shift_y;
+  }
+  std::vector<PrescribedVelocity> prescribed = one.prescribed;
+  for (PrescribedVelocity& velocity : prescribed) {
+    if (velocity.grain < 0) velocity.grain += packing.size();
+    const auto [x, y] = velocity.velocity;
+    velocity.velocity = {c * x - s * y, s * x + c * y};
+  }
+  model.packing = packing;
+  model.network = detect_contacts(packing, one.contacts);
+  model.problem = assemble(packing, model.network, prescribed);
+  model.parts = decompose(model.problem, model.partition);
+  return model;
+}
+
+Index cross_points(const Decomposition& parts) {
+  return std::count_if(parts.multiplicity.begin(), parts.multiplicity.end(), [](Index q) { return q > 2; });
+}
+
+}  // namespace nscdd::testing

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/study/case.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace nscdd::testing {
+
+/// A strip of n disks as in [ADI12] Figures 2-4: two subdomains, the last grain arriving at -1 m/s.
+Case strip(Index grains);
+
+/// A piece of hexagonal lattice with vacancies and random masses, cut by a grid: contacts are exact, some
+/// grains are shared by three or four subdomains, some parts are hyperstatic, some grains may touch nothing.
+Case random_lattice(std::uint64_t seed, Index columns, Index rows, std::array<Index, 2> grid);
+
+/// The problems every law is tested on: the paper's three, hyperstatic lattices with cross points, METIS
+/// parts, a cut with empty subdomains.
+std::vector<Case> every_problem();
+
+/// The packing of a case with its grains renumbered at random; the last grain stays the last.
+Case renumbered(const Case& one, std::uint64_t seed);
+
+/// The model of `one` with all coordinates rotated and shifted but the partition of `one` kept.
+Model moved(const Case& one, double angle, double shift_x, double shift_y);
+
+/// Number of grains shared by more than two subdomains.
+Index cross_points(const Decomposition& parts);
+
+}  // namespace nscdd::testing

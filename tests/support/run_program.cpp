@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "run_program.hpp"
+
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+
+namespace nscdd::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  if (value == nullptr) throw std::runtime_error(std::string("the environment has no ") + name);
+  return value;
+}
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw std::runtime_error(what + ": " + std::generic_category().message(errno));
+}
+
+// A file descriptor closed by its owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number() const { return number_; }
+  bool open() const { return number_ >= 0; }
+  void reset(int number) {
+    close();
+    number_ = number;
+  }
+  void close() {
+    if (number_ >= 0) ::close(number_);
+    number_ = -1;
+  }
+
+ private:
+  int number_;
+};
+
+// One stream of the program: captured through a pipe, or sent elsewhere.
+struct Stream {
+  Descriptor ours, theirs;
+  std::string captured;
+
+  explicit Stream(const fs::path& target, bool terminal = false) {
+    if (terminal) {
+      ours.reset(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+      if (!ours.open() || ::grantpt(ours.number()) != 0 || ::unlockpt(ours.number()) != 0) refuse("terminal");
+      theirs.reset(::open(::ptsname(ours.number()), O_RDWR | O_NOCTTY | O_CLOEXEC));
+      if (!theirs.open()) refuse("terminal");
+      return;
+    }
+    if (!target.empty()) {
+      theirs.reset(::open(target.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+      if (!theirs.open()) refuse(target.string());
+      return;
+    }
+    std::array<int, 2> ends{};
+    // Closed on exec: a program started by another thread must not hold our pipe open.
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) refuse("pipe");
+    ours.reset(ends[0]);
+    theirs.reset(ends[1]);
+  }
+
+  void read_some() {
+    std::array<char, 65536> buffer{};
+    const ssize_t length = ::read(ours.number(), buffer.data(), buffer.size());
+    if (length > 0) captured.append(buffer.data(), static_cast<std::size_t>(length));
+    // A terminal that nobody holds open any more is an error rather than an end.
+    if (length == 0 || (length < 0 && errno != EINTR)) ours.close();
+  }
+};
+
+// What the new process does before it becomes the program; nothing here may allocate.
+[[noreturn]] void become_program(const char* folder, char* const* arguments, const RunOptions& options,
+                                 const Stream& output, const Stream& error) {
+  const bool placed = ::dup2(output.theirs.number(), STDOUT_FILENO) >= 0 &&
+                      ::dup2(error.theirs.number(), STDERR_FILENO) >= 0 && ::chdir(folder) == 0;
+  if (!placed) ::_exit(127);
+  if (options.largest_file) {
+    const rlimit limit{*options.largest_file, *options.largest_file};
+    // The signal would end the program; without it a write fails, as on a full disk.
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) ::_exit(127);
+  }
+  // Without this capability the superuser is held to permissions too; others are anyway, and may not drop it.
+  if (options.obey_permissions) ::prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0);
+  ::execv(arguments[0], arguments);
+  ::_exit(127);
+}
+
+// Reads both streams until the program has closed them, killing it where told to.
+void follow(pid_t process, Stream& output, Stream& error, const RunOptions& options) {
+  using clock = std::chrono::steady_clock;
+  const auto deadline = clock::now() + std::chrono::minutes(4);
+  siginfo_t state{};
+  bool killed = false;
+  while (output.ours.open() || error.ours.open() || options.kill_when) {
+    std::array<pollfd, 2> polled{{{output.ours.number(), POLLIN, 0}, {error.ours.number(), POLLIN, 0}}};
+    ::poll(polled.data(), polled.size(), 5);  // descriptors below 0 are passed over
+    if (polled[0].revents != 0) output.read_some();
+    if (polled[1].revents != 0) error.read_some();
+    if (!killed && ((options.kill_when && options.kill_when()) || clock::now() > deadline)) {
+      ::kill(process, SIGKILL);
+      killed = true;
+    }
+    state.si_pid = 0;
+    const bool ended =
+        ::waitid(P_PID, static_cast<id_t>(process), &state, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        state.si_pid != 0;
+    if (ended && !output.ours.open() && !error.ours.open()) return;
+  }
+}
+
+int wait_for(pid_t process) {
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0)
+    if (errno != EINTR) refuse("waitpid");
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> values;
+  std::istringstream stream(line);
+  for (std::string value; std::getline(stream, value, ',');) values.push_back(value);
+  if (!line.empty() && line.back() == ',') values.emplace_back();
+  return values;
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (fs::temp_directory_path() / "nscdd-test-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) refuse(name);
+  path_ = fs::canonical(name);
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+std::string read_file(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw std::runtime_error("cannot read " + path.string());
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void write_file(const fs::path& path, const std::string& content) {
+  if (path.has_parent_path()) fs::create_directories(path.parent_path());
+  std::ofstream stream(path, std::ios::binary);
+  stream << content;
+  stream.close();
+  if (!stream) throw std::runtime_error("cannot write " + path.string());
+}
+
+std::map<std::string, std::string> content_of(const fs::path& folder) {
+  std::map<std::string, std::string> content;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (entry.is_symlink() || (!entry.is_regular_file() && !entry.is_directory())) {
+      content[name] = "(link, pipe or device)";
+    } else if (entry.is_directory()) {
+      content[name + "/"] = "";
+    } else {
+      content[name] = read_file(entry.path());
+    }
+  }
+  return content;
+}
+
+Outcome run_program(const fs::path& folder, const std::vector<std::string>& arguments,
+                    const RunOptions& options) {
+  std::vector<std::string> words{environment("NSCDD_PROGRAM")};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  // Cases and studies are those of the source tree, wherever the program was built.
+  ::setenv("NSCDD_DATA", source_folder().c_str(), 1);
+
+  Stream output(options.standard_output), error(options.standard_error, options.on_terminal);
+  const pid_t process = ::fork();
+  if (process < 0) refuse("fork");
+  if (process == 0) become_program(folder.c_str(), pointers.data(), options, output, error);
+  output.theirs.close();
+  error.theirs.close();
+  follow(process, output, error, options);
+  const int exit_code = wait_for(process);
+  if (exit_code == 127) throw std::runtime_error("cannot start " + words[0]);
+  return {exit_code, output.captured, error.captured};
+}
+
+fs::path source_folder() { return environment("NSCDD_SOURCE"); }
+
+const std::string& CsvTable::text(std::size_t row, const std::string& column) const {
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) throw std::runtime_error("the table has no column " + column);
+  return rows.at(row).at(static_cast<std::size_t>(found - columns.begin()));
+}
+
+double CsvTable::number(std::size_t row, const std::string& column) const {
+  const std::string& value = text(row, column);
+  std::size_t read = 0;
+  const double result = std::stod(value, &read);
+  if (read != value.size()) throw std::runtime_error("not a number: " + value);
+  return result;
+}
+
+CsvTable read_table(const std::string& csv) {
+  CsvTable table;
+  std::istringstream stream(csv);
+  std::string line;
+  std::getline(stream, line);
+  table.columns = split(line);
+  while (std::getline(stream, line)) {
+    table.rows.push_back(split(line));
+    if (table.rows.back().size() != table.columns.size())
+      throw std::runtime_error("a row of another length than the first line: " + line);
+  }
+  return table;
+}
+
+}  // namespace nscdd::testing

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The layers of the library: a file includes its own layer or a lower one, never a higher one.
+#include <nscdd/io/csv.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> layers{"core", "linalg", "packing", "mechanics", "ddm", "study", "io", "app"};
+
+std::ptrdiff_t layer_of(const std::string& folder) {
+  return std::find(layers.begin(), layers.end(), folder) - layers.begin();
+}
+
+// First folder of a path below `root`.
+std::string top_folder(const fs::path& path, const fs::path& root) {
+  return fs::relative(path, root).begin()->string();
+}
+
+std::vector<fs::path> sources(const fs::path& root) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(root))
+    if (entry.path().extension() == ".hpp" || entry.path().extension() == ".cpp")
+      files.push_back(entry.path());
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("no file includes a higher layer, and below app nothing prints") {
+  const char* source = std::getenv("NSCDD_SOURCE");
+  REQUIRE(source != nullptr);
+  int includes = 0;
+  for (const fs::path& root : {fs::path(source) / "include" / "nscdd", fs::path(source) / "src"})
+    for (const fs::path& file : sources(root)) {
+      CAPTURE(file.string());
+      const auto own = layer_of(top_folder(file, root));
+      REQUIRE(own < static_cast<std::ptrdiff_t>(layers.size()));
+      const std::string text = nscdd::read_text(file.string());
+      const std::string marker = "#include <nscdd/";
+      for (std::size_t at = text.find(marker); at != std::string::npos; at = text.find(marker, at + 1)) {
+        const std::size_t start = at + marker.size();
+        const std::string included = text.substr(start, text.find('/', start) - start);
+        CAPTURE(included);
+        CHECK(layer_of(included) <= own);
+        ++includes;
+      }
+      if (own < layer_of("app"))
+        for (const char* printing : {"fmt::print", "std::cout", "std::cerr", "printf("})
+          CHECK(text.find(printing) == std::string::npos);
+    }
+  CHECK(includes > 100);
+}

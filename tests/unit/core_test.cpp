@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/core/table.hpp>
+#include <nscdd/core/version.hpp>
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+using namespace nscdd;
+
+namespace {
+
+struct Example {
+  double length = 1.5;
+  Index number = 3;
+  std::array<Index, 2> grid{1, 2};
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("length", self.length,
+          Field{.description = "a length", .unit = "m", .minimum = 0, .minimum_excluded = true});
+    visit("number", self.number, Field{.description = "a number", .minimum = 1, .maximum = 9});
+    visit("grid", self.grid, Field{.description = "a grid", .minimum = 1});
+  }
+};
+
+}  // namespace
+
+TEST_CASE("fields: listed, overridden, bounds kept") {
+  Example example;
+  const auto listed = describe_fields(example);
+  REQUIRE(listed.size() == 3);
+  CHECK(listed[0].key == "length");
+  CHECK(listed[0].unit == "m");
+  CHECK(listed[0].value == "1.5");
+  CHECK(listed[2].value == "[1, 2]");
+  CHECK(override_field(example, "length", "2e-3", "x.length"));
+  CHECK(example.length == 2e-3);
+  CHECK(override_field(example, "grid", "[4, 5]", "x.grid"));
+  CHECK(example.grid == std::array<Index, 2>{4, 5});
+  CHECK(override_field(example, "grid", "6,7", "x.grid"));
+  CHECK(example.grid == std::array<Index, 2>{6, 7});
+  CHECK_FALSE(override_field(example, "width", "1", "x.width"));
+  CHECK_THROWS_WITH_AS(override_field(example, "length", "0", "x.length"),
+                       "x.length: expected a finite number > 0, met 0", Error);
+  CHECK_THROWS_WITH_AS(override_field(example, "number", "10", "x.number"),
+                       "x.number: expected a finite number >= 1 and <= 9, met 10", Error);
+  CHECK_THROWS_WITH_AS(override_field(example, "length", "nan", "x.length"),
+                       "x.length: expected a finite number > 0, met nan", Error);
+  CHECK_THROWS_AS(override_field(example, "number", "2.5", "x.number"), Error);
+  CHECK_THROWS_AS(override_field(example, "grid", "3", "x.grid"), Error);
+}
+
+TEST_CASE("numbers: read in full or refused by name") {
+  CHECK(parse_number(" 1e-3 ", "n") == 1e-3);
+  CHECK(parse_number("+2", "n") == 2);
+  CHECK(parse_number("inf", "n") == infinity);
+  for (const char* text : {"", " ", "1x", "1 2", "--1", "0x10", "1,5", "+-1", "1e999"})
+    CHECK_THROWS_AS(parse_number(text, "n"), Error);
+  CHECK(parse_integer("-7", "n") == -7);
+  for (const char* text : {"1.0", "1e3", "", "99999999999999999999"})
+    CHECK_THROWS_AS(parse_integer(text, "n"), Error);
+}
+
+TEST_CASE("tables: cells as text, columns by name") {
+  CHECK(to_text(Cell{0.1}) == "0.1");
+  CHECK(to_text(Cell{1.0 / 3}) == "0.3333333333333333");
+  CHECK(to_text(Cell{infinity}) == "inf");
+  CHECK(to_text(Cell{not_a_number}) == "nan");
+  CHECK(to_text(Cell{std::int64_t{-4}}) == "-4");
+  CHECK(to_text(Cell{true}) == "true");
+  CHECK(to_text(Cell{std::string("a b")}) == "a b");
+  const Table table{{{"a", "1", ""}, {"b", "m", ""}}, {}};
+  CHECK(table.column("b") == 1);
+  CHECK_THROWS_WITH_AS(table.column("c"), "expected a column 'c', met only: a, b", Error);
+}
+
+TEST_CASE("versions are told") {
+  CHECK(version().find('.') != std::string::npos);
+  for (const auto& [name, number] : dependency_versions()) {
+    CAPTURE(name);
+    CHECK(number.find_first_of("0123456789") != std::string::npos);
+  }
+}

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/problems.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/ddm/two_stage.hpp>
+#include <nscdd/linalg/random.hpp>
+
+#include <Eigen/QR>
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+TEST_CASE("4 disks: the partition of the paper") {
+  const Model model = build(strip(4));
+  // links (0,1) (0,2) (1,2) | (1,3) (2,3): the one that straddles the line goes left
+  CHECK(model.partition.subdomain_of_contact == std::vector<Index>{0, 0, 0, 1, 1});
+  CHECK(model.parts.subdomains[0].grains == std::vector<Index>{0, 1, 2});
+  CHECK(model.parts.subdomains[1].grains == std::vector<Index>{1, 2, 3});
+  CHECK(model.parts.multiplicity == std::vector<Index>{1, 2, 2, 1});
+  CHECK(model.parts.interface_size() == 4);
+  CHECK(model.parts.subdomains[0].inertia.isApprox((Vector(6) << 1, 1, 0.5, 0.5, 0.5, 0.5).finished()));
+}
+
+TEST_CASE("grid: a midpoint on a line goes to the lower cell, outer points stay inside") {
+  const Packing packing{{0.0, 1.0, 2.0, 0.0}, {0.0, 0.0, 0.0, 1.0}, {0.5, 0.5, 0.5, 0.5}, {1, 1, 1, 1}};
+  const ContactNetwork network = detect_contacts(packing);
+  REQUIRE(network.size() == 3);  // (0,1) at x = 0.5, (0,3) at x = 0, (1,2) at x = 1.5
+  CHECK(by_grid(packing, network, {{2, 1}}).subdomain_of_contact == std::vector<Index>{0, 0, 1});
+  CHECK(by_grid(packing, network, {{4, 1}}).subdomain_of_contact == std::vector<Index>{0, 0, 2});
+  CHECK(by_grid(packing, network, {{1, 2}}).subdomain_of_contact == std::vector<Index>{0, 0, 0});
+  CHECK(by_grid(packing, network, {{1, 4}}).subdomain_of_contact == std::vector<Index>{0, 1, 0});
+  CHECK_THROWS_AS(by_grid(packing, network, {{0, 1}}), Error);
+  CHECK_THROWS_AS(by_grid(packing, network, {{10000, 10000}}), Error);
+}
+
+TEST_CASE("METIS: every contact in a part, parts of like size, same result twice, odd numbers of parts") {
+  const Model model = build(random_lattice(5, 12, 12, {1, 1}));
+  for (const Index parts : {1, 2, 5, 8}) {
+    const Partition partition = by_metis(model.problem, {.metis = parts, .seed = 3});
+    std::map<Index, Index> sizes;
+    for (const Index e : partition.subdomain_of_contact) ++sizes[e];
+    CHECK(count(sizes) == parts);
+    for (const auto& [part, size] : sizes) CHECK(size * parts < 2 * model.problem.contacts());
+    CHECK(by_metis(model.problem, {.metis = parts, .seed = 3}).subdomain_of_contact ==
+          partition.subdomain_of_contact);
+  }
+  const Model two = build(strip(2));
+  CHECK(by_metis(two.problem, {.metis = 7}).subdomain_of_contact == std::vector<Index>{0});
+}
+
+TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {
+  for (const Case& one : every_problem()) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {
+      const Decomposition parts = decompose(model.problem, model.partition, shape);
+      const Subdomain whole = reassemble(parts);
+      Index copies = 0, shared = 0;
+      for (const Subdomain& subdomain : parts.subdomains) copies += count(subdomain.grains);
+      for (const Index multiplicity : parts.multiplicity) shared += multiplicity > 0;
+      CHECK(count(parts.gluing) == copies - shared);
+      CHECK(count(whole.grains) == shared);
+      for (Index i = 0; i < count(whole.grains); ++i)
+        CHECK(whole.inertia[2 * i] == doctest::Approx(model.packing.mass[at(whole.grains[at(i)])]));
+
+      const Vector velocity = RandomStream(4).normal_vector(model.problem.inertia.size());
+      Vector jumps = Vector::Zero(parts.interface_size());
+      Matrix all(parts.interface_size(), 0);
+      for (const Subdomain& subdomain : parts.subdomains) {
+        Vector local(subdomain.inertia.size());
+        for (Index i = 0; i < count(subdomain.grains); ++i)
+          local.segment(2 * i, 2) = velocity.segment(2 * subdomain.grains[at(i)], 2);
+        jumps += subdomain.a * local;
+        Matrix wider(all.rows(), all.cols() + subdomain.a.cols());
+        wider << all, Matrix(subdomain.a);
+        all = wider;
+      }
+      CHECK(jumps.isZero(1e-14));
+      if (all.rows() > 0) CHECK(Eigen::ColPivHouseholderQR<Matrix>(all).rank() == all.rows());
+    }
+  }
+}
+
+TEST_CASE("restricted contacts keep grains, masses and gluing") {
+  const Model model = build(random_lattice(1, 6, 5, {2, 2}));
+  std::vector<char> kept(at(model.problem.contacts()), 0);
+  for (Index c = 0; c < model.problem.contacts(); c += 3) kept[at(c)] = 1;
+  const Decomposition parts = restrict_contacts(model.parts, kept);
+  Index contacts = 0;
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
+    CHECK(parts.subdomains[e].grains == model.parts.subdomains[e].grains);
+    CHECK(parts.subdomains[e].inertia == model.parts.subdomains[e].inertia);
+    CHECK(Matrix(parts.subdomains[e].a) == Matrix(model.parts.subdomains[e].a));
+    contacts += parts.subdomains[e].h.cols();
+    for (const Index c : parts.subdomains[e].contacts) CHECK(kept[at(c)] == 1);
+  }
+  CHECK(contacts == std::count(kept.begin(), kept.end(), 1));
+  CHECK_THROWS_AS(restrict_contacts(model.parts, {1, 0}), Error);
+}
+
+TEST_CASE("partitions that do not fit are refused") {
+  const Model model = build(strip(4));
+  CHECK_THROWS_AS(decompose(model.problem, {2, {0, 1}}), Error);
+  CHECK_THROWS_WITH_AS(decompose(model.problem, {2, {0, 1, 2, 0, 0}}), doctest::Contains("contact 2"), Error);
+}
+
+TEST_CASE("singleton, no_contacts, one_subdomain: legal, with an empty interface and radius 0") {
+  Case singleton;
+  singleton.packing = PackingFile{"one grain", {{0.0}, {0.0}, {1.0}, {}}};
+  Case apart;
+  apart.packing = PackingFile{"two grains apart", {{0.0, 9.0}, {0.0, 0.0}, {1.0, 1.0}, {}}};
+  apart.partition = GridPartitioner{{2, 2}};
+  Case single = strip(12);
+  single.partition = GridPartitioner{{1, 1}};
+  for (const Case& one : {singleton, apart, single}) {
+    const Model model = build(one);
+    CHECK(model.parts.interface_size() == 0);
+    for (const double eta : {0.5, infinity})
+      for (const double epsilon : {0.0, 1.0}) {
+        const SpectralRadius radius =
+            spectral_radius(contraction(model.parts, Enriched{eta}, LinearViscous{epsilon}));
+        CHECK(radius.value == 0);
+        CHECK(radius.converged);
+        CHECK(radius.solver == "none");
+      }
+  }
+}
+
+TEST_CASE("interface operators refuse flexibilities that are none, and the inverse of the rigid limit") {
+  const Model model = build(strip(4));
+  const InterfaceFamily family(model.parts);
+  for (const double eta : {-1.0, not_a_number}) CHECK_THROWS_AS(family.at(eta), Error);
+  CHECK_THROWS_AS(family.at(0).solve(Vector::Ones(4)), Error);
+}
+
+TEST_CASE("operators outlive what they were made from") {
+  InterfaceOperator x = [] {
+    const Model model = build(strip(8));
+    return InterfaceFamily(model.parts).at(0.5);
+  }();
+  const Vector f = Vector::LinSpaced(x.rows(), 1, 2);
+  CHECK((x.apply(x.solve(f)) - f).norm() < 1e-12);
+}
+
+TEST_CASE("two-stage iteration: sweeps below 1 are refused") {
+  const Model model = build(strip(4));
+  CHECK_THROWS_AS(
+      TwoStageIteration(model.parts, LinearViscous{1}, InterfaceFamily(model.parts).at(1), Index{0}), Error);
+}

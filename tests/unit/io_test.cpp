@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/problems.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/packing_file.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+
+namespace {
+
+const PackingReader no_files = [](const std::string& path) -> Packing { throw Error("no file " + path); };
+
+Case parse(const std::string& text) { return parse_case(text, "c.toml", no_files); }
+
+const std::string good =
+    "title = \"t\"\n"
+    "[packing]\n"
+    "generator = \"strip\"\n"
+    "grains = 6\n"
+    "[contacts]\n"
+    "tolerance = 1e-6\n"
+    "[masses]\n"
+    "density = 2\n"
+    "[partition]\n"
+    "grid = [3, 2]\n"
+    "[[prescribed]]\n"
+    "grain = 5\n"
+    "velocity = [-1, 0.5]\n";
+
+void require_error(const std::string& text, const std::string& part) {
+  CAPTURE(text);
+  CHECK_THROWS_WITH_AS(parse(text), doctest::Contains(part.c_str()), Error);
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const auto position = text.find(what);
+  REQUIRE(position != std::string::npos);
+  return text.replace(position, what.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("case file: everything read") {
+  const Case one = parse(good);
+  CHECK(one.name == "c");
+  CHECK(std::get<TriangularStrip>(std::get<Generator>(one.packing)).grains == 6);
+  CHECK(one.contacts.tolerance == 1e-6);
+  CHECK(one.masses.density == 2);
+  CHECK(std::get<GridPartitioner>(one.partition).grid == std::array<Index, 2>{3, 2});
+  REQUIRE(one.prescribed.size() == 1);
+  CHECK(one.prescribed[0].velocity == std::array<double, 2>{-1, 0.5});
+}
+
+TEST_CASE("case file: written and read back it is the same case") {
+  for (const Case& one : {parse(good), testing::strip(8)}) {
+    const Case back = parse_case(to_toml(one), one.name + ".toml", no_files);
+    CHECK(to_toml(back) == to_toml(one));
+  }
+  Case metis = testing::strip(8);
+  metis.partition = MetisPartitioner{.metis = 3, .seed = 9};
+  CHECK(std::get<MetisPartitioner>(parse(to_toml(metis)).partition).seed == 9);
+}
+
+TEST_CASE("case file: every error names file, line and key") {
+  require_error(replaced(good, "grains = 6", "grains = -3"),
+                "c.toml:4: packing.grains: expected a finite number >= 1");
+  require_error(replaced(good, "grains = 6", "grains = 6.5"),
+                "c.toml:4: packing.grains: expected an integer");
+  require_error(replaced(good, "grains = 6", "grain = 6"), "c.toml:4: unknown key 'packing.grain'");
+  require_error(replaced(good, "\"strip\"", "\"lattice\""),
+                "c.toml:3: packing.generator: expected one of \"strip\"");
+  require_error(replaced(good, "[contacts]", "[contact]"), "c.toml:5: unknown key 'contact'");
+  require_error(replaced(good, "tolerance = 1e-6", "tolerance = \"small\""),
+                "c.toml:6: contacts.tolerance: expected a number");
+  require_error(replaced(good, "density = 2", "density = 0"), "c.toml:8: masses.density");
+  require_error(replaced(good, "density = 2", "density = nan"), "c.toml:8: masses.density");
+  require_error(replaced(good, "density = 2", "model = \"heavy\""), "c.toml:8: masses.model");
+  require_error(replaced(good, "density = 2", "model = \"density\""), "masses.density: expected a number");
+  require_error(replaced(good, "density = 2", "model = \"unit\"\ndensity = 2"),
+                "masses.density: expected no density");
+  require_error(replaced(good, "grid = [3, 2]", "grid = [3]"),
+                "c.toml:10: partition.grid: expected two integers");
+  require_error(replaced(good, "grid = [3, 2]", "grid = [3, 0]"), "c.toml:10: partition.grid");
+  require_error(replaced(good, "grid = [3, 2]", ""),
+                "expected either grid = [nx, ny] or metis = n, met neither");
+  require_error(replaced(good, "grid = [3, 2]", "grid = [3, 2]\nmetis = 2"), "met both");
+  require_error(replaced(good, "grain = 5", "grain = \"last\""),
+                "c.toml:12: prescribed[0].grain: expected an integer");
+  require_error(replaced(good, "velocity = [-1, 0.5]", ""),
+                "prescribed[0].velocity: expected a value, met none");
+  require_error(replaced(good, "[-1, 0.5]", "[-1, inf]"), "c.toml:13: prescribed[0].velocity");
+  require_error(good + "[[prescribed]]\ngrain = 5\nvelocity = [0, 1]\n", "grain 5 again");
+  require_error(replaced(good, "[packing]", "[packing"), "c.toml:2: not valid TOML");
+  require_error("[partition]\ngrid = [1, 1]\n", "expected a section [packing], met none");
+  require_error("[packing]\ngenerator = \"strip\"\n", "expected a section [partition], met none");
+  require_error("packing = 3\n", "c.toml:1: packing: expected a section [packing], met the integer '3'");
+  require_error("[packing]\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n",
+                "c.toml:2: packing.file: no file a.csv");
+  require_error(good + good, "not valid TOML");
+  require_error("", "expected a section [packing]");
+}
+
+TEST_CASE("study file: read, and refused with file, line and key") {
+  const CaseReader known = [](const std::string& name) -> Case {
+    if (name != "disks4") throw Error("no such case");
+    return testing::strip(4);
+  };
+  const std::string study =
+      "title = \"s\"\n"
+      "[[table]]\n"
+      "name = \"radius\"\n"
+      "observable = \"spectral_radius\"\n"
+      "cases = [\"disks4\"]\n"
+      "epsilon = \"0,1:10:3\"\n"
+      "eta = [0.5, inf]\n"
+      "gauss_seidel_sweeps = [1, inf]\n"
+      "vary = { \"packing.grains\" = [4, 8] }\n";
+  const auto parse_one = [&](const std::string& text) { return parse_study(text, "s/study.toml", known); };
+  const Study read = parse_one(study);
+  CHECK(read.name == "s");
+  REQUIRE(read.tables.size() == 1);
+  CHECK(read.tables[0].sweep.epsilon.size() == 4);
+  CHECK(read.tables[0].sweep.eta == std::vector<double>{0.5, infinity});
+  CHECK(read.tables[0].vary[0].values == std::vector<std::string>{"4", "8"});
+  const auto refused = [&](const std::string& what, const std::string& by, const std::string& part) {
+    CAPTURE(by);
+    CHECK_THROWS_WITH_AS(parse_one(replaced(study, what, by)), doctest::Contains(part.c_str()), Error);
+  };
+  refused("spectral_radius\"", "radius\"",
+          "study.toml:4: table[0].observable: expected one of spectral_radius");
+  refused("disks4", "disks5", "study.toml:5: case 'disks5': no such case");
+  refused("0,1:10:3", "-1", "study.toml:6: epsilon: expected a finite number >= 0");
+  refused("[0.5, inf]", "[0.5, true]", "study.toml:7: table[0].eta: expected a number or a text");
+  refused("[4, 8]", "[4, 0]", "packing.grains: expected a finite number >= 1");
+  refused("packing.grains", "packing.rows", "no such parameter in this case");
+  refused("name = \"radius\"", "name = \"../radius\"", "study.toml:3: table[0].name");
+  refused("title", "titel", "study.toml:1: unknown key 'titel'");
+  CHECK_THROWS_WITH_AS(parse_one("title = \"none\"\n"), doctest::Contains("at least one [[table]]"), Error);
+}
+
+TEST_CASE("packing file: columns in any order, comments, CRLF, byte order mark") {
+  const Packing packing = parse_packing(
+      "\xEF\xBB\xBF# a packing\r\nradius, x ,y,mass\r\n\r\n0.5,1,2,3\r\n 0.25 ,-1e-3,+4,1e2\r\n", "p.csv");
+  CHECK(packing.x == std::vector<double>{1, -1e-3});
+  CHECK(packing.y == std::vector<double>{2, 4});
+  CHECK(packing.radius == std::vector<double>{0.5, 0.25});
+  CHECK(packing.mass == std::vector<double>{3, 100});
+  CHECK(parse_packing("x,y,radius\n1,2,3", "p.csv").mass.empty());
+}
+
+TEST_CASE("packing file: every error names file and line") {
+  const auto refused = [](const std::string& text, const std::string& part) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(parse_packing(text, "p.csv"), doctest::Contains(part.c_str()), Error);
+  };
+  refused("", "p.csv: expected a line of column names");
+  refused("x,y,radius\n", "p.csv: expected at least one grain");
+  refused("x,y\n1,2\n", "expected a column 'radius'");
+  refused("x,y,radius,colour\n1,2,3,4\n", "met 'colour'");
+  refused("x,y,radius,x\n1,2,3,4\n", "p.csv:1: column 'x' is named twice");
+  refused("x,y,radius\n1,2,3\n\n1,2\n", "p.csv:4: expected 3 values as in the first line, met 2");
+  refused("x,y,radius\n1,2,3,\n", "p.csv:2: expected 3 values as in the first line, met 4");
+  refused("x,y,radius\n1,two,3\n", "p.csv:2: y: expected a number, met 'two'");
+  refused("x,y,radius\n1,2,0\n", "p.csv:2: radius: expected a finite number > 0");
+  refused("x,y,radius\n1,2,-1\n", "p.csv:2: radius");
+  refused("x,y,radius\nnan,2,1\n", "p.csv:2: x: expected a finite number");
+  refused("x,y,radius\n1,inf,1\n", "p.csv:2: y");
+  refused("x,y,radius,mass\n1,2,1,0\n", "p.csv:2: mass");
+  refused("x,y,radius\n\"1,2,1\n", "p.csv:2: expected a closing quote");
+  refused("x,y,radius\n\"1\"a,2,1\n", "p.csv:2: expected a comma after a closing quote");
+}
+
+TEST_CASE("CSV: quotes as in RFC 4180") {
+  const CsvText csv = parse_csv("a,b\n\"x,1\",\"say \"\"no\"\"\"\n,\n", "t.csv");
+  REQUIRE(csv.rows.size() == 2);
+  CHECK(csv.rows[0] == std::vector<std::string>{"x,1", "say \"no\""});
+  CHECK(csv.rows[1] == std::vector<std::string>{"", ""});
+}
+
+TEST_CASE("baselines: compared by value, effort left out") {
+  const Table table{{{"case", "", ""}, {"radius", "1", ""}, {"iterations", "1", ""}},
+                    {{std::string("a"), 0.5, std::int64_t{7}}}};
+  CHECK(compare(table, parse_csv("case,radius,iterations\na,0.5000000001,99\n", "b"), 1e-8).empty());
+  CHECK(compare(table, parse_csv("case,radius,iterations\na,0.5001,7\n", "b"), 1e-8) ==
+        "row 1, column radius: expected 0.5001, met 0.5");
+  CHECK_FALSE(compare(table, parse_csv("case,radius,iterations\nb,0.5,7\n", "b"), 1e-8).empty());
+  CHECK_FALSE(compare(table, parse_csv("case,radius\na,0.5\n", "b"), 1e-8).empty());
+  CHECK_FALSE(compare(table, parse_csv("case,radius,iterations\na,0.5,7\na,0.5,7\n", "b"), 1e-8).empty());
+  CHECK_FALSE(compare(table, parse_csv("case,radius,iterations\na,nan,7\n", "b"), 1e-8).empty());
+}

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/linalg/arpack.hpp>
+#include <nscdd/linalg/linear_fit.hpp>
+#include <nscdd/linalg/pencil.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/linalg/range_projector.hpp>
+#include <nscdd/linalg/scalar_search.hpp>
+#include <nscdd/linalg/sparse_cholesky.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+using namespace nscdd;
+
+namespace {
+
+Matrix random_matrix(Index rows, Index columns, std::uint64_t seed) {
+  RandomStream random(seed);
+  Matrix a(rows, columns);
+  for (Index j = 0; j < columns; ++j) a.col(j) = random.normal_vector(rows);
+  return a;
+}
+
+Matrix random_orthogonal(Index n, std::uint64_t seed) {
+  return Eigen::HouseholderQR<Matrix>(random_matrix(n, n, seed)).householderQ();
+}
+
+// A pencil whose eigenvalues are known: A = L Q diag(lambda) Q^T L^T, P = L L^T.
+struct KnownPencil {
+  Matrix a, p;
+  KnownPencil(const Vector& eigenvalues, std::uint64_t seed) {
+    const Index n = eigenvalues.size();
+    Matrix l = random_matrix(n, n, seed).triangularView<Eigen::Lower>();
+    l.diagonal().array() = l.diagonal().array().abs() + 2.0 * std::sqrt(static_cast<double>(n));
+    const Matrix q = random_orthogonal(n, seed + 1);
+    a = l * q * eigenvalues.asDiagonal() * q.transpose() * l.transpose();
+    a = (0.5 * (a + a.transpose())).eval();
+    p = l * l.transpose();
+  }
+};
+
+LinearMap map_of(const Matrix& a) {
+  return [a](const Vector& x) -> Vector { return a * x; };
+}
+
+}  // namespace
+
+TEST_CASE("pencil: known ends, sizes small and large, with a residual that bounds") {
+  for (const Index n : {1, 2, 3, 24, 25, 60, 150}) {
+    CAPTURE(n);
+    Vector expected(n);
+    for (Index i = 0; i < n; ++i)
+      expected[i] = -0.5 + 1.7 * std::sqrt(static_cast<double>(i) / static_cast<double>(n));
+    const KnownPencil pencil(expected, 3);
+    const PencilEnds ends = pencil_ends(pencil.a, pencil.p);
+    REQUIRE(ends.definite);
+    CHECK(std::abs(ends.smallest - expected[0]) < 1e-12);
+    CHECK(std::abs(ends.largest - expected[n - 1]) < 1e-12);
+    CHECK(ends.residual < 1e-12);
+    CHECK(ends.residual >= 0);
+    CHECK(pencil_ends(pencil.a, pencil.p).residual == ends.residual);
+  }
+}
+
+TEST_CASE("pencil: the residual tells a wrong eigenvalue: scaled error seen through P^-1") {
+  // A nearly singular P makes eigenvalues uncertain; the residual must grow with that uncertainty.
+  Matrix p = Matrix::Identity(6, 6), a = random_matrix(6, 6, 1);
+  a = (a + a.transpose()).eval();
+  const double well = pencil_ends(a, p).residual;
+  p(0, 0) = 1e-12;
+  const PencilEnds ill = pencil_ends(a, p);
+  REQUIRE(ill.definite);
+  CHECK(ill.residual > 1e3 * well);
+}
+
+TEST_CASE("pencil: multiple eigenvalues, the zero matrix, an indefinite P, numbers that are none") {
+  for (const Index n : {5, 40}) {
+    Vector expected = Vector::Constant(n, 0.25);
+    expected.tail(2).setConstant(0.75);
+    const KnownPencil pencil(expected, 8);
+    const PencilEnds ends = pencil_ends(pencil.a, pencil.p);
+    CHECK(std::abs(ends.smallest - 0.25) < 1e-12);
+    CHECK(std::abs(ends.largest - 0.75) < 1e-12);
+    CHECK(ends.residual < 1e-11);
+    const PencilEnds zero = pencil_ends(Matrix::Zero(n, n), pencil.p);
+    CHECK(zero.smallest == 0);
+    CHECK(zero.largest == 0);
+    CHECK(zero.residual == 0);
+    CHECK_FALSE(pencil_ends(pencil.a, -pencil.p).definite);
+    Matrix broken = pencil.a;
+    broken(1, 1) = not_a_number;
+    CHECK_FALSE(pencil_ends(broken, pencil.p).definite);
+  }
+}
+
+TEST_CASE("kernel split: dimensions, null space, complement, for a badly scaled matrix") {
+  const Matrix b = random_matrix(12, 7, 2);
+  const Vector scale = Vector::LinSpaced(12, -6, 6).unaryExpr([](double x) { return std::pow(10.0, x); });
+  const Matrix s = scale.cwiseSqrt().asDiagonal() * (b * b.transpose()) * scale.cwiseSqrt().asDiagonal();
+  const KernelSplit split = split_kernel(s, scale);
+  CHECK(split.kernel.cols() == 5);
+  CHECK(split.range.cols() == 7);
+  CHECK((split.kernel.transpose() * split.range).norm() < 1e-12);
+  CHECK((split.kernel.transpose() * split.kernel - Matrix::Identity(5, 5)).norm() < 1e-12);
+  const Vector back = scale.cwiseSqrt();
+  CHECK((back.cwiseInverse().asDiagonal() * (s * split.kernel)).norm() < 1e-8);
+  CHECK(split_kernel(Matrix::Identity(3, 3), Vector::Ones(3)).kernel.cols() == 0);
+  CHECK(split_kernel(Matrix::Zero(3, 3), Vector::Ones(3)).range.cols() == 0);
+}
+
+TEST_CASE("Lanczos: both ends of a known pencil, same bits twice, too small refused") {
+  Vector expected = Vector::LinSpaced(80, 0.05, 1.95);
+  const KnownPencil pencil(expected, 21);
+  const Eigen::LLT<Matrix> cholesky(pencil.p);
+  const LinearMap solve = [&](const Vector& x) -> Vector { return cholesky.solve(x); };
+  for (const auto& [end, value] : {std::pair{SpectrumEnd::smallest, 0.05}, {SpectrumEnd::largest, 1.95}}) {
+    const LanczosResult result = lanczos(80, map_of(pencil.a), map_of(pencil.p), solve, end);
+    CHECK(result.converged);
+    CHECK(result.value == doctest::Approx(value).epsilon(1e-11));
+    CHECK((pencil.a * result.vector - result.value * pencil.p * result.vector).norm() <
+          1e-7 * result.vector.norm());
+    const LanczosResult again = lanczos(80, map_of(pencil.a), map_of(pencil.p), solve, end);
+    CHECK(again.value == result.value);
+    CHECK(again.vector == result.vector);
+  }
+  CHECK_THROWS_AS(lanczos(4, map_of(pencil.a), map_of(pencil.p), solve, SpectrumEnd::largest), Error);
+}
+
+TEST_CASE("Lanczos: the identity (B = 0) and the smallest size taken") {
+  for (const Index n : {arpack_smallest_size, Index{30}}) {
+    const LinearMap identity = [](const Vector& x) -> Vector { return x; };
+    const LanczosResult result = lanczos(n, identity, identity, identity, SpectrumEnd::largest);
+    CHECK(result.converged);
+    CHECK(result.value == doctest::Approx(1.0).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("Arnoldi: real, negative and complex dominant eigenvalues, with their residual") {
+  const Matrix q = random_orthogonal(50, 4);
+  Matrix t = Matrix::Zero(50, 50);
+  for (Index i = 0; i < 50; ++i) {
+    t(i, i) = 0.5 * std::cos(static_cast<double>(i));
+    for (Index j = i + 1; j < 50; ++j) t(i, j) = 0.02;
+  }
+  struct Expected {
+    std::complex<double> value;
+  };
+  for (const std::complex<double> value :
+       {std::complex<double>(0.9, 0), {-0.95, 0}, {0.4, 0.8}, {-0.3, 0.9}}) {
+    Matrix block = t;
+    block(0, 0) = block(1, 1) = value.real();
+    if (value.imag() == 0) {
+      block(1, 1) = 0.1;
+    } else {
+      block(0, 1) = value.imag();
+      block(1, 0) = -value.imag();
+    }
+    const ArnoldiResult result = arnoldi(50, map_of(q * block * q.transpose()));
+    CHECK(result.converged);
+    CHECK(result.value.real() == doctest::Approx(value.real()).epsilon(1e-9));
+    CHECK(result.value.imag() == doctest::Approx(value.imag()).epsilon(1e-9));
+    CHECK(result.residual < 1e-8);
+  }
+}
+
+TEST_CASE("sparse Cholesky: solves, reuses a pattern, tells a matrix that is not definite") {
+  const Matrix b = random_matrix(20, 20, 6);
+  const Matrix dense = b * b.transpose() + Matrix::Identity(20, 20);
+  const SparseMatrix a = dense.sparseView();
+  const CholeskyAnalysis analysis(a);
+  const Matrix right = random_matrix(20, 3, 9);
+  const SparseCholesky cholesky(analysis, a);
+  REQUIRE(cholesky.positive_definite());
+  CHECK((dense * cholesky.solve(right) - right).norm() < 1e-11 * right.norm());
+  const SparseMatrix twice = 2 * a;
+  CHECK((dense * SparseCholesky(analysis, twice).solve(right) - 0.5 * right).norm() < 1e-11 * right.norm());
+  CHECK_FALSE(SparseCholesky(analysis, SparseMatrix(-a)).positive_definite());
+}
+
+TEST_CASE("range projector: full_rank, rank_deficient, tall, wide, zero and no columns") {
+  const auto check = [](const Matrix& dense, Index rank) {
+    const SparseMatrix a = dense.sparseView();
+    const RangeProjector range(a);
+    CHECK(range.rank() == rank);
+    CHECK(sparse_rank(a) == rank);
+    const Vector x = RandomStream(5).normal_vector(dense.rows());
+    const Vector p = range.apply(x);
+    CHECK((range.apply(p) - p).norm() < 1e-12);           // a projector
+    CHECK((dense.transpose() * (x - p)).norm() < 1e-10);  // orthogonal to what is left
+    if (dense.cols() > 0) CHECK((range.apply(dense.col(0)) - dense.col(0)).norm() < 1e-11);
+  };
+  check(random_matrix(9, 5, 1), 5);
+  check(random_matrix(5, 9, 2), 5);
+  check(random_matrix(9, 3, 3) * random_matrix(3, 7, 4), 3);
+  check(Matrix::Zero(4, 3), 0);
+  check(Matrix(4, 0), 0);
+  Matrix repeated = random_matrix(8, 6, 5);
+  repeated.col(4) = repeated.col(1);
+  check(repeated, 5);
+}
+
+TEST_CASE("searches: a root, a minimum, and refusals") {
+  const ScalarSearch root = find_root([](double x) { return x * x - 2; }, 0, 2, 1e-14);
+  CHECK(root.converged);
+  CHECK(root.x == doctest::Approx(std::sqrt(2.0)).epsilon(1e-13));
+  CHECK_THROWS_AS(find_root([](double x) { return x * x + 1; }, 0, 2, 1e-12), Error);
+  const ScalarSearch least = find_minimum([](double x) { return std::cos(x); }, 2, 3, 5, 1e-6);
+  CHECK(least.converged);
+  CHECK(least.x == doctest::Approx(3.14159265358979).epsilon(1e-6));
+  CHECK_THROWS_AS(find_minimum([](double x) { return x; }, 0, 1, 2, 1e-6), Error);
+  struct Mishap {};  // an exception of the function crosses the C library unharmed
+  CHECK_THROWS_AS(find_root([](double) -> double { throw Mishap{}; }, 0, 1, 1e-8), Mishap);
+}
+
+TEST_CASE("linear fit: exact line, standard error, too few points") {
+  const std::vector<double> x{0, 1, 2, 3}, y{1, 3, 5, 7};
+  const LinearFit fit = linear_fit(x, y);
+  CHECK(fit.slope == doctest::Approx(2));
+  CHECK(fit.intercept == doctest::Approx(1));
+  CHECK(fit.slope_error < 1e-12);
+  CHECK(linear_fit(x, std::vector<double>{1, 3.1, 4.9, 7}).slope_error > 0.01);
+  CHECK_THROWS_AS(linear_fit(std::vector<double>{1, 2}, std::vector<double>{1, 2}), Error);
+}
+
+TEST_CASE("random streams repeat by seed") {
+  RandomStream a(7), b(7), c(8);
+  const Vector first = a.normal_vector(10);
+  CHECK(first == b.normal_vector(10));
+  CHECK(first != c.normal_vector(10));
+  for (int i = 0; i < 100; ++i) {
+    const Index k = a.below(3);
+    CHECK(k >= 0);
+    CHECK(k < 3);
+  }
+}

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/problems.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/study/inspection.hpp>
+#include <nscdd/study/network_tables.hpp>
+#include <nscdd/study/optimum.hpp>
+#include <nscdd/study/study.hpp>
+#include <nscdd/study/sweep.hpp>
+#include <nscdd/study/values.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+TEST_CASE("SPEC: numbers, lists, ranges with exact ends, and mixtures") {
+  CHECK(parse_values("0.5", "x") == std::vector<double>{0.5});
+  CHECK(parse_values("1,inf,2", "x") == std::vector<double>{1, infinity, 2});
+  CHECK(parse_values("1e-3:1e3:7", "x") == std::vector<double>{1e-3, 1e-2, 1e-1, 1, 10, 100, 1e3});
+  CHECK(parse_values("0:1:5:linear", "x") == std::vector<double>{0, 0.25, 0.5, 0.75, 1});
+  CHECK(parse_values("5:1:3:linear", "x") == std::vector<double>{5, 3, 1});
+  CHECK(parse_values("inf,0,1:100:3", "x") == std::vector<double>{infinity, 0, 1, 10, 100});
+  CHECK(parse_values("2:2:1", "x") == std::vector<double>{2});
+}
+
+TEST_CASE("SPEC: nonsense is refused by name") {
+  for (const char* spec :
+       {"", ",", "1,", "a", "1:2", "1:2:3:4", "1:2:3:quadratic", "0:1:5", "-1:1:5", "1:2:0", "1:2:1",
+        "1:2:2.5", "1:2:-3", "1:inf:3", "nan:1:3", "1:2:1000000000", "1:2:3:linear:4", "1;2"}) {
+    CAPTURE(spec);
+    CHECK_THROWS_WITH_AS(parse_values(spec, "quantity"), doctest::Contains("quantity"), Error);
+  }
+  for (const char* spec : {"-1", "inf", "nan", "1,-1e-9"}) CHECK_THROWS_AS(parse_epsilon(spec), Error);
+  for (const char* spec : {"0", "-1", "nan", "-inf", "0:1:3:linear"}) CHECK_THROWS_AS(parse_eta(spec), Error);
+  for (const char* spec : {"0", "-1", "inf", "best"}) CHECK_THROWS_AS(parse_relaxation(spec), Error);
+  for (const char* spec : {"0", "1.5", "-inf", "nan", "1e10"}) CHECK_THROWS_AS(parse_sweeps(spec), Error);
+  CHECK(parse_epsilon("0") == std::vector<double>{0});
+  CHECK(parse_eta("inf")[0] == infinity);
+  CHECK(parse_relaxation("1,optimal") == std::vector<std::optional<double>>{1.0, std::nullopt});
+  CHECK(parse_sweeps("1:3:3:linear,inf") == std::vector<std::optional<long>>{1, 2, 3, std::nullopt});
+}
+
+TEST_CASE("case: parameters overridden by name, unknown ones refused with those there are") {
+  Case one = strip(4);
+  override_case(one, "packing.grains", "12");
+  override_case(one, "partition.grid", "3,1");
+  override_case(one, "contacts.tolerance", "1e-5");
+  override_case(one, "masses.density", "2.5");
+  const Model model = build(one);
+  CHECK(model.packing.size() == 12);
+  CHECK(model.partition.subdomains == 3);
+  CHECK(model.problem.arriving_velocity[22] == -1.0);  // grain -1 is the last, also of twelve
+  CHECK_THROWS_WITH_AS(override_case(one, "packing.columns", "3"),
+                       doctest::Contains("packing.grains, packing.radius"), Error);
+  CHECK_THROWS_AS(override_case(one, "packing", "3"), Error);
+  CHECK_THROWS_AS(override_case(one, "color", "3"), Error);
+  CHECK_THROWS_AS(override_case(one, "packing.grains", "0"), Error);
+  one.packing = PackingFile{"a.csv", model.packing};
+  CHECK_THROWS_WITH_AS(override_case(one, "packing.grains", "3"), doctest::Contains("is a file"), Error);
+}
+
+TEST_CASE("case: a prescribed grain beyond the packing is refused") {
+  Case one = strip(4);
+  one.prescribed = {{4, {1.0, 0.0}}};
+  CHECK_THROWS_WITH_AS(build(one), doctest::Contains("expected a grain in 0..3"), Error);
+  one.prescribed = {{-5, {1.0, 0.0}}};
+  CHECK_THROWS_AS(build(one), Error);
+}
+
+TEST_CASE("sweep: one row per point, last list fastest, columns in place") {
+  SweepParameters parameters;
+  parameters.epsilon = {0, 1};
+  parameters.eta = {0.5, infinity};
+  parameters.relaxation = {1.0, std::nullopt};
+  const Table layout{sweep_columns(), {}};
+  std::vector<Row> rows;
+  Index reported = 0;
+  const Index failed = sweep(
+      build(strip(8)), parameters, [&](const Row& row) { rows.push_back(row); },
+      [&](Index done, Index total) {
+        CHECK(total == 8);
+        reported = done;
+        return true;
+      });
+  CHECK(failed == 0);
+  CHECK(reported == 8);
+  REQUIRE(rows.size() == 8);
+  for (const Row& row : rows) REQUIRE(row.size() == layout.columns.size());
+  CHECK(std::get<double>(rows[0][layout.column("eta")]) == 0.5);
+  CHECK(std::get<double>(rows[2][layout.column("eta")]) == infinity);
+  CHECK(std::get<double>(rows[4][layout.column("epsilon")]) == 1);
+  CHECK(std::get<double>(rows[3][layout.column("relaxation")]) > 1);
+  CHECK(std::get<double>(rows[3][layout.column("spectral_radius")]) <
+        std::get<double>(rows[2][layout.column("spectral_radius")]));
+}
+
+TEST_CASE("sweep: a monitor that says stop stops it; optimal relaxation needs an exact Stage 1") {
+  SweepParameters parameters;
+  parameters.epsilon = {1, 2, 3, 4};
+  Index rows = 0;
+  sweep(
+      build(strip(4)), parameters, [&](const Row&) { ++rows; }, [](Index done, Index) { return done < 2; });
+  CHECK(rows == 2);
+  parameters.relaxation = {std::nullopt};
+  parameters.gauss_seidel_sweeps = {3};
+  CHECK_THROWS_AS(sweep(build(strip(4)), parameters, [](const Row&) {}), Error);
+}
+
+TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross points") {
+  const Inspection found = inspect(build(strip(12)));
+  CHECK(found.whole.rank == 21);
+  CHECK(found.whole.hyperstaticity == 0);
+  CHECK(found.whole.rigid_modes == 3);
+  CHECK(found.components == 1);
+  CHECK(found.isolated_grains == 0);
+  CHECK(found.coordination_number == doctest::Approx(3.5));
+  CHECK(found.interface_grains.at(2) == 2);
+  CHECK(found.unit_multiplicity == 0);
+
+  Case lattice;
+  lattice.packing = Generator{HexagonalLattice{.columns = 6, .rows = 6}};
+  lattice.partition = GridPartitioner{{2, 2}};
+  const Inspection hyper = inspect(build(lattice));
+  CHECK(hyper.whole.contacts == 85);
+  CHECK(hyper.whole.rank == 72 - 3);
+  CHECK(hyper.whole.hyperstaticity == 85 - 69);
+  CHECK(hyper.unit_multiplicity > 0);
+  CHECK(hyper.interface_grains.size() >= 2);
+
+  Case apart;
+  apart.packing = PackingFile{"three grains", {{0.0, 2.0, 9.0}, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}}};
+  apart.partition = GridPartitioner{{3, 3}};
+  const Inspection sparse = inspect(build(apart));
+  CHECK(sparse.isolated_grains == 1);
+  CHECK(sparse.components == 1);
+  CHECK(sparse.empty_subdomains == 8);
+}
+
+TEST_CASE("optimum: nothing to optimise is told as such") {
+  Case single = strip(8);
+  single.partition = GridPartitioner{{1, 1}};
+  CHECK(optimum(build(single)).status == OptimumStatus::no_interface);
+  const Optimum isostatic = optimum(build(strip(8)), {.epsilon = 0, .contacts = ContactSet::all});
+  CHECK(isostatic.status == OptimumStatus::eta_to_zero);
+  CHECK(isostatic.radius < 1e-6);
+  CHECK(isostatic.convergent_from == 0);
+  const Optimum four = optimum(build(strip(4)));
+  CHECK(four.relaxed_status == OptimumStatus::eta_to_infinity);
+  CHECK(four.relaxed_radius == doctest::Approx(4.0 / 11));
+}
+
+TEST_CASE("network: links and grains of the 4 disks") {
+  const Model model = build(strip(4));
+  const Table links{link_columns(), {}}, grains{grain_columns(), {}};
+  std::vector<Row> link, grain;
+  link_rows(model, [&](const Row& row) { link.push_back(row); });
+  grain_rows(model, [&](const Row& row) { grain.push_back(row); });
+  REQUIRE(link.size() == 5);
+  REQUIRE(grain.size() == 4);
+  for (const Row& row : link) {
+    REQUIRE(row.size() == links.columns.size());
+    const double impulse = std::get<double>(row[links.column("impulse")]);
+    CHECK(std::get<bool>(row[links.column("active")]) == (impulse > 0));
+    CHECK(std::get<std::string>(row[links.column("impulse_solution")]) == "unique");
+  }
+  CHECK(std::get<std::int64_t>(grain[1][grains.column("multiplicity")]) == 2);
+  CHECK(std::get<double>(grain[3][grains.column("velocity_x")]) == -1.0);
+}
+
+TEST_CASE("study: variations become columns, every combination a block of rows") {
+  StudyTable table;
+  table.name = "t";
+  table.cases = {strip(4), strip(8)};
+  table.vary = {{"packing.radius", {"0.5", "1"}}, {"partition.grid", {"2,1", "3,1"}}};
+  table.sweep.epsilon = {0.1, 1};
+  const auto columns = study_columns(table);
+  CHECK(columns[1].name == "packing.radius");
+  CHECK(columns[2].name == "partition.grid");
+  std::vector<Row> rows;
+  run_table(table, [&](const Row& row) { rows.push_back(row); });
+  REQUIRE(rows.size() == 16);
+  for (const Row& row : rows) REQUIRE(row.size() == columns.size());
+  CHECK(std::get<double>(rows[0][1]) == 0.5);
+  CHECK(std::get<std::string>(rows[2][2]) == "3,1");
+  CHECK(std::get<double>(rows[4][1]) == 1.0);
+  // unit masses: the radius of the disks is a length and changes nothing
+  const std::size_t radius = Table{columns, {}}.column("spectral_radius");
+  CHECK(std::get<double>(rows[0][radius]) ==
+        doctest::Approx(std::get<double>(rows[4][radius])).epsilon(1e-12));
+}
