@@ -1,0 +1,20 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All figures in one process."""
+import sys
+
+import figure_5
+import figure_6
+import figure_7
+import figures_2_3_4
+import inexact_stage_one
+import observed_rate
+import optimal_eta
+import relaxation
+import style
+
+SCRIPTS = [figures_2_3_4, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one,
+           observed_rate]
+
+if __name__ == "__main__":
+    sys.exit(style.run(__doc__, *[script.draw for script in SCRIPTS]))
