@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Options that make no sense: refused with the option and what was expected of it.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace nscdd::testing;
+
+namespace {
+
+void check_usage(const std::vector<std::string>& arguments, std::initializer_list<std::string> parts) {
+  const Session session;
+  session.file("mine.csv", row_of_three());
+  check_refused(session, arguments, parts);
+}
+
+void check_option(const std::string& option, const std::string& value,
+                  std::initializer_list<std::string> parts) {
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", option, value}, parts);
+}
+
+// SPEC nonsense, the same for every quantity.
+void check_spec(const std::string& option, const std::string& name) {
+  for (const std::string& spec :
+       Texts{"",       " ",      "abc",     "1,,2",    ",1",          "1,",
+             "1;2",    "1 2",    "1:2",     "1:2:",    ":2:3",        "1:2:0",
+             "1:2:-3", "1:2:1",  "1:2:2.5", "1:2:x",   "1:2:3:cubic", "1:2:3:linear:4",
+             "0:1:3",  "-1:1:3", "1:inf:3", "nan:1:3", "1:2:1000001", "1:2:99999999999999999999",
+             "1e999",  "0x10",   "1e",      "--",      "nan"}) {
+    CAPTURE(spec);
+    check_usage({"sweep", "disks4", "--csv", "-", "--epsilon=1", option + "=" + spec}, {name});
+  }
+}
+
+}  // namespace
+
+TEST_CASE("usage: no verb or an unknown verb or option") {
+  check_usage({}, {"subcommand"});
+  check_usage({"dance"}, {});
+  check_usage({"sweep"}, {"CASE"});
+  check_usage({"sweep", "disks4", "--csv", "-"}, {"--epsilon"});
+  check_usage({"sweep", "disks4", "--epsilon", "1"}, {"--csv"});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", "--speed", "9"}, {"--speed"});
+  check_usage({"sweep", "disks4", "disks8", "--epsilon", "1", "--csv", "-"}, {"disks8"});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv"}, {"--csv"});
+  check_usage({"inspect"}, {"CASE"});
+  check_usage({"network"}, {"CASE"});
+  check_usage({"optimum"}, {"CASE"});
+  check_usage({"run"}, {"STUDY"});
+  check_usage({"list", "everything"}, {"everything"});
+  check_usage({"--speed"}, {});
+}
+
+TEST_CASE("usage: SPEC nonsense for epsilon") {
+  // --epsilon=1 comes first in check_spec: an option given twice is refused as well
+  for (const std::string& spec :
+       Texts{"", "abc", "1,,2", "1:2", "1:2:1", "1:2:0", "1:2:3:cubic", "0:1:3", "1:inf:3", "nan",
+             "1:2:1000001", "1:2:2.5", "1:2:3:linear:4", "1e999"}) {
+    CAPTURE(spec);
+    check_usage({"sweep", "disks4", "--csv", "-", std::string("--epsilon=") + spec}, {"epsilon"});
+    check_usage({"optimum", "disks4", std::string("--epsilon=") + spec}, {"epsilon"});
+  }
+}
+
+TEST_CASE("usage: SPEC nonsense for eta") { check_spec("--eta", "eta"); }
+TEST_CASE("usage: SPEC nonsense for relaxation") { check_spec("--relaxation", "relaxation"); }
+TEST_CASE("usage: SPEC nonsense for Gauss-Seidel sweeps") { check_spec("--gauss-seidel-sweeps", "auss"); }
+
+TEST_CASE("usage: too many values in one SPEC") {
+  check_option("--eta", "1:2:1000000,1:2:1000000", {"eta", "1000000"});
+  check_option("--relaxation", "1:2:1000000,1:2:1000000", {"relaxation", "1000000"});
+  check_option("--gauss-seidel-sweeps", "1:1:1000000,1:1:1000000", {"1000000"});
+}
+
+TEST_CASE("usage: epsilon below zero or infinite") {
+  for (const std::string& value : Texts{"-1", "1,-1e-300", "-1:1:3:linear", "inf", "-inf"}) {
+    check_usage({"sweep", "disks4", "--csv", "-", "--epsilon", value}, {"epsilon", ">= 0"});
+    check_usage({"optimum", "disks4", "--epsilon", value}, {"epsilon", ">= 0"});
+  }
+}
+
+TEST_CASE("usage: eta zero or below") {
+  for (const std::string& value : Texts{"0", "-0.0", "-1", "1,0", "0:1:3:linear", "-inf"})
+    check_option("--eta", value, {"eta", "> 0"});
+}
+
+TEST_CASE("usage: relaxation zero or below or infinite") {
+  for (const std::string& value : Texts{"0", "-1", "inf"})
+    check_option("--relaxation", value, {"relaxation", "> 0"});
+  check_option("--relaxation", "best", {"relaxation", "best"});
+  check_usage(words("sweep disks4 --epsilon 1 --csv - --relaxation optimal --gauss-seidel-sweeps 2"),
+              {"relaxation", "gauss_seidel_sweeps"});
+}
+
+TEST_CASE("usage: Gauss-Seidel sweeps below one or broken") {
+  for (const std::string& value : Texts{"0", "-1", "1.5", "-inf", "1e10"})
+    check_option("--gauss-seidel-sweeps", value, {"auss"});
+}
+
+TEST_CASE("usage: an unknown solver or contact set or tolerance") {
+  check_option("--solver", "guess", {"--solver", "dense", "guess"});
+  check_option("--contacts", "some", {"--contacts", "active", "some"});
+  for (const std::string& value : Texts{"0", "-1", "nan", "inf", "small"})
+    check_option("--residual-tolerance", value, {"--residual-tolerance"});
+}
+
+TEST_CASE("usage: the active set without a prescribed velocity") {
+  const Session session;
+  session.file("mine.csv", row_of_three());
+  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv -",
+                {"prescribed", "--prescribed"});
+  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv out.csv --hdf5 out.h5",
+                {"prescribed"});
+  check_refused(session, "optimum mine.csv", {"prescribed"});
+  check_refused(session, "optimum mine.csv --csv -", {"prescribed"});
+  check_refused(session, "optimum mine.csv --csv out.csv", {"prescribed"});
+}
+
+TEST_CASE("usage: a prescribed velocity that makes no sense") {
+  for (const std::string& value :
+       Texts{"", "1", "1:1", "1:1:1:1", "x:1:0", "1:x:0", "1.5:1:0", "1:nan:0", "1:0:inf", ":1:0"})
+    check_option("--prescribed", value, {"--prescribed"});
+  check_option("--prescribed", "4:1:0", {"grain 4"});
+  check_option("--prescribed", "-5:1:0", {"grain -5"});
+  check_option("--prescribed", "99999999999999999999:1:0", {"--prescribed"});
+  check_usage(words("sweep mine.csv --epsilon 1 --csv - --prescribed 1:1:0 --prescribed 1:2:0"), {"grain 1"});
+  check_usage(words("sweep mine.csv --epsilon 1 --csv - --prescribed 3:1:0 --prescribed -1:2:0"), {"grain"});
+}
+
+TEST_CASE("usage: subdomains that make no sense") {
+  for (const std::string& value : Texts{"2", "x", "2x", "x2", "2x1x3", "0x1", "-1x1", "1.5x1", "2X1", "metis",
+                                        "metis:", "metis:0", "metis:x", "99999999999x1", "100000x100000"}) {
+    CAPTURE(value);
+    check_usage({"sweep", "mine.csv", "--epsilon", "1", "--csv", "-", std::string("--subdomains=") + value},
+                {});
+  }
+}
+
+TEST_CASE("usage: densities and tolerances and settings that make no sense") {
+  for (const std::string& value : Texts{"-1", "0", "nan", "inf", "heavy"})
+    check_option("--density", value, {"density"});
+  for (const std::string& value : Texts{"-1", "2", "nan", "close"}) {
+    check_option("--tolerance", value, {"tolerance"});
+    check_option("--overlap-tolerance", value, {"tolerance"});
+  }
+  check_option("--set", "packing.grains", {"--set", "KEY=VALUE"});
+  check_option("--set", "packing.grains=many", {"packing.grains", "many"});
+  check_option("--set", "packing.grains=0", {"packing.grains", ">= 1"});
+  check_option("--set", "packing.colour=1", {"packing.colour", "packing.grains"});
+  check_option("--set", "nonsense=1", {"nonsense"});
+  check_usage(words("sweep mine.csv --epsilon 1 --csv - --set packing.radius=1"), {"packing.radius", "file"});
+}

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs every ```python block of a Markdown file, as a reader would who copies it.
+
+usage: documented_snippets.py FILE.md
+
+Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
+results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4). Fails where a block raises,
+and where there is no block at all. The program is $NSCDD_PROGRAM, the source tree $NSCDD_SOURCE.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+PREPARATION = [
+    ["run", "figure-5"],
+    ["sweep", "disks4", "--epsilon", "0,1e-2:1e2:5", "--eta", "0.3,inf", "--csv", "sweep.csv", "--hdf5", "sweep.h5"],
+]
+TIME_LIMIT = 120  # seconds per command: against a hang, not a measurement
+
+
+def blocks(text):
+    """(line number, code) of every fenced block marked python; fences may be indented, as in a list."""
+    found, start, indent, lines = [], None, "", []
+    for number, line in enumerate(text.splitlines(), 1):
+        if start is None:
+            fence = re.fullmatch(r"(\s*)```+\s*python\b.*", line)
+            if fence:
+                start, indent, lines = number + 1, fence.group(1), []
+        elif re.fullmatch(r"\s*```+\s*", line):
+            found.append((start, "\n".join(lines) + "\n"))
+            start = None
+        else:
+            lines.append(line[len(indent):] if line.startswith(indent) else line)
+    if start is not None:
+        sys.exit(f"a python block that starts at line {start} has no end")
+    return found
+
+
+def prepare(folder):
+    environment = dict(os.environ, NSCDD_DATA=os.environ["NSCDD_SOURCE"])
+    for arguments in PREPARATION:
+        subprocess.run([os.environ["NSCDD_PROGRAM"], *arguments], cwd=folder, env=environment, check=True,
+                       stdout=subprocess.DEVNULL, timeout=TIME_LIMIT)
+
+
+def run_block(folder, document, line, code):
+    """True where the block ran to its end."""
+    # Blank lines in front make the line numbers of a traceback those of the document.
+    path = os.path.join(folder, "snippet.py")
+    with open(path, "w", encoding="utf-8") as script:
+        script.write("\n" * (line - 1) + code)
+    # No window: a block that draws is run without a screen.
+    result = subprocess.run(["/usr/bin/python3", path], cwd=folder, env=dict(os.environ, MPLBACKEND="Agg"),
+                            capture_output=True, text=True, timeout=TIME_LIMIT)
+    print(f"{document}:{line}: {'ok' if result.returncode == 0 else 'FAILED'}")
+    if result.returncode != 0:
+        print(result.stdout + result.stderr.replace(path, document))
+    return result.returncode == 0
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit("usage: documented_snippets.py FILE.md")
+    for name in ("NSCDD_PROGRAM", "NSCDD_SOURCE"):
+        if name not in os.environ:
+            sys.exit(f"documented_snippets.py: the environment has no {name}")
+    document = sys.argv[1]
+    with open(document, encoding="utf-8") as stream:
+        found = blocks(stream.read())
+    if not found:
+        sys.exit(f"{document}: expected a python block, met none")
+    with tempfile.TemporaryDirectory() as folder:
+        prepare(folder)
+        passed = [run_block(folder, document, line, code) for line, code in found]
+    if not all(passed):
+        sys.exit(f"{document}: {passed.count(False)} of {len(passed)} python blocks failed")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace nscdd::testing {
+namespace {
+
+// The files that differ, rather than all bytes of all files.
+std::string difference(const std::map<std::string, std::string>& before,
+                       const std::map<std::string, std::string>& after) {
+  std::string names;
+  for (const auto& [name, content] : after) {
+    const auto found = before.find(name);
+    if (found == before.end()) {
+      names += "new: " + name + "\n";
+    } else if (found->second != content) {
+      names += "changed: " + name + "\n";
+    }
+  }
+  for (const auto& [name, content] : before)
+    if (after.count(name) == 0) names += "gone: " + name + "\n";
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> words(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> all;
+  for (std::string word; stream >> word;) all.push_back(word);
+  return all;
+}
+
+std::string answer(const Session& session, const std::vector<std::string>& arguments) {
+  const Outcome outcome = session.run(arguments);
+  CHECK(outcome.standard_error == "");
+  REQUIRE(outcome.exit_code == 0);
+  return outcome.standard_output;
+}
+
+std::string answer(const Session& session, const std::string& line) { return answer(session, words(line)); }
+
+CsvTable table(const Session& session, const std::string& line) {
+  return read_table(answer(session, line + " --csv -"));
+}
+
+void check_refused(const Session& session, const std::vector<std::string>& arguments,
+                   std::initializer_list<std::string> parts, const RunOptions& options) {
+  const auto before = content_of(session.folder.path());
+  const Outcome outcome = session.run(arguments, options);
+  std::string line;
+  for (const std::string& word : arguments) line += " " + word;
+  CAPTURE(line);
+  CHECK(outcome.exit_code == 2);
+  CHECK(outcome.standard_output == "");
+  // remarks ("nscdd: ...") may come before it
+  const std::string message = outcome.standard_error.substr(
+      std::min(("\n" + outcome.standard_error).find("\nnscdd: error: "), outcome.standard_error.size()));
+  CAPTURE(outcome.standard_error);
+  CHECK(message != "");
+  for (const std::string& part : parts) {
+    CAPTURE(part);
+    CHECK(message.find(part) != std::string::npos);
+  }
+  CHECK(difference(before, content_of(session.folder.path())) == "");
+}
+
+void check_refused(const Session& session, const std::string& line, std::initializer_list<std::string> parts,
+                   const RunOptions& options) {
+  check_refused(session, words(line), parts, options);
+}
+
+std::string row_of_three() { return "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n9,9,0.5\n"; }
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto position = text.find(from);
+  REQUIRE(position != std::string::npos);
+  return text.replace(position, from.size(), to);
+}
+
+}  // namespace nscdd::testing

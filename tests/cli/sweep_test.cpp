@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd sweep: columns, rows, known radii, the forms of a SPEC.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+using namespace nscdd::testing;
+
+namespace {
+
+// Largest eigenvalue of B_eps for 4 disks: the larger root of
+// (4 e^3 + 44 e^2 + 153 e + 168) z^2 - (16 e^2 + 108 e + 174) z + 15 e + 42 = 0, or 3/(5 + 2 e).
+double four_disks(double e) {
+  const double a = 4 * e * e * e + 44 * e * e + 153 * e + 168, b = 16 * e * e + 108 * e + 174;
+  return std::max((b + std::sqrt(b * b - 4 * a * (15 * e + 42))) / (2 * a), 3 / (5 + 2 * e));
+}
+
+std::vector<double> column(const CsvTable& table, const std::string& name) {
+  std::vector<double> values;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) values.push_back(table.number(row, name));
+  return values;
+}
+
+std::vector<double> epsilons(const Session& session, const std::string& spec) {
+  return column(table(session, "sweep disks4 --epsilon " + spec), "epsilon");
+}
+
+}  // namespace
+
+TEST_CASE("sweep: the columns of the table have their names") {
+  const Session session;
+  const CsvTable result = table(session, "sweep disks4 --epsilon 1");
+  for (const std::string& name :
+       Texts{"case", "grains", "contacts", "subdomains", "interface_dofs", "contact_set", "epsilon", "eta",
+             "spectral_radius", "eigenvalue_min", "eigenvalue_max", "unit_multiplicity", "subdominant_radius",
+             "solver", "applications", "residual", "converged"}) {
+    CAPTURE(name);
+    CHECK(std::count(result.columns.begin(), result.columns.end(), name) == 1);
+  }
+  REQUIRE(result.rows.size() == 1);
+  CHECK(result.text(0, "case") == "disks4");
+  CHECK(result.number(0, "grains") == 4);
+  CHECK(result.number(0, "contacts") == 5);
+  CHECK(result.number(0, "subdomains") == 2);
+  CHECK(result.number(0, "interface_dofs") == 4);
+  CHECK(result.text(0, "contact_set") == "all");
+  CHECK(result.number(0, "eta") == INFINITY);
+  CHECK(result.text(0, "solver") == "dense");
+  CHECK(result.text(0, "converged") == "true");
+}
+
+TEST_CASE("sweep: one row per epsilon and eta in the order given") {
+  const Session session;
+  const CsvTable result = table(session, "sweep disks8 --epsilon 0,1,0.5 --eta 0.3,inf");
+  CHECK(column(result, "epsilon") == std::vector<double>{0, 0, 1, 1, 0.5, 0.5});
+  CHECK(column(result, "eta") == std::vector<double>{0.3, INFINITY, 0.3, INFINITY, 0.3, INFINITY});
+}
+
+TEST_CASE("sweep: closed form of 4 disks") {
+  const Session session;
+  const CsvTable result = table(session, "sweep disks4 --epsilon 0,1e-6:1e6:49");
+  REQUIRE(result.rows.size() == 50);
+  CHECK(std::abs(result.number(0, "spectral_radius") - (29 + std::sqrt(57.0)) / 56) < 1e-14);
+  for (std::size_t row = 0; row < result.rows.size(); ++row) {
+    CAPTURE(row);
+    CHECK(std::abs(result.number(row, "spectral_radius") - four_disks(result.number(row, "epsilon"))) <
+          1e-12);
+    CHECK(result.number(row, "eigenvalue_max") == result.number(row, "spectral_radius"));
+    CHECK(result.number(row, "residual") < 1e-12);
+  }
+}
+
+TEST_CASE("sweep: active contacts of 4 disks give 3/5") {
+  const Session session;
+  const CsvTable result = table(session, "sweep disks4 --epsilon 0 --eta inf,0.1 --contacts active");
+  REQUIRE(result.rows.size() == 2);
+  CHECK(result.text(0, "contact_set") == "active");
+  CHECK(std::abs(result.number(0, "spectral_radius") - 0.6) < 1e-14);
+  CHECK(result.number(1, "spectral_radius") > 1);  // a radius above 1 is a result like another
+  CHECK(result.text(1, "converged") == "true");
+}
+
+TEST_CASE("sweep: eta = epsilon converges at once") {
+  const Session session;
+  CHECK(table(session, "sweep disks12 --epsilon 0.7 --eta 0.7").number(0, "spectral_radius") < 1e-12);
+}
+
+TEST_CASE("sweep: dense and arpack agree") {
+  const Session session;
+  const std::string line = "sweep hexagonal --epsilon 0.01,1 --eta 0.3,inf --solver ";
+  const CsvTable dense = table(session, line + "dense"), arpack = table(session, line + "arpack");
+  REQUIRE(dense.rows.size() == 4);
+  REQUIRE(arpack.rows.size() == 4);
+  for (std::size_t row = 0; row < 4; ++row) {
+    CHECK(dense.text(row, "solver") == "dense");
+    CHECK(arpack.text(row, "solver") == "arpack");
+    CHECK(arpack.number(row, "applications") > 0);
+    CHECK(std::abs(dense.number(row, "spectral_radius") - arpack.number(row, "spectral_radius")) < 1e-9);
+  }
+}
+
+TEST_CASE("sweep: relaxation and Gauss-Seidel sweeps add rows") {
+  const Session session;
+  const CsvTable relaxed = table(session,
+                                 "sweep disks4 --epsilon 0 --eta 1e-3 --contacts active "
+                                 "--relaxation 1,optimal");
+  REQUIRE(relaxed.rows.size() == 2);
+  CHECK(relaxed.number(0, "spectral_radius") > 1);
+  CHECK(relaxed.number(1, "spectral_radius") < 1);
+  const CsvTable inexact = table(session, "sweep disks4 --epsilon 1 --gauss-seidel-sweeps 1,200,inf");
+  CHECK(column(inexact, "gauss_seidel_sweeps") == std::vector<double>{1, 200, INFINITY});
+  CHECK(std::abs(inexact.number(1, "spectral_radius") - inexact.number(2, "spectral_radius")) < 1e-9);
+}
+
+TEST_CASE("SPEC: a number and a comma list") {
+  const Session session;
+  CHECK(epsilons(session, "0.25") == std::vector<double>{0.25});
+  CHECK(epsilons(session, "1e-3,+2,0") == std::vector<double>{1e-3, 2, 0});
+}
+
+TEST_CASE("SPEC: FROM:TO:COUNT is logarithmic with exact ends") {
+  const Session session;
+  const std::vector<double> values = epsilons(session, "1e-3:7e2:6");
+  REQUIRE(values.size() == 6);
+  CHECK(values.front() == 1e-3);
+  CHECK(values.back() == 7e2);
+  for (std::size_t i = 1; i < values.size(); ++i)
+    CHECK(values[i] / values[i - 1] == doctest::Approx(std::pow(7e5, 0.2)).epsilon(1e-12));
+}
+
+TEST_CASE("SPEC: FROM:TO:COUNT:linear has equal steps with exact ends") {
+  const Session session;
+  const std::vector<double> values = epsilons(session, "0:0.3:4:linear");
+  REQUIRE(values.size() == 4);
+  CHECK(values.front() == 0);
+  CHECK(values.back() == 0.3);
+  CHECK(values[1] == doctest::Approx(0.1).epsilon(1e-14));
+  CHECK(epsilons(session, "2:1:3:linear") == std::vector<double>{2, 1.5, 1});
+}
+
+TEST_CASE("SPEC: ranges within lists") {
+  const Session session;
+  CHECK(epsilons(session, "0,1:100:3,5") == std::vector<double>{0, 1, 10, 100, 5});
+}
+
+TEST_CASE("SPEC: a range whose ends are equal is that value") {
+  const Session session;
+  CHECK(epsilons(session, "8:8:4") == std::vector<double>{8, 8, 8, 8});
+  CHECK(epsilons(session, "8:8:1") == std::vector<double>{8});
+}
+
+TEST_CASE("a packing file with subdomains given on the command line") {
+  const Session session;
+  session.file("mine.csv",
+               "x,y,radius\n0,0,0.5\n0.5,0.8660254037844386,0.5\n1,0,0.5\n"
+               "1.5,0.8660254037844386,0.5\n");
+  const CsvTable mine = table(session, "sweep mine.csv --subdomains 2x1 --epsilon 1e-3,1 --eta 0.3,inf");
+  const CsvTable known = table(session, "sweep disks4 --epsilon 1e-3,1 --eta 0.3,inf");
+  REQUIRE(mine.rows.size() == 4);
+  CHECK(mine.text(0, "case") == "mine");
+  for (std::size_t row = 0; row < 4; ++row)
+    CHECK(std::abs(mine.number(row, "spectral_radius") - known.number(row, "spectral_radius")) < 1e-12);
+}
+
+TEST_CASE("options for a packing file: prescribed velocity and density and METIS") {
+  const Session session;
+  session.file("mine.csv", row_of_three());
+  const std::string line = "sweep mine.csv --subdomains metis:2 --epsilon 1 ";
+  CHECK(table(session, line).number(0, "subdomains") == 2);
+  const CsvTable active = table(session, line + "--prescribed 2:-1:0 --contacts active");
+  CHECK(active.number(0, "contacts") == 2);
+  CHECK(active.number(0, "active_contacts") == 2);
+  CHECK(active.text(0, "contact_set") == "active");
+  // -1 is the last grain, which touches nothing here, and -2 the one before
+  CHECK(table(session, line + "--prescribed -2:-1:0 --contacts active").rows == active.rows);
+  // masses k times as large are what a flexibility k times as large is for unit masses
+  const double mass = 2 * std::numbers::pi * 0.25;
+  const double heavy = table(session, line + "--density 2").number(0, "spectral_radius");
+  const std::string scaled = "sweep mine.csv --subdomains metis:2 --epsilon " + std::to_string(mass);
+  CHECK(std::abs(heavy - table(session, scaled).number(0, "spectral_radius")) < 1e-6);
+}
+
+TEST_CASE("a parameter of the case set from the command line") {
+  const Session session;
+  const CsvTable result = table(session, "sweep strip --set packing.grains=8 --epsilon 1");
+  CHECK(result.number(0, "grains") == 8);
+  CHECK(std::abs(result.number(0, "spectral_radius") -
+                 table(session, "sweep disks8 --epsilon 1").number(0, "spectral_radius")) < 1e-14);
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The verbs beside sweep and run: network, inspect, optimum, list, and the help of all.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <sstream>
+
+using namespace nscdd::testing;
+
+namespace {
+
+const std::vector<std::string> verbs{"sweep", "run", "network", "inspect", "optimum", "list"};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+// What follows a name at the start of a line of a report.
+std::string entry(const std::string& report, const std::string& name) {
+  std::istringstream stream(report);
+  for (std::string line; std::getline(stream, line);)
+    if (line.rfind(name, 0) == 0) {
+      const auto start = line.find_first_not_of(' ', name.size());
+      return start == std::string::npos ? "" : line.substr(start);
+    }
+  return "(no such line)";
+}
+
+// The examples in a help text, without "nscdd" and without the remark that follows blanks.
+std::vector<std::string> examples(const std::string& help) {
+  std::vector<std::string> all;
+  std::istringstream stream(help.substr(std::min(help.find("Examples:"), help.size())));
+  for (std::string line; std::getline(stream, line);)
+    if (line.rfind("  nscdd ", 0) == 0) all.push_back(line.substr(8, line.find("   ", 8) - 8));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("--version names the program and its version") {
+  const Session session;
+  const std::string text = answer(session, "--version");
+  CHECK(text.rfind("nscdd ", 0) == 0);
+  CHECK(contains(text, "."));
+}
+
+TEST_CASE("--help names every verb and the exit codes and gives examples") {
+  const Session session;
+  const std::string text = answer(session, "--help");
+  for (const std::string& verb : verbs) CHECK(contains(text, "\n  " + verb + " "));
+  CHECK(contains(text, "Exit codes"));
+  CHECK(!examples(text).empty());
+}
+
+TEST_CASE("VERB --help gives examples") {
+  const Session session;
+  for (const std::string& verb : verbs) {
+    CAPTURE(verb);
+    const std::string text = answer(session, {verb, "--help"});
+    CHECK(contains(text, "Usage: nscdd " + verb));
+    CHECK(!examples(text).empty());
+  }
+}
+
+TEST_CASE("the examples of the help work") {
+  const Session session;
+  // Eight disks of a lattice, for the examples that speak of a packing of the user's.
+  std::string packing = "x,y,radius\n";
+  for (const std::string& y : Texts{"0", "1"})
+    for (const std::string& x : Texts{"0", "1", "2", "3"}) packing += x + "," + y + ",0.5\n";
+  session.file("mine.csv", packing);
+  std::string help = answer(session, "--help");
+  for (const std::string& verb : verbs) help += answer(session, {verb, "--help"});
+  std::istringstream stream(help);
+  int tried = 0;
+  for (const std::string& example : examples(help)) {
+    if (example.rfind("run ", 0) == 0) continue;  // studies have tests of their own
+    CAPTURE(example);
+    const Outcome outcome = session.run(words(example));
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.standard_error == "");
+    ++tried;
+  }
+  CHECK(tried >= 8);
+}
+
+TEST_CASE("network: the links of 4 disks") {
+  const Session session;
+  const CsvTable links = table(session, "network disks4");
+  REQUIRE(links.rows.size() == 5);
+  const std::vector<std::string> pairs{"0 1", "0 2", "1 2", "1 3", "2 3"};
+  const std::vector<double> impulses{3.0 / 16, 1.0 / 16, -4.0 / 16, 9.0 / 16, 3.0 / 16};
+  for (std::size_t row = 0; row < 5; ++row) {
+    CAPTURE(row);
+    CHECK(links.text(row, "grain_a") + " " + links.text(row, "grain_b") == pairs[row]);
+    CHECK(std::abs(std::hypot(links.number(row, "normal_x"), links.number(row, "normal_y")) - 1) < 1e-14);
+    CHECK(std::abs(links.number(row, "impulse") - impulses[row]) < 1e-12);
+    CHECK(links.text(row, "active") == (impulses[row] > 0 ? "true" : "false"));
+    CHECK(links.text(row, "subdomain") == (row < 3 ? "0" : "1"));
+    CHECK(links.text(row, "impulse_solution") == "unique");
+  }
+}
+
+TEST_CASE("network: grains go to a file of their own") {
+  const Session session;
+  answer(session, "network disks4 --csv links.csv --grains grains.csv");
+  CHECK(read_table(session.read("links.csv")).rows.size() == 5);
+  const CsvTable grains = read_table(session.read("grains.csv"));
+  REQUIRE(grains.rows.size() == 4);
+  for (std::size_t row = 0; row < 4; ++row)
+    CHECK(grains.text(row, "multiplicity") == (row == 1 || row == 2 ? "2" : "1"));
+  CHECK(grains.number(3, "velocity_x") == -1);
+}
+
+TEST_CASE("network: the least-norm solution of a hyperstatic network says so") {
+  const Session session;
+  CHECK(table(session, "network hexagonal").text(0, "impulse_solution") == "least_norm");
+}
+
+TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
+  const Session session;
+  const std::string report = answer(session, "inspect disks12");
+  CHECK(entry(report, "grains ") == "12");
+  CHECK(entry(report, "contacts ") == "21");
+  CHECK(entry(report, "coordination number") == "3.5");
+  CHECK(entry(report, "connected pieces") == "1");
+  CHECK(entry(report, "interface unknowns") == "4");
+  CHECK(entry(report, "  grains shared by 2") == "2");
+  // grains, contacts, rank W, rigid modes, hyperstaticity
+  CHECK(words(entry(report, "whole")) == words("12 21 21 3 0"));
+  CHECK(words(entry(report, "0 ")).size() == 5);
+  CHECK(words(entry(report, "1 ")).size() == 5);
+}
+
+TEST_CASE("inspect: hyperstaticity of a lattice") {
+  const Session session;
+  const std::string report = answer(session, "inspect hexagonal");
+  // 8 x 8 disks: 7 x 8 + 7 x 15 = 161 contacts, 128 unknowns, 3 rigid modes
+  CHECK(words(entry(report, "whole")) == words("64 161 125 3 36"));
+  CHECK(contains(report, "grains shared by 4"));
+}
+
+TEST_CASE("optimum: report and table agree") {
+  const Session session;
+  const std::string report = answer(session, "optimum disks4");
+  const CsvTable row = table(session, "optimum disks4");
+  REQUIRE(row.rows.size() == 1);
+  CHECK(entry(report, "best_eta").rfind(row.text(0, "best_eta"), 0) == 0);
+  CHECK(std::abs(row.number(0, "generic_radius") - 0.6) < 1e-12);
+  CHECK(row.number(0, "best_radius") < 0.6);
+  // the table of the sweep at that eta says the same, and its ends are equal and opposite
+  const CsvTable swept =
+      table(session, "sweep disks4 --contacts active --epsilon 0 --eta " + row.text(0, "best_eta"));
+  CHECK(std::abs(swept.number(0, "spectral_radius") - row.number(0, "best_radius")) < 1e-9);
+  CHECK(std::abs(swept.number(0, "eigenvalue_min") + swept.number(0, "eigenvalue_max")) < 1e-9);
+}
+
+TEST_CASE("optimum: one row per epsilon") {
+  const Session session;
+  CHECK(table(session, "optimum disks8 --epsilon 0,1 --contacts all").rows.size() == 2);
+}
+
+TEST_CASE("list: cases and studies and generators and partitioners and observables") {
+  const Session session;
+  const std::string text = answer(session, "list");
+  for (const std::string& name :
+       Texts{"disks4", "disks8", "disks12", "figure-5", "figure-6", "figure-7", "strip", "hexagonal", "grid",
+             "metis", "spectral_radius", "contacts.tolerance"}) {
+    CAPTURE(name);
+    CHECK(contains(text, name));
+  }
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Any text is a case or an Error; a case survives being written and read back, and builds or is an Error.
+#include "require.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/study/case.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using namespace nscdd;
+using fuzzing::require;
+
+Packing no_file(const std::string& path) { throw Error(path + ": no file can be read here"); }
+
+std::optional<Case> parse(std::string_view text) {
+  try {
+    return parse_case(text, "fuzz.toml", no_file);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+Index grains(const Generator& generator) {
+  if (const auto* strip = std::get_if<TriangularStrip>(&generator)) return strip->grains;
+  const auto& lattice = std::get<HexagonalLattice>(generator);
+  return lattice.columns * lattice.rows;  // both at most 10^5
+}
+
+Index subdomains(const Partitioner& partitioner) {
+  if (const auto* metis = std::get_if<MetisPartitioner>(&partitioner)) return metis->metis;
+  const auto& grid = std::get<GridPartitioner>(partitioner).grid;
+  return grid[0] * grid[1];  // both at most 10^5
+}
+
+void require_sound(const Model& model) {
+  const Index n = model.packing.size(), contacts = model.network.size();
+  require(n >= 1, "a packing has a grain");
+  require(count(model.packing.mass) == n, "every grain has a mass");
+  require(model.problem.h.rows() == 2 * n && model.problem.h.cols() == contacts, "H has its shape");
+  require(count(model.partition.subdomain_of_contact) == contacts, "every contact has a subdomain");
+  Index distributed = 0;
+  for (const Subdomain& subdomain : model.parts.subdomains) distributed += count(subdomain.contacts);
+  require(distributed == contacts, "every contact is in one subdomain");
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::optional<Case> one = parse({reinterpret_cast<const char*>(data), size});
+  if (!one) return 0;
+  const std::string written = to_toml(*one);
+  const std::optional<Case> again = parse(written);
+  require(again.has_value(), "a case as written can be read");
+  require(to_toml(*again) == written, "a case as written reads back to the same case");
+  // Large cases are legal, but what they cost says nothing about the parser.
+  constexpr Index largest = 2000;
+  if (grains(std::get<Generator>(one->packing)) > largest || subdomains(one->partition) > largest) return 0;
+  try {
+    require_sound(build(*one));
+  } catch (const Error&) {
+  }
+  return 0;
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Any text is a packing or an Error; the contacts of a small packing are those that looking at every pair
+// finds.
+#include "require.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/packing_file.hpp>
+#include <nscdd/packing/contact_network.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace nscdd;
+using fuzzing::require;
+
+std::optional<Packing> parse(std::string_view text) {
+  try {
+    return parse_packing(text, "fuzz.csv");
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<ContactNetwork> detect(const Packing& packing, const ContactDetection& detection) {
+  try {
+    return detect_contacts(packing, detection);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// Every pair looked at; empty where two grains overlap.
+std::optional<std::vector<std::pair<Index, Index>>> brute_force(const Packing& p,
+                                                                const ContactDetection& detection) {
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index i = 0; i < p.size(); ++i)
+    for (Index j = i + 1; j < p.size(); ++j) {
+      const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
+      const double gap = std::hypot(dx, dy) - (p.radius[at(i)] + p.radius[at(j)]);
+      const double smaller = std::min(p.radius[at(i)], p.radius[at(j)]);
+      if (gap > detection.tolerance * smaller) continue;
+      if ((dx == 0 && dy == 0) || -gap > detection.overlap_tolerance * smaller) return std::nullopt;
+      pairs.emplace_back(i, j);
+    }
+  return pairs;
+}
+
+void require_same(const Packing& packing, const ContactDetection& detection) {
+  const auto network = detect(packing, detection);
+  const auto expected = brute_force(packing, detection);
+  require(network.has_value() == expected.has_value(), "an overlap is refused, and nothing else is");
+  if (!network) return;
+  require(network->size() == count(*expected), "as many contacts as pairs that touch");
+  for (Index c = 0; c < network->size(); ++c) {
+    const Contact& contact = network->contacts[at(c)];
+    require(std::pair(contact.a, contact.b) == (*expected)[at(c)], "contacts are the pairs that touch");
+    require(std::abs(std::hypot(contact.normal[0], contact.normal[1]) - 1) < 1e-12,
+            "a normal is a unit vector");
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::optional<Packing> packing = parse({reinterpret_cast<const char*>(data), size});
+  if (!packing) return 0;
+  check(*packing);  // throws, and so ends the program, for a packing that should not have passed
+  require(count(packing->y) == packing->size() && count(packing->radius) == packing->size(),
+          "every grain has a centre and a radius");
+  require(packing->mass.empty() || count(packing->mass) == packing->size(),
+          "every grain has a mass, or none");
+  if (packing->size() > 200) return 0;
+  require_same(*packing, {});
+  require_same(*packing, {.tolerance = 1, .overlap_tolerance = 1});
+  return 0;
+}
