@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "progress.hpp"
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <sstream>
 #include <system_error>
 
 namespace {
@@ -56,7 +58,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    std::ostringstream help, ignored;
+    if (app.exit(error, help, ignored) != 0)
+      throw nscdd::Error(fmt::format("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what()));
+    fmt::print("{}", help.str());
+    return 0;
   }
   for (std::size_t i = 0; i < verbs.size(); ++i)
     if (commands[i]->parsed()) return actions[i]();
@@ -72,11 +78,11 @@ int main(int argc, char** argv) {
       throw nscdd::Error(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
     return exit_code;
   } catch (const nscdd::Error& error) {
-    fmt::print(stderr, "nscdd: error: {}\n", error.what());
+    note(fmt::format("error: {}", error.what()));
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "nscdd: error: not enough memory for a problem of this size\n");
+    note("error: not enough memory for a problem of this size");
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "nscdd: error: {}\n", error.what());
+    note(fmt::format("error: {}", error.what()));
   }
   return 2;
 }

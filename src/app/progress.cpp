@@ -44,6 +44,9 @@ void Progress::draw(Index done, Index total) {
   std::fflush(stderr);
 }
 
-void note(const std::string& text) { fmt::print(stderr, "nscdd: {}\n", text); }
+void note(const std::string& text) {
+  // Where even standard error cannot be written there is nobody left to tell: no exception.
+  std::fputs(("nscdd: " + text + "\n").c_str(), stderr);
+}
 
 }  // namespace nscdd::app

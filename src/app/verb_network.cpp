@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -21,15 +22,14 @@ struct Options {
 
 int run(const Options& options) {
   const Model model = build(options.one.resolve());
-  if (!options.grains.empty()) require_writable(options.grains, options.force);
+  if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   CsvWriter links(options.csv, options.force, link_columns());
+  std::optional<CsvWriter> grains;
+  if (!options.grains.empty()) grains.emplace(options.grains, options.force, grain_columns());
   link_rows(model, [&](const Row& row) { links.write(row); });
+  if (grains) grain_rows(model, [&](const Row& row) { grains->write(row); });
   links.finish();
-  if (!options.grains.empty()) {
-    CsvWriter grains(options.grains, options.force, grain_columns());
-    grain_rows(model, [&](const Row& row) { grains.write(row); });
-    grains.finish();
-  }
+  if (grains) grains->finish();
   if (model.problem.arriving_velocity.isZero(0))
     note(
         "nothing is prescribed (--prescribed GRAIN:VX:VY): impulses are nan and every contact counts as "

@@ -65,6 +65,14 @@ Table run_one(const StudyTable& table, const fs::path& csv_path, bool force) {
   return result;
 }
 
+// Before hours of work rather than after them.
+void require_baselines(const Study& study, const std::string& folder) {
+  for (std::size_t i = 0; i < study.tables.size(); ++i) {
+    const std::string baseline = (fs::path(folder) / baseline_name(study, i)).string();
+    parse_csv(read_text(baseline), baseline);
+  }
+}
+
 int check_baselines(const Study& study, const std::string& folder, const std::vector<NamedTable>& tables) {
   int exit_code = 0;
   for (std::size_t i = 0; i < tables.size(); ++i) {
@@ -82,6 +90,7 @@ int check_baselines(const Study& study, const std::string& folder, const std::ve
 int run(const Options& options) {
   const std::string folder = find_study(options.study);
   const Study study = read_study(folder);
+  if (options.check) require_baselines(study, folder);
   const fs::path output = fs::path(options.output) / study.name;
   std::error_code status;
   fs::create_directories(output, status);
@@ -89,7 +98,7 @@ int run(const Options& options) {
   const fs::path hdf5 = output / (study.name + ".h5");
   for (const StudyTable& table : study.tables)
     require_writable(output / (table.name + ".csv"), options.force);
-  require_writable(hdf5, options.force);
+  OutputFile hdf5_file(hdf5.string(), options.force);
 
   std::vector<NamedTable> tables;
   std::string seeds;
@@ -101,7 +110,8 @@ int run(const Options& options) {
   Provenance origin = provenance(options.context, cases_of(study));
   origin.emplace_back("study", read_text((fs::path(folder) / "study.toml").string()));
   origin.emplace_back("seeds", seeds);
-  write_hdf5(hdf5.string(), options.force, origin, tables);
+  hdf5_file.bytes(to_hdf5(origin, tables));
+  hdf5_file.finish();
   for (const NamedTable& table : tables) fmt::print("{}\n", (output / (table.name + ".csv")).string());
   fmt::print("{}\n", hdf5.string());
   return options.check ? check_baselines(study, folder, tables) : 0;

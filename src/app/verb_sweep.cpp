@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -39,26 +40,29 @@ SweepParameters parameters(const Options& options) {
 int run(const Options& options) {
   const SweepParameters sweep_parameters = parameters(options);
   const Case one = options.one.resolve();
-  if (!options.hdf5.empty()) require_writable(options.hdf5, options.force);
+  if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   const Model model = build(one);
   if (model.parts.interface_size() == 0)
     note(fmt::format(
         "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
         model.name, model.partition.subdomains));
   Table table{sweep_columns(), {}};
+  // Both are opened before the work and named after it: a run that fails leaves neither.
   CsvWriter csv(options.csv, options.force, table.columns);
+  std::optional<OutputFile> hdf5;
+  if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.force);
   Index failed = 0;
   {
     Progress progress("sweep");
     const RowSink sink = [&](const Row& row) {
       csv.write(row);
-      if (!options.hdf5.empty()) table.rows.push_back(row);
+      if (hdf5) table.rows.push_back(row);
     };
     failed = sweep(model, sweep_parameters, sink, progress.monitor());
   }
+  if (hdf5) hdf5->bytes(to_hdf5(provenance(options.context, {one}), {{"sweep", table}}));
   csv.finish();
-  if (!options.hdf5.empty())
-    write_hdf5(options.hdf5, options.force, provenance(options.context, {one}), {{"sweep", table}});
+  if (hdf5) hdf5->finish();
   if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'converged'", failed));
   return 0;
 }

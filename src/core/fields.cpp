@@ -71,19 +71,26 @@ void parse_value(std::string_view text, std::array<Index, 2>& value, std::string
   parse_pair(text, value, key);
 }
 
-std::string field_text(double value) { return fmt::format("{}", value); }
+std::string field_text(double value) {
+  const std::string text = fmt::format("{}", value);
+  return text == "-0" ? "-0.0" : text;  // an integer has no -0
+}
 std::string field_text(Index value) { return fmt::format("{}", value); }
 std::string field_text(bool value) { return value ? "true" : "false"; }
 std::string field_text(const std::string& value) {
   std::string text = "\"";
   for (const char c : value) {
     if (c == '"' || c == '\\') text += '\\';
-    text += c;
+    if (const auto code = static_cast<unsigned char>(c); code < 0x20 || code == 0x7f) {
+      text += fmt::format("\\u{:04X}", code);  // no control character stands for itself in TOML
+    } else {
+      text += c;
+    }
   }
   return text + "\"";
 }
 std::string field_text(const std::array<double, 2>& value) {
-  return fmt::format("[{}, {}]", value[0], value[1]);
+  return fmt::format("[{}, {}]", field_text(value[0]), field_text(value[1]));
 }
 std::string field_text(const std::array<Index, 2>& value) {
   return fmt::format("[{}, {}]", value[0], value[1]);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace nscdd {
 
 std::size_t Table::column(const std::string& name) const {
@@ -16,6 +18,8 @@ std::size_t Table::column(const std::string& name) const {
 }
 
 std::string to_text(const Cell& cell) {
+  if (const auto* number = std::get_if<double>(&cell); number != nullptr && std::isnan(*number))
+    return "nan";  // whatever its sign bit
   return std::visit([](const auto& value) { return fmt::format("{}", value); }, cell);
 }
 

@@ -76,6 +76,8 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (table.name.empty() ||
       table.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
     section.fail("name", "a name of lower-case letters, digits, '-' and '_'", "'" + table.name + "'");
+  if (table.name == "provenance")
+    section.fail("name", "a name other than that of the group of origins", "'provenance'");
   table.observable = read_observable(section);
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");
@@ -115,7 +117,7 @@ Study parse_study(std::string_view text, const std::string& file, const CaseRead
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
   Study study;
-  study.name = std::filesystem::absolute(file).parent_path().filename().string();
+  study.name = std::filesystem::absolute(file).lexically_normal().parent_path().filename().string();
   root.read("title", study.title);
   for (const StrictTable& section : root.tables("table")) study.tables.push_back(read_table(section, read));
   root.finish();

@@ -87,12 +87,22 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance)
 
 CsvWriter::CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns)
     : file_(path, force) {
-  std::string line;
-  for (const Column& column : columns) line += (line.empty() ? "" : ",") + quoted(column.name);
-  file_.line(line);
+  for (const Column& column : columns) header_ += (header_.empty() ? "" : ",") + quoted(column.name);
+}
+
+void CsvWriter::write_header() {
+  if (header_.empty()) return;
+  file_.line(header_);
+  header_.clear();
+}
+
+void CsvWriter::finish() {
+  write_header();
+  file_.finish();
 }
 
 void CsvWriter::write(const Row& row) {
+  write_header();
   std::string line;
   for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + quoted(to_text(row[i]));
   file_.line(line);
@@ -120,6 +130,7 @@ CsvText parse_csv(std::string_view text, const std::string& name) {
           throw Error(fmt::format("{}: column '{}' is named twice", where, values[i]));
       }
       csv.columns = std::move(values);
+      csv.header_line = number;
       continue;
     }
     if (values.size() != csv.columns.size())

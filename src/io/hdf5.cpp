@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/hdf5.hpp>
-#include <nscdd/io/output_file.hpp>
 
 #include <fmt/format.h>
 #include <hdf5.h>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace nscdd {
 namespace {
@@ -16,7 +14,7 @@ namespace {
 class Handle {
  public:
   Handle(hid_t id, herr_t (*closing)(hid_t)) : id_(id), close_(closing) {
-    if (id_ < 0) throw Error("HDF5 refused to write");
+    if (id_ < 0) throw Error("HDF5: the file cannot be put together");
   }
   ~Handle() {
     if (id_ >= 0) close_(id_);
@@ -24,13 +22,8 @@ class Handle {
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   operator hid_t() const { return id_; }
-  void close() {  // where a failure to flush must be seen
-    const herr_t status = close_(id_);
-    id_ = -1;
-    require(status);
-  }
   static void require(herr_t status) {
-    if (status < 0) throw Error("HDF5 refused to write");
+    if (status < 0) throw Error("HDF5: the file cannot be put together");
   }
 
  private:
@@ -110,12 +103,13 @@ void write_column(hid_t group, const Table& table, std::size_t j) {
   }
 }
 
-void write_all(const std::string& path, const Provenance& provenance, const std::vector<NamedTable>& tables) {
+std::string write_all(const Provenance& provenance, const std::vector<NamedTable>& tables) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  Handle::require(H5Pset_fapl_core(access, 1 << 20, false));
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation, 0);
-  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose);
+  const Handle file(H5Fcreate("memory", H5F_ACC_TRUNC, creation, access), H5Fclose);
   const Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties, 0);
   const Handle origin(H5Gcreate2(file, "provenance", H5P_DEFAULT, properties, H5P_DEFAULT), H5Gclose);
@@ -128,24 +122,19 @@ void write_all(const std::string& path, const Provenance& provenance, const std:
     for (std::size_t j = 0; j < named.table.columns.size(); ++j) write_column(group, named.table, j);
   }
   Handle::require(H5Fflush(file, H5F_SCOPE_GLOBAL));
-  file.close();
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size < 0) throw Error("HDF5: the file cannot be put together");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) != size)
+    throw Error("HDF5: the file cannot be put together");
+  return bytes;
 }
 
 }  // namespace
 
-void write_hdf5(const std::string& path, bool force, const Provenance& provenance,
-                const std::vector<NamedTable>& tables) {
-  require_writable(path, force);
+std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
-  const std::filesystem::path growing = partial_path(path);
-  try {
-    write_all(growing.string(), provenance, tables);
-  } catch (const Error& error) {
-    std::error_code ignored;
-    std::filesystem::remove(growing, ignored);
-    throw Error(fmt::format("{}: {} (no room left on the device, or no permission?)", path, error.what()));
-  }
-  complete(path);
+  return write_all(provenance, tables);
 }
 
 }  // namespace nscdd

@@ -45,6 +45,14 @@ void require_writable(const fs::path& path, bool force) {
                             partial_path(path).string()));
 }
 
+void require_distinct(const std::string& first, const std::string& second) {
+  std::error_code ignored;
+  const bool same = first == second || fs::weakly_canonical(fs::absolute(first), ignored) ==
+                                           fs::weakly_canonical(fs::absolute(second), ignored);
+  if (!same || is_stream(first)) return;
+  throw Error(fmt::format("{}: expected another name for each output, met the same twice", first));
+}
+
 void complete(const fs::path& path) {
   std::error_code status;
   fs::rename(partial_path(path), path, status);
@@ -75,6 +83,11 @@ OutputFile::~OutputFile() {
 void OutputFile::line(std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stream_);
   std::fputc('\n', stream_);
+  bytes({});
+}
+
+void OutputFile::bytes(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stream_);
   if (std::fflush(stream_) != 0 || std::ferror(stream_) != 0) refuse(name_, "be written");
 }
 

@@ -45,13 +45,13 @@ Packing parse_packing(std::string_view text, const std::string& name) {
     for (const PackingColumn& known : packing_columns())
       if (known.name == column) found = &known;
     if (found == nullptr)
-      throw Error(
-          fmt::format("{}: expected columns x, y, radius and optionally mass, met '{}'", name, column));
+      throw Error(fmt::format("{}:{}: expected columns x, y, radius and optionally mass, met '{}'", name,
+                              csv.header_line, column));
     meaning.push_back(found);
   }
   for (const PackingColumn& known : packing_columns())
     if (known.required && std::find(meaning.begin(), meaning.end(), &known) == meaning.end())
-      throw Error(fmt::format("{}: expected a column '{}', met none", name, known.name));
+      throw Error(fmt::format("{}:{}: expected a column '{}', met none", name, csv.header_line, known.name));
   Packing packing;
   for (std::size_t row = 0; row < csv.rows.size(); ++row)
     for (std::size_t j = 0; j < meaning.size(); ++j) {

@@ -124,6 +124,7 @@ class StrictTable {
 
   static std::string describe(const toml::node& found) {
     std::ostringstream text;
+    text << std::boolalpha;
     found.visit([&](const auto& value) {
       if constexpr (toml::is_value<decltype(value)>) text << *value;
     });

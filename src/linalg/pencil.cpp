@@ -32,7 +32,7 @@ double eigenpair(const Tridiagonal& t, lapack_int k, double* vector) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   lapack_int found = 0, blocks = 0, failed = 0;
   std::vector<lapack_int> block(at(n)), split(at(n));
-  Vector value(n);
+  Vector value = Vector::Zero(n);                 // LAPACKE looks for NaN in all n, of which one is set
   const double finest = 2 * LAPACKE_dlamch('S');  // as accurate as bisection can be
   if (LAPACKE_dstebz('I', 'B', n, 0, 0, k, k, finest, t.diagonal.data(), t.off.data(), &found, &blocks,
                      value.data(), block.data(), split.data()) != 0 ||

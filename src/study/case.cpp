@@ -118,6 +118,10 @@ Model build(const Case& one) {
           fmt::format("prescribed velocity: expected a grain in 0..{} (or -1 for the last), met grain {}",
                       model.packing.size() - 1, velocity.grain));
     if (velocity.grain < 0) velocity.grain += model.packing.size();
+    for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
+      if (other->grain == velocity.grain)
+        throw Error(
+            fmt::format("prescribed velocity: expected each grain once, met grain {} again", velocity.grain));
   }
   model.problem = assemble(model.packing, model.network, prescribed);
   model.partition = partition(one.partition, model.packing, model.network, model.problem);

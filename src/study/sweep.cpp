@@ -43,9 +43,9 @@ Row exact_cells(const InterfaceOperator& preconditioner, const InterfaceOperator
     b.relaxation = optimal_relaxation(radius);
     radius = spectral_radius(b, options);
   }
-  const double dominant = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max)
-                              ? radius.eigenvalue_min
-                              : radius.eigenvalue_max;
+  // Where the ends are equal and opposite (optimal relaxation) rounding must not choose between them.
+  const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
+  const double dominant = low_end ? radius.eigenvalue_min : radius.eigenvalue_max;
   Row row;
   append(row, {b.relaxation, infinity, radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
                integer(radius.unit_multiplicity), radius.subdominant, dominant,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -43,8 +44,9 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
   std::vector<double> values;
   for (Index i = 0; i < points; ++i) {
     const double t = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
-    values.push_back(linear ? from + t * (to - from)
-                            : std::pow(10.0, std::log10(from) + t * (std::log10(to) - std::log10(from))));
+    const double value =
+        linear ? std::lerp(from, to, t) : std::pow(10.0, std::lerp(std::log10(from), std::log10(to), t));
+    values.push_back(std::clamp(value, std::min(from, to), std::max(from, to)));  // rounding, of close ends
   }
   values.front() = from;
   values.back() = to;
@@ -97,6 +99,8 @@ std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {
     require(values, "relaxation", "a finite number > 0 (or 'optimal')",
             [](double v) { return std::isfinite(v) && v > 0; });
     all.insert(all.end(), values.begin(), values.end());
+    if (all.size() > most_values)
+      throw Error(fmt::format("relaxation: expected at most {} values, met more", most_values));
   }
   return all;
 }

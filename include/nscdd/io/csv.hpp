@@ -16,15 +16,18 @@ class CsvWriter {
  public:
   CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns);
   void write(const Row& row);
-  void finish() { file_.finish(); }
+  void finish();
 
  private:
+  void write_header();
   OutputFile file_;
+  std::string header_;  ///< until it is written, with the first row: a run that fails before prints nothing
 };
 
 /// A CSV file as texts.
 struct CsvText {
   std::vector<std::string> columns;
+  std::size_t header_line = 0;  ///< line number of the names, from 1
   std::vector<std::vector<std::string>> rows;
   std::vector<std::size_t> lines;  ///< line number of each row, from 1
 };

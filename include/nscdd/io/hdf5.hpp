@@ -18,12 +18,11 @@ struct NamedTable {
   Table table;
 };
 
-/// Writes tables as HDF5: one group per table, one dataset per column (double, int64, int8 0/1 or
+/// The bytes of an HDF5 file: one group per table, one dataset per column (double, int64, int8 0/1 or
 /// fixed-length UTF-8 text) with attributes `unit` and `description`, the order of the columns in the group's
 /// attribute `columns`, provenance as texts in the group `provenance`. No time stamps: equal content gives
-/// equal bytes. The file grows as `path.partial` and is renamed when complete. Throws Error where the file
-/// exists and `force` is false, or where HDF5 cannot write it (no room left, no permission).
-void write_hdf5(const std::string& path, bool force, const Provenance& provenance,
-                const std::vector<NamedTable>& tables);
+/// equal bytes. Put together in memory, so that writing them fails as for any other file: the library cannot
+/// give up a file of its own on a full disk, and crashes when it tries again at the end of the program.
+std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables);
 
 }  // namespace nscdd

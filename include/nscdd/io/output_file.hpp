@@ -14,6 +14,9 @@ namespace nscdd {
 /// accepted.
 void require_writable(const std::filesystem::path& path, bool force);
 
+/// Throws Error where two outputs would be one file (devices and pipes aside).
+void require_distinct(const std::string& first, const std::string& second);
+
 /// The name under which an output grows until it is complete.
 std::filesystem::path partial_path(const std::filesystem::path& path);
 
@@ -30,7 +33,8 @@ class OutputFile {
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-  void line(std::string_view text);  ///< writes text and a line feed, and flushes
+  void line(std::string_view text);   ///< writes text and a line feed, and flushes
+  void bytes(std::string_view text);  ///< writes text as it is, and flushes
   void finish();
 
  private:
