@@ -54,7 +54,7 @@ Table run_one(const StudyTable& table, const fs::path& csv_path, bool force) {
   Table result{study_columns(table), {}};
   CsvWriter csv(csv_path.string(), force, result.columns);
   Progress progress(table.name);
-  run_table(
+  const Index failed = run_table(
       table,
       [&](const Row& row) {
         csv.write(row);
@@ -62,6 +62,8 @@ Table run_one(const StudyTable& table, const fs::path& csv_path, bool force) {
       },
       progress.monitor());
   csv.finish();
+  if (failed > 0)
+    note(fmt::format("{}: {} row(s) did not converge: see the column 'converged'", table.name, failed));
   return result;
 }
 
@@ -132,7 +134,7 @@ std::function<int()> declare_run(CLI::App& command, const Context& context) {
       "Prints the names of the files written.\n"
       "Examples:\n"
       "  nscdd run figure-5                              into results/figure-5\n"
-      "  nscdd run studies/figure-7 --output /tmp/out --check\n"
+      "  nscdd run studies/figure-7 --output elsewhere --check\n"
       "  nscdd run my-study --force                      a folder of your own with a study.toml");
   return [options] { return run(*options); };
 }

@@ -15,8 +15,6 @@
 namespace nscdd {
 namespace {
 
-constexpr double rank_tolerance = 1e-12;  // of eigenvalues, hence 1e-6 of singular values
-
 // A_E without its empty rows.
 SparseMatrix compact_rows(const SparseMatrix& a, const std::vector<Index>& rows) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -42,6 +40,13 @@ struct Modes {
   }
 };
 
+// Columns of unit length span the same range, and a tolerance means the same for each.
+SparseMatrix normalised_columns(SparseMatrix a) {
+  for (Index j = 0; j < a.outerSize(); ++j)
+    if (const double norm = a.col(j).norm(); norm > 0) a.col(j) /= norm;
+  return a;
+}
+
 Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
   if (subdomain.grains.empty())
     return {Matrix(0, 0), Vector(0), Matrix(0, 0)};                  // Eigen takes no empty matrix
@@ -50,9 +55,10 @@ Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
   Modes modes;
   modes.eigenvalues = solver.eigenvalues();
-  const double largest = modes.eigenvalues.size() > 0 ? modes.eigenvalues.maxCoeff() : 0.0;
-  for (double& lambda : modes.eigenvalues)
-    if (lambda <= rank_tolerance * largest) lambda = 0;
+  // As many zeros as H has dependent rows: a rank that masses cannot blur.
+  const Index nullity = subdomain.h.rows() - sparse_rank(subdomain.h);
+  modes.eigenvalues.head(nullity).setZero();
+  modes.eigenvalues = modes.eigenvalues.cwiseMax(0.0);
   modes.vectors = root.asDiagonal() * solver.eigenvectors();
   modes.traces = a * modes.vectors;
   return modes;
@@ -108,7 +114,7 @@ class EnrichedInertia::Implementation {
                                                              double eta) {
     if (p.modes) return Modal{p.modes->weights(eta)};
     if (std::isinf(eta)) return Diagonal{};
-    if (eta == 0) return Rigid{RangeProjector(scaled_connectivity(p.inertia, p.h))};
+    if (eta == 0) return Rigid{RangeProjector(normalised_columns(scaled_connectivity(p.inertia, p.h)))};
     SparseMatrix sum = p.stiffness / eta;  // M + K / eta
     sum.diagonal() += p.inertia;
     return Factor{SparseCholesky(*p.analysis, sum)};

@@ -11,6 +11,7 @@ namespace nscdd {
 namespace {
 
 constexpr Index dense_limit = 400;
+constexpr Index fallback_limit = 2500;  // up to which a dense answer may be waited for
 constexpr double unit_tolerance = 1e-9;
 
 InexactRadius dense_radius(const InexactIteration& j, double tolerance) {
@@ -27,7 +28,7 @@ InexactRadius dense_radius(const InexactIteration& j, double tolerance) {
   Index best = 0;
   for (Index k = 0; k < matrix.cols(); ++k) {
     const std::complex<double> value = solver.eigenvalues()[k];
-    const bool unit = std::abs(value - 1.0) <= unit_tolerance;
+    const bool unit = j.iteration.rigid() && std::abs(value - 1.0) <= unit_tolerance;
     if (unit) ++result.unit_multiplicity;
     if (!unit) result.subdominant = std::max(result.subdominant, std::abs(value));
     if (std::abs(value) > std::abs(solver.eigenvalues()[best])) best = k;
@@ -37,7 +38,7 @@ InexactRadius dense_radius(const InexactIteration& j, double tolerance) {
   result.dominant = {value.real(), std::abs(value.imag())};
   result.value = std::abs(value);
   result.residual = (matrix * x - value * x).norm() / x.norm();
-  result.converged = result.residual <= tolerance;
+  result.converged = result.residual <= tolerance * std::max(1.0, result.value);
   return result;
 }
 
@@ -69,15 +70,21 @@ InexactRadius inexact_radius(const InexactIteration& j, const SpectralOptions& o
       (options.solver == SpectralSolver::automatic && n <= dense_limit))
     return dense_radius(j, options.tolerance);
   const ArnoldiResult arpack = arnoldi(n, linear_map(j), options.arpack);
+  // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind
+  // them.
+  const bool doubtful =
+      !arpack.converged || (j.iteration.rigid() && std::abs(arpack.value - 1.0) <= unit_tolerance);
+  if (doubtful && options.solver == SpectralSolver::automatic && n <= fallback_limit)
+    return dense_radius(j, options.tolerance);
   InexactRadius result;
   result.solver = "arpack";
   result.applications = arpack.applications;
   result.dominant = arpack.value;
   result.value = std::abs(arpack.value);
   result.residual = arpack.residual;
-  result.subdominant = std::abs(arpack.value - 1.0) <= unit_tolerance ? not_a_number : result.value;
-  result.converged = arpack.converged && arpack.residual <= options.tolerance;
-  if (arpack.applications == 0 || !arpack.converged) result.converged = false;
+  result.subdominant = doubtful ? not_a_number : result.value;
+  result.unit_multiplicity = j.iteration.rigid() ? -1 : 0;
+  result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/linalg/range_projector.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -47,6 +48,16 @@ class InterfaceFamily::Preparation {
     return *whole_;
   }
 
+  // dim ker X_0 = sum_E rank H_E - rank H: self-stresses of the whole that are none of a subdomain. A rank of
+  // H does not depend on masses, the size of an eigenvalue of X_0 does.
+  Index rigid_nullity() const {
+    std::call_once(nullity_once, [this] {
+      nullity_ = -sparse_rank(reassemble(parts).h);
+      for (const Subdomain& subdomain : parts.subdomains) nullity_ += sparse_rank(subdomain.h);
+    });
+    return nullity_;
+  }
+
   Decomposition parts;
   Index dense_limit;
   Vector scale;
@@ -54,8 +65,9 @@ class InterfaceFamily::Preparation {
   std::vector<EnrichedInertiaFamily> locals;
 
  private:
-  mutable std::once_flag whole_once;
+  mutable std::once_flag whole_once, nullity_once;
   mutable std::optional<Whole> whole_;
+  mutable Index nullity_ = 0;
 };
 
 class InterfaceOperator::Implementation {
@@ -76,9 +88,14 @@ class InterfaceOperator::Implementation {
   }
 
   const KernelSplit& kernel() const {
-    std::call_once(kernel_once, [this] { kernel_ = split_kernel(dense(), preparation->scale); });
+    std::call_once(kernel_once, [this] {
+      const Vector root = preparation->scale.cwiseSqrt().cwiseInverse();
+      kernel_ = split_kernel(root.asDiagonal() * dense() * root.asDiagonal(), nullity());
+    });
     return kernel_;
   }
+
+  Index nullity() const { return eta > 0 ? 0 : preparation->rigid_nullity(); }
 
   std::shared_ptr<const InterfaceFamily::Preparation> preparation;
   double eta;
@@ -121,6 +138,7 @@ Vector InterfaceOperator::apply(const Vector& f) const {
 
 const Matrix& InterfaceOperator::dense() const { return implementation_->dense(); }
 const KernelSplit& InterfaceOperator::kernel() const { return implementation_->kernel(); }
+Index InterfaceOperator::nullity() const { return implementation_->nullity(); }
 
 Vector InterfaceOperator::solve(const Vector& g) const {
   const double eta = implementation_->eta;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/pencil.hpp>
 
 #include <Eigen/Cholesky>
-#include <fmt/format.h>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -44,32 +43,46 @@ SpectralRadius all_unit(Index size, std::string_view solver) {  // S = 0, B = I
   return result;
 }
 
+bool accurate(const SpectralRadius& radius, double tolerance) {
+  return radius.residual <= tolerance * std::max(1.0, radius.value);
+}
+
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
-  const Matrix& s = b.system.dense();
-  const Matrix& p = b.preconditioner.dense();
-  const Matrix difference = p - s;  // P B: solved for mu directly, so that small radii keep their digits
-  const bool rigid = b.system.eta() == 0;
+  // Both matrices scaled by D^-1/2, D = diag(X): the pencil keeps its eigenvalues, and unequal masses lose
+  // their hold.
+  const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
+  const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
+  // P B: solved for mu directly, so that small radii keep their digits
+  const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
+  const Index n = b.rows(), unit_multiplicity = b.system.nullity();
+  if (unit_multiplicity == n) return all_unit(n, "dense");
   PencilEnds ends;
-  Index unit_multiplicity = 0;
-  if (rigid && b.system.kernel().kernel.cols() > 0) {
-    // The P-orthogonal complement of ker S is P^-1 range(S): the pencil restricted to it has no unit
-    // eigenvalue.
-    const KernelSplit& split = b.system.kernel();
-    unit_multiplicity = split.kernel.cols();
-    if (split.range.cols() == 0) return all_unit(b.rows(), "dense");
+  if (unit_multiplicity == 0) {
+    ends = pencil_ends(difference, p);
+    if (!ends.definite) return not_converged("dense");
+  } else {
+    // With P = L L^T and Q an orthonormal basis of the complement of L^T ker S, the columns of L^-T Q are
+    // P-orthonormal and P-orthogonal to ker S: the pencil restricted to them has no unit eigenvalue.
     const Eigen::LLT<Matrix> cholesky(p);
     if (cholesky.info() != Eigen::Success) return not_converged("dense");
-    const Matrix y = cholesky.solve(split.range);
-    ends = pencil_ends(y.transpose() * difference * y, y.transpose() * p * y);
-  } else {
-    ends = pencil_ends(difference, p);
+    const Matrix image = cholesky.matrixU() * b.system.kernel().kernel;
+    const Matrix q =
+        Matrix(Eigen::HouseholderQR<Matrix>(image).householderQ()).rightCols(n - unit_multiplicity);
+    const Matrix y = cholesky.matrixU().solve(q);
+    const Matrix reduced = y.transpose() * difference * y;
+    ends = pencil_ends(0.5 * (reduced + reduced.transpose()), Matrix::Identity(q.cols(), q.cols()));
+    const Matrix x = y * ends.vectors;  // the residual is that of the whole pencil
+    Matrix r = difference * x;
+    r.col(0) -= ends.smallest * (p * x.col(0));
+    r.col(1) -= ends.largest * (p * x.col(1));
+    r = cholesky.matrixL().solve(r).eval();
+    ends.residual = std::max(r.col(0).norm(), r.col(1).norm());
   }
-  if (!ends.definite) return not_converged("dense");
   SpectralRadius result;
   result.solver = "dense";
   set_ends(result, ends.smallest, ends.largest, unit_multiplicity, b.relaxation);
   result.residual = b.relaxation * ends.residual;
-  result.converged = result.residual <= options.tolerance;
+  result.converged = accurate(result, options.tolerance);
   return result;
 }
 
@@ -90,11 +103,12 @@ End rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
 SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options) {
   const Index n = b.rows();
   const bool rigid = b.system.eta() == 0;
-  if (rigid && n > rigid_kernel_limit)
-    throw Error(fmt::format(
-        "ARPACK in the rigid limit (epsilon = 0): expected at most {} interface unknowns, met {}; "
-        "use a small epsilon > 0 instead",
-        rigid_kernel_limit, n));
+  const Index unit_multiplicity = b.system.nullity();
+  if (unit_multiplicity > 0 && n > rigid_kernel_limit) {  // the kernel is found densely
+    SpectralRadius failed = not_converged("arpack");
+    failed.unit_multiplicity = unit_multiplicity;
+    return failed;
+  }
   SpectralRadius result;
   result.solver = "arpack";
   const auto p_apply = [&](const Vector& x) -> Vector {
@@ -105,23 +119,21 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   };
   LinearMap s_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.system.apply(x); };
 
-  Index unit_multiplicity = 0;
-  if (rigid) {
+  if (unit_multiplicity == n) return all_unit(n, "arpack");
+  if (unit_multiplicity > 0) {
     // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma, a Rayleigh quotient of the
     // complement and hence between its ends.
-    const KernelSplit& split = b.system.kernel();
-    unit_multiplicity = split.kernel.cols();
-    if (unit_multiplicity == n) return all_unit(n, "arpack");
-    if (unit_multiplicity > 0) {
-      const Vector inner = b.preconditioner.solve(split.range.rowwise().sum());  // in P^-1 range(S)
-      const double sigma = inner.dot(b.system.apply(inner)) / inner.dot(b.preconditioner.apply(inner));
-      Matrix pz(n, unit_multiplicity);
-      for (Index j = 0; j < unit_multiplicity; ++j) pz.col(j) = b.preconditioner.apply(split.kernel.col(j));
-      const Matrix gram = split.kernel.transpose() * pz;
-      s_apply = [s = s_apply, pz, sigma, cholesky = Eigen::LLT<Matrix>(gram)](const Vector& x) -> Vector {
-        return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
-      };
-    }
+    const Vector root = b.system.scale().cwiseSqrt();
+    const KernelSplit& split = b.system.kernel();  // in coordinates scaled by the root
+    const Matrix z = root.cwiseInverse().asDiagonal() * split.kernel;
+    const Vector inner = p_solve(root.asDiagonal() * split.range.rowwise().sum());  // in P^-1 range(S)
+    const double sigma = inner.dot(s_apply(inner)) / inner.dot(p_apply(inner));
+    Matrix pz(n, unit_multiplicity);
+    for (Index j = 0; j < unit_multiplicity; ++j) pz.col(j) = p_apply(z.col(j));
+    const Matrix gram = z.transpose() * pz;
+    s_apply = [s = s_apply, pz, sigma, cholesky = Eigen::LLT<Matrix>(gram)](const Vector& x) -> Vector {
+      return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
+    };
   }
   const LanczosResult high = lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack);
   // The low end crowds at 0 for small epsilon, where Lanczos on P^-1 S stalls; on S^-1 P it is the isolated
@@ -139,7 +151,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const End low_end = rayleigh(low.vector, s_apply, b.preconditioner);
   set_ends(result, 1.0 - high_end.lambda, 1.0 - low_end.lambda, unit_multiplicity, b.relaxation);
   result.residual = b.relaxation * std::max(high_end.residual, low_end.residual);
-  result.converged = high.converged && low.converged && result.residual <= options.tolerance;
+  result.converged = high.converged && low.converged && accurate(result, options.tolerance);
   return result;
 }
 

@@ -2,7 +2,6 @@
 #include <nscdd/linalg/pencil.hpp>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <lapacke.h>
 
 #include <algorithm>
@@ -68,21 +67,15 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p) {
   r.col(1) -= ends.largest * (p * x.col(1));
   r = triangle.solve(r).eval();  // ||r||_{P^-1} = ||L^-1 r||
   ends.residual = std::max(r.col(0).norm(), r.col(1).norm());
+  ends.vectors = x;
   return ends;
 }
 
-KernelSplit split_kernel(const Matrix& s, const Vector& scale, double tolerance) {
+KernelSplit split_kernel(const Matrix& s, Index nullity) {
   const Index n = s.rows();
-  if (n == 0) return {Matrix(0, 0), Matrix(0, 0)};
-  const Vector root = scale.cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(root.asDiagonal() * s * root.asDiagonal());
-  Index nullity = 0;
-  while (nullity < n && solver.eigenvalues()[nullity] <= tolerance) ++nullity;
-  // D^-1/2 z is null for S where z is null for D^-1/2 S D^-1/2; the full Q of its QR splits R^n.
-  const Matrix kernel = root.asDiagonal() * solver.eigenvectors().leftCols(nullity);
   if (nullity == 0) return {Matrix(n, 0), Matrix::Identity(n, n)};
-  const Matrix q = Eigen::HouseholderQR<Matrix>(kernel).householderQ();
-  return {q.leftCols(nullity), q.rightCols(n - nullity)};
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(s);
+  return {solver.eigenvectors().leftCols(nullity), solver.eigenvectors().rightCols(n - nullity)};
 }
 
 }  // namespace nscdd

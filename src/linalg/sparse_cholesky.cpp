@@ -14,8 +14,7 @@ struct Workspace {
   Workspace() {
     cholmod_start(&common);
     common.print = 0;  // the library is silent: status codes are read instead
-    // A fixed method: with several candidates CHOLMOD picks by fill estimate, which is what we want as
-    // well, but only AMD is certain to be compiled in everywhere, so results do not depend on the build.
+    // One fixed ordering: results must not depend on what CHOLMOD happens to be compiled with.
     common.nmethods = 1;
     common.method[0].ordering = CHOLMOD_AMD;
     common.postorder = 1;

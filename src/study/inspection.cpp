@@ -11,7 +11,7 @@ NetworkDegrees degrees(const Subdomain& subdomain) {
   NetworkDegrees result;
   result.grains = count(subdomain.grains);
   result.contacts = subdomain.h.cols();
-  result.rank = sparse_rank(scaled_connectivity(subdomain.inertia, subdomain.h));
+  result.rank = sparse_rank(subdomain.h);
   result.rigid_modes = subdomain.h.rows() - result.rank;
   result.hyperstaticity = result.contacts - result.rank;
   return result;

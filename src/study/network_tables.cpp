@@ -29,11 +29,7 @@ void link_rows(const Model& model, const RowSink& sink) {
   std::vector<char> active(at(model.network.size()), 1);
   if (loaded) {
     rigid = rigid_impulses(model.problem);
-    // A velocity that loads no contact is no error here: every impulse is 0 and nothing is active.
-    if (rigid.impulses.isZero(0))
-      active.assign(active.size(), 0);
-    else
-      active = active_contacts(model.problem, rigid);
+    active = active_contacts(model.problem, rigid);
   }
   const std::string solution = !loaded ? "none" : rigid.unique ? "unique" : "least_norm";
   const Packing& p = model.packing;

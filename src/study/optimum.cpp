@@ -137,7 +137,7 @@ Optimum optimum(const Model& model, const OptimumParameters& parameters) {
   best.generic_relaxed_radius = generic.relaxed_radius();
   best.generic_relaxation = generic.relaxation();
   const auto finish = [&](OptimumStatus status) {
-    best.status = spectra.all_converged ? status : OptimumStatus::not_converged;
+    best.status = spectra.all_converged && selection.certain ? status : OptimumStatus::not_converged;
     if (status == OptimumStatus::already_exact) best.relaxed_status = status;
     best.unit_multiplicity = spectra.unit_multiplicity;
     best.residual = spectra.residual;

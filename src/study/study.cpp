@@ -27,27 +27,29 @@ std::vector<Column> observable_columns(Observable observable) {
   return {};
 }
 
-void observe(const Model& model, const StudyTable& table, const RowSink& sink, const Monitor& monitor) {
+Index observe(const Model& model, const StudyTable& table, const RowSink& sink, const Monitor& monitor) {
+  Index failed = 0;
   switch (table.observable) {
     case Observable::spectral_radius:
-      sweep(model, table.sweep, sink, monitor);
-      return;
+      return sweep(model, table.sweep, sink, monitor);
     case Observable::observed_rate:
-      observe(model, table.sweep, table.seed, sink, monitor);
-      return;
+      return observe(model, table.sweep, table.seed, sink, monitor);
     case Observable::links:
       link_rows(model, sink);
-      return;
+      return 0;
     case Observable::grains:
       grain_rows(model, sink);
-      return;
+      return 0;
     case Observable::optimum:
       for (const double epsilon : table.sweep.epsilon) {
         const OptimumParameters parameters{epsilon, table.sweep.contacts, table.sweep.spectral};
-        sink(optimum_row(model, parameters, optimum(model, parameters)));
+        const Optimum best = optimum(model, parameters);
+        failed += best.status == OptimumStatus::not_converged;
+        sink(optimum_row(model, parameters, best));
       }
-      return;
+      return failed;
   }
+  return failed;
 }
 
 // A varied value as a cell: a number where it reads as one.
@@ -79,11 +81,11 @@ std::vector<Column> study_columns(const StudyTable& table) {
   return columns;
 }
 
-void run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor) {
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor) {
   std::size_t combinations = 1;
   for (const Variation& variation : table.vary) combinations *= variation.values.size();
   const auto total = static_cast<Index>(combinations * table.cases.size());
-  Index done = 0;
+  Index done = 0, failed = 0;
   for (const Case& base : table.cases)
     for (std::size_t combination = 0; combination < combinations; ++combination) {
       Case one = base;
@@ -105,12 +107,13 @@ void run_table(const StudyTable& table, const RowSink& sink, const Monitor& moni
         return report(monitor, done * 1000 + 1000 * part / std::max<Index>(parts, 1), total * 1000);
       };
       try {
-        observe(build(one), table, with_varied, within);
+        failed += observe(build(one), table, with_varied, within);
       } catch (const Error& error) {
         throw Error(fmt::format("case {}: {}", one.name, error.what()));
       }
-      if (!report(monitor, ++done * 1000, total * 1000)) return;
+      if (!report(monitor, ++done * 1000, total * 1000)) return failed;
     }
+  return failed;
 }
 
 }  // namespace nscdd

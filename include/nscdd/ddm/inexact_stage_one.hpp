@@ -26,15 +26,18 @@ struct InexactRadius {
   double value = 0;
   std::complex<double>
       dominant;  ///< eigenvalue of largest modulus (of a pair, the one with positive imaginary part)
-  Index unit_multiplicity = 0;  ///< eigenvalues within 1e-9 of 1; counted by the dense solver only
-  double subdominant = 0;       ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
+  Index unit_multiplicity =
+      0;                   ///< rigid limit: eigenvalues within 1e-9 of 1; -1 where ARPACK did not count them
+  double subdominant = 0;  ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
   std::string_view solver = "none";
   Index applications = 0;  ///< iterations of the algorithm spent
   double residual = 0;     ///< ||J x - lambda x|| / ||x||
   bool converged = true;
 };
 
-/// Dense eigenvalues up to 400 unknowns (or on request), ARPACK's nonsymmetric driver above, matrix-free.
+/// Dense eigenvalues up to 400 unknowns (or on request), ARPACK's nonsymmetric driver above, matrix-free;
+/// where that does not converge or meets a unit eigenvalue, `automatic` falls back on dense up to 2 500
+/// unknowns.
 InexactRadius inexact_radius(const InexactIteration& j, const SpectralOptions& options = {});
 
 }  // namespace nscdd

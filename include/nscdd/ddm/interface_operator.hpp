@@ -23,8 +23,12 @@ class InterfaceOperator {
   Vector apply(const Vector& f) const;  ///< X_eta F by one local solve per subdomain
   const Matrix& dense() const;          ///< X_eta, symmetric to the last bit; assembled once, then kept
 
-  /// Bases of ker X_eta and of its complement, from the dense matrix: the kernel is empty for eta > 0, and in
-  /// the rigid limit holds the interface impulses that the networks can carry either way. Computed once.
+  /// dim ker X_eta: 0 for eta > 0; in the rigid limit the number of self-stresses that cross the interface,
+  /// sum_E rank H_E - rank H, interface impulses that the networks can carry either way.
+  Index nullity() const;
+
+  /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()), from
+  /// the dense matrix. Computed once.
   const KernelSplit& kernel() const;
 
   /// X_eta^-1 g for eta > 0, by one solve with the assembled M + K/eta of the undivided packing and no Schur

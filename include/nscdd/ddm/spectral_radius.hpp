@@ -11,14 +11,14 @@ namespace nscdd {
 
 enum class SpectralSolver {
   automatic,  ///< dense up to `dense_limit` interface unknowns, ARPACK above
-  dense,      ///< all eigenvalues of the dense pencil (Eigen)
+  dense,      ///< both ends of the dense pencil (LAPACK)
   arpack,     ///< both ends by Lanczos, matrix-free (ARPACK); dense for fewer than 5 unknowns
 };
 
 struct SpectralOptions {
   SpectralSolver solver = SpectralSolver::automatic;
   Index dense_limit = 800;  ///< for `automatic`
-  double tolerance = 1e-8;  ///< largest residual that counts as converged
+  double tolerance = 1e-8;  ///< largest residual / max(1, rho) that counts as converged
   ArpackOptions arpack = {};
 };
 
@@ -40,11 +40,11 @@ struct SpectralRadius {
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
   /// this distance of each end given.
   double residual = 0;
-  bool converged = true;  ///< the solver says so and residual <= tolerance
+  bool converged = true;  ///< the solver says so and residual <= tolerance x max(1, rho)
 };
 
-/// Throws Error where the solver is ARPACK, the limit is rigid and the interface has more than 4 000 unknowns
-/// (the unit eigenspace is found densely).
+/// In the rigid limit ARPACK finds the unit eigenspace densely; with unit eigenvalues and more than 4 000
+/// interface unknowns the result is not converged, with its multiplicity.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {});
 
 }  // namespace nscdd

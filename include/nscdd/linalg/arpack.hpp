@@ -36,8 +36,10 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
 
 /// Eigenvalue of largest modulus of a nonsymmetric operator.
 struct ArnoldiResult {
-  std::complex<double> value;  ///< of a complex pair, the one with positive imaginary part
-  double residual = 0;         ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
+  std::complex<double> value{not_a_number,
+                             not_a_number};  ///< of a complex pair, the one with positive imaginary part
+  double residual =
+      not_a_number;  ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
   Index applications = 0;
   bool converged = false;
 };

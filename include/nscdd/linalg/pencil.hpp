@@ -13,6 +13,7 @@ struct PencilEnds {
   /// Larger ||A x - lambda P x||_{P^-1} / ||x||_P of the two eigenvectors: an eigenvalue of the pencil lies
   /// within this distance of each end given (the residual bound for symmetric pencils).
   double residual = not_a_number;
+  Matrix vectors;  ///< n x 2, the eigenvectors of the two ends, x^T P x = 1
 };
 
 /// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
@@ -25,8 +26,8 @@ struct KernelSplit {
   Matrix range;   ///< n x (n - m)
 };
 
-/// Splits R^n by the eigenvalues of D^-1/2 S D^-1/2, D = diag(scale) > 0: those at most `tolerance` are null.
-/// The bases returned are of ker S and of its orthogonal complement, for S itself.
-KernelSplit split_kernel(const Matrix& s, const Vector& scale, double tolerance = 1e-10);
+/// Splits R^n by a symmetric positive semidefinite matrix S of known nullity: the kernel is spanned by the
+/// eigenvectors of its `nullity` smallest eigenvalues.
+KernelSplit split_kernel(const Matrix& s, Index nullity);
 
 }  // namespace nscdd

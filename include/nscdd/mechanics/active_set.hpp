@@ -17,12 +17,13 @@ struct RigidImpulses {
 
 /// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts that neither open nor close, in tension or compression.
 /// It is the least-squares problem min || M^-1/2 H r + M^1/2 V^- ||, least norm among its solutions.
-/// Dense complete orthogonal decomposition up to 1 000 contacts, conjugate gradients from zero above.
+/// Dense complete orthogonal decomposition up to 4 000 contacts; above, conjugate gradients from zero, which
+/// may stop short: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
 /// The active contacts by the paper's rule ([ADI12] section 4.3): those in compression, r > 0. An impulse
 /// within 1e-10 of the largest counts as zero, hence inactive. One flag per contact.
-/// Throws Error where no grain has an arriving velocity, or where it loads no contact.
+/// Throws Error where no grain has an arriving velocity; one that loads no contact leaves none active.
 std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidImpulses& rigid);
 
 }  // namespace nscdd

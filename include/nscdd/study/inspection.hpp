@@ -31,7 +31,7 @@ struct Inspection {
   Index unit_multiplicity = 0;
 };
 
-/// Ranks are those of M^-1/2 H, by sparse rank-revealing QR.
+/// Ranks are those of H, which are those of W, by sparse rank-revealing QR.
 Inspection inspect(const Model& model);
 
 }  // namespace nscdd

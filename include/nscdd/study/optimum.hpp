@@ -50,8 +50,8 @@ struct Optimum {
   Index spectra = 0;                 ///< spectra computed
 };
 
-/// Searches eta over 16 decades around the natural scale sum of 1/mass at the interface, by Brent's method on
-/// log eta. Throws Error where the active set is asked for and nothing is prescribed.
+/// Searches eta over 16 decades around the mean of diag(X) (and two around epsilon), by Brent's method on log
+/// eta. Throws Error where the active set is asked for and nothing is prescribed.
 Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
 
 /// Columns and row of a table of optima, described in docs/formats.md.

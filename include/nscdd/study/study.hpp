@@ -59,7 +59,8 @@ struct Study {
 /// Columns of a study table: those of its observable, with one column per varied parameter after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
-/// Rows of a study table, as they come. Throws Error naming the case where one cannot be built.
-void run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {});
+/// Rows of a study table, as they come; returns how many did not converge. Throws Error naming the case where
+/// one cannot be built.
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {});
 
 }  // namespace nscdd

@@ -33,7 +33,8 @@ struct SweepParameters {
 struct Selection {
   Decomposition stage_one;  ///< with the contacts Stage 1 works with
   Index active_contacts = 0;
-  std::string rule;  ///< "all", "compressive (unique)" or "compressive (least norm)"
+  std::string rule;     ///< "all", "compressive (unique)" or "compressive (least norm)"
+  bool certain = true;  ///< false where the impulses behind the rule were not found to 1e-8
 };
 
 /// Throws Error where the active set is asked for and nothing is prescribed.
