@@ -9,7 +9,7 @@ endfunction()
 set(prefix ${FOLDER}/prefix)
 file(REMOVE_RECURSE ${FOLDER})
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-must(${CMAKE_COMMAND} -S ${SOURCE}/tests/consumer -B ${FOLDER}/build -DCMAKE_PREFIX_PATH=${prefix}
+must(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/consumer -B ${FOLDER}/build -DCMAKE_PREFIX_PATH=${prefix}
      -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
 must(${CMAKE_COMMAND} --build ${FOLDER}/build)
 must(${FOLDER}/build/consumer)
