@@ -125,12 +125,8 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
 }
 
 std::vector<Column> observed_rate_columns() {
-  std::vector<Column> columns = case_columns();
+  std::vector<Column> columns = point_columns();
   const std::vector<Column> more{
-      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit"},
-      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
-      {"relaxation", "1", "omega of F <- F + omega (F' - F)"},
-      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"},
       {"predicted_rate", "1", "subdominant spectral radius of the contraction operator"},
       {"observed_rate", "1", "rate fitted to a run of the algorithm itself"},
       {"observed_rate_error", "1", "error of the fit"},

@@ -100,13 +100,20 @@ Row case_cells(const Model& model, const Selection& selection, ContactSet contac
   return row;
 }
 
-std::vector<Column> sweep_columns() {
+std::vector<Column> point_columns() {
   std::vector<Column> columns = case_columns();
   const std::vector<Column> more{
       {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit"},
       {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
       {"relaxation", "1", "omega of F <- F + omega (F' - F)"},
-      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"},
+      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"}};
+  columns.insert(columns.end(), more.begin(), more.end());
+  return columns;
+}
+
+std::vector<Column> sweep_columns() {
+  std::vector<Column> columns = point_columns();
+  const std::vector<Column> more{
       {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator"},
       {"eigenvalue_min", "1", "smallest eigenvalue (exact Stage 1 only, else nan)"},
       {"eigenvalue_max", "1", "largest eigenvalue (exact Stage 1 only, else nan)"},

@@ -16,10 +16,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-struct Radii {
-  std::vector<double> values;
-};
-
 // Both ends of four contraction operators: generic and enriched, linear and nonsmooth.
 std::vector<double> ends(const ReferenceProblem& problem, const Decomposition& parts,
                          double mass_factor = 1) {

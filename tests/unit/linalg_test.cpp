@@ -145,9 +145,6 @@ TEST_CASE("Arnoldi: real, negative and complex dominant eigenvalues, with their 
     t(i, i) = 0.5 * std::cos(static_cast<double>(i));
     for (Index j = i + 1; j < 50; ++j) t(i, j) = 0.02;
   }
-  struct Expected {
-    std::complex<double> value;
-  };
   for (const std::complex<double> value :
        {std::complex<double>(0.9, 0), {-0.95, 0}, {0.4, 0.8}, {-0.3, 0.9}}) {
     Matrix block = t;

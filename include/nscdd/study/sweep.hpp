@@ -44,6 +44,9 @@ Selection select(const Model& model, ContactSet contacts);
 std::vector<Column> case_columns();
 Row case_cells(const Model& model, const Selection& selection, ContactSet contacts);
 
+/// The same followed by the coordinates of a point of a sweep: epsilon, eta, relaxation, sweeps.
+std::vector<Column> point_columns();
+
 /// Columns of a sweep, described in docs/formats.md.
 std::vector<Column> sweep_columns();
 
