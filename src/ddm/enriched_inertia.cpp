@@ -3,12 +3,14 @@
 #include <nscdd/ddm/enriched_inertia.hpp>
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/linalg/sparse_cholesky.hpp>
+#include <nscdd/linalg/symmetric_factor.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <variant>
 
@@ -88,13 +90,49 @@ class EnrichedInertiaFamily::Preparation {
     zero_diagonal.setIdentity();
     zero_diagonal.coeffs().setZero();
     stiffness = SparseMatrix(h * h.transpose()) + zero_diagonal;  // K = H H^T
-    analysis.emplace(stiffness);
+    dofs_per_grain = inertia.size() / count(subdomain.grains);
+  }
+
+  // M + K / eta
+  SparseMatrix sum(double eta) const {
+    SparseMatrix m = stiffness / eta;
+    m.diagonal() += inertia;
+    return m;
+  }
+
+  const CholeskyAnalysis& analysis() const {
+    std::call_once(analysis_once_, [this] { analysis_.emplace(stiffness); });
+    return *analysis_;
+  }
+
+  // With the interface grains last, so that the trailing block of the factor is the condensed subdomain.
+  const SymmetricAnalysis& condensation() const {
+    std::call_once(condensation_once_, [this] {
+      std::vector<Index> grain(nscdd::at(inertia.size()));
+      for (Index i = 0; i < inertia.size(); ++i) grain[nscdd::at(i)] = i / dofs_per_grain;
+      std::vector<char> shared(nscdd::at(inertia.size() / dofs_per_grain), 0);
+      for (const Index i : glued_dofs()) shared[nscdd::at(i / dofs_per_grain)] = 1;
+      condensation_.emplace(SparseMatrix(stiffness.triangularView<Eigen::Lower>()), grain, shared);
+    });
+    return *condensation_;
+  }
+
+  std::vector<Index> glued_dofs() const {  // columns of A_E that are not empty, ascending
+    std::vector<Index> dofs;
+    for (Index j = 0; j < a.outerSize(); ++j)
+      if (a.outerIndexPtr()[j + 1] > a.outerIndexPtr()[j]) dofs.push_back(j);
+    return dofs;
   }
 
   Vector inertia;
   SparseMatrix h, a, stiffness;
   std::optional<Modes> modes;
-  std::optional<CholeskyAnalysis> analysis;
+  Index dofs_per_grain = 0;
+
+ private:
+  mutable std::once_flag analysis_once_, condensation_once_;
+  mutable std::optional<CholeskyAnalysis> analysis_;
+  mutable std::optional<SymmetricAnalysis> condensation_;
 };
 
 class EnrichedInertia::Implementation {
@@ -104,8 +142,8 @@ class EnrichedInertia::Implementation {
     Vector weights;
   };  // small subdomain, any eta
   struct Factor {
-    SparseCholesky cholesky;
-  };
+    double eta;
+  };  // factorised when first asked for
   struct Rigid {
     RangeProjector range;
   };  // eta = 0
@@ -115,9 +153,7 @@ class EnrichedInertia::Implementation {
     if (p.modes) return Modal{p.modes->weights(eta)};
     if (std::isinf(eta)) return Diagonal{};
     if (eta == 0) return Rigid{RangeProjector(normalised_columns(scaled_connectivity(p.inertia, p.h)))};
-    SparseMatrix sum = p.stiffness / eta;  // M + K / eta
-    sum.diagonal() += p.inertia;
-    return Factor{SparseCholesky(*p.analysis, sum)};
+    return Factor{eta};
   }
 
   Implementation(std::shared_ptr<const EnrichedInertiaFamily::Preparation> p, double eta)
@@ -125,6 +161,7 @@ class EnrichedInertia::Implementation {
 
   Matrix apply(const Matrix& r) const {
     struct Visitor {
+      const Implementation& self;
       const EnrichedInertiaFamily::Preparation& p;
       const Matrix& r;
       Matrix operator()(const Diagonal&) const { return p.inertia.cwiseInverse().asDiagonal() * r; }
@@ -132,8 +169,9 @@ class EnrichedInertia::Implementation {
         return p.modes->vectors * (modal.weights.asDiagonal() * (p.modes->vectors.transpose() * r));
       }
       Matrix operator()(const Factor& factor) const {
-        if (!factor.cholesky.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
-        return factor.cholesky.solve(r);
+        const SparseCholesky& cholesky = self.cholesky(factor.eta);
+        if (!cholesky.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
+        return cholesky.solve(r);
       }
       Matrix operator()(const Rigid& rigid) const {  // M^-1/2 (I - Pi) M^-1/2
         const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
@@ -142,11 +180,20 @@ class EnrichedInertia::Implementation {
         return root.asDiagonal() * scaled;
       }
     };
-    return std::visit(Visitor{*preparation, r}, inverse);
+    return std::visit(Visitor{*this, *preparation, r}, inverse);
+  }
+
+  const SparseCholesky& cholesky(double eta) const {
+    std::call_once(cholesky_once_, [&] { cholesky_.emplace(preparation->analysis(), preparation->sum(eta)); });
+    return *cholesky_;
   }
 
   std::shared_ptr<const EnrichedInertiaFamily::Preparation> preparation;
   std::variant<Diagonal, Modal, Factor, Rigid> inverse;
+
+ private:
+  mutable std::once_flag cholesky_once_;
+  mutable std::optional<SparseCholesky> cholesky_;
 };
 
 EnrichedInertia::EnrichedInertia(std::shared_ptr<const Implementation> implementation)
@@ -160,6 +207,20 @@ Matrix EnrichedInertia::condense() const {
     const Matrix scaled = p.modes->traces * modal->weights.cwiseSqrt().asDiagonal();
     const Matrix product = scaled * scaled.transpose();
     return 0.5 * (product + product.transpose());
+  }
+  if (const auto* factor = std::get_if<Implementation::Factor>(&implementation_->inverse)) {
+    const SymmetricFactor ldl(p.condensation(), p.sum(factor->eta).triangularView<Eigen::Lower>());
+    if (!ldl.regular() || ldl.negative_eigenvalues() > 0)
+      return Matrix::Constant(p.a.rows(), p.a.rows(), not_a_number);
+    const std::vector<Index> dofs = p.glued_dofs();
+    SparseMatrix gluing(p.a.rows(), count(dofs));  // A_E on these
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index k = 0; k < count(dofs); ++k)
+      for (SparseMatrix::InnerIterator e(p.a, dofs[at(k)]); e; ++e)
+        entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(k), e.value());
+    gluing.setFromTriplets(entries.begin(), entries.end());
+    const Matrix condensed = gluing * (ldl.inverse_block(dofs) * gluing.transpose());
+    return 0.5 * (condensed + condensed.transpose());
   }
   Matrix condensed(p.a.rows(), p.a.rows());
   constexpr Index block = 64;  // right-hand sides at a time, so that memory stays that of a few vectors

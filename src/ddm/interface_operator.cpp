@@ -2,6 +2,7 @@
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/linalg/range_projector.hpp>
+#include <nscdd/linalg/threads.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +27,25 @@ class InterfaceFamily::Preparation {
  public:
   Preparation(const Decomposition& decomposition, Index limit)
       : parts(decomposition), dense_limit(limit), scale(inertia_scale(decomposition)) {
-    for (const Subdomain& subdomain : parts.subdomains) {
-      rows.push_back(interface_rows(subdomain));
-      locals.emplace_back(subdomain, dense_limit);
-    }
+    const Index n = count(parts.subdomains);
+    rows.resize(nscdd::at(n));
+    std::vector<std::optional<EnrichedInertiaFamily>> families(nscdd::at(n));
+    for_each_in_parallel(n, [&](Index e) {
+      rows[nscdd::at(e)] = interface_rows(parts.subdomains[nscdd::at(e)]);
+      families[nscdd::at(e)].emplace(parts.subdomains[nscdd::at(e)], dense_limit);
+    });
+    for (auto& family : families) locals.push_back(std::move(*family));
+  }
+
+  // X_infinity = sum_E A_E M_E^-1 A_E^T, nearly diagonal
+  const SparseMatrix& inertia_operator() const {
+    std::call_once(inertia_once, [this] {
+      SparseMatrix sum(parts.interface_size(), parts.interface_size());
+      for (const Subdomain& subdomain : parts.subdomains)
+        sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
+      inertia_operator_ = std::move(sum);
+    });
+    return inertia_operator_;
   }
 
   // The undivided packing is needed by `solve` only, and only then put together.
@@ -65,7 +81,8 @@ class InterfaceFamily::Preparation {
   std::vector<EnrichedInertiaFamily> locals;
 
  private:
-  mutable std::once_flag whole_once, nullity_once;
+  mutable std::once_flag whole_once, nullity_once, inertia_once;
+  mutable SparseMatrix inertia_operator_;
   mutable std::optional<Whole> whole_;
   mutable Index nullity_ = 0;
 };
@@ -74,7 +91,10 @@ class InterfaceOperator::Implementation {
  public:
   Implementation(std::shared_ptr<const InterfaceFamily::Preparation> p, double flexibility)
       : preparation(std::move(p)), eta(flexibility) {
-    for (const EnrichedInertiaFamily& local : preparation->locals) locals.push_back(local.at(eta));
+    std::vector<std::optional<EnrichedInertia>> inverses(preparation->locals.size());
+    for_each_in_parallel(count(inverses),
+                         [&](Index e) { inverses[nscdd::at(e)] = preparation->locals[nscdd::at(e)].at(eta); });
+    for (auto& inverse : inverses) locals.push_back(std::move(*inverse));
   }
 
   const EnrichedInertia& whole() const {
@@ -105,9 +125,11 @@ class InterfaceOperator::Implementation {
   Matrix assemble() const {
     const Index n = preparation->parts.interface_size();
     Matrix x = Matrix::Zero(n, n);
+    std::vector<Matrix> condensed(locals.size());
+    for_each_in_parallel(count(locals), [&](Index e) { condensed[nscdd::at(e)] = locals[nscdd::at(e)].condense(); });
     for (std::size_t e = 0; e < locals.size(); ++e) {
       const auto& touched = preparation->rows[e];
-      const Matrix local = locals[e].condense();
+      const Matrix& local = condensed[e];
       for (std::size_t j = 0; j < touched.size(); ++j)
         for (std::size_t i = 0; i < touched.size(); ++i)
           x(touched[i], touched[j]) += local(static_cast<Index>(i), static_cast<Index>(j));
@@ -129,10 +151,14 @@ Index InterfaceOperator::rows() const { return implementation_->preparation->par
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 
 Vector InterfaceOperator::apply(const Vector& f) const {
+  if (std::isinf(eta())) return implementation_->preparation->inertia_operator() * f;
   const auto& subdomains = implementation_->preparation->parts.subdomains;
+  std::vector<Vector> velocities(subdomains.size());
+  for_each_in_parallel(count(subdomains), [&](Index e) {
+    velocities[at(e)] = implementation_->locals[at(e)].solve(subdomains[at(e)].a.transpose() * f);
+  });
   Vector jumps = Vector::Zero(rows());
-  for (std::size_t e = 0; e < subdomains.size(); ++e)
-    jumps += subdomains[e].a * implementation_->locals[e].solve(subdomains[e].a.transpose() * f);
+  for (std::size_t e = 0; e < subdomains.size(); ++e) jumps += subdomains[e].a * velocities[e];
   return jumps;
 }
 

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace nscdd {
+
+/// Elimination order and fronts of the multifrontal factorisation of one sparsity pattern, made once and used
+/// for every matrix of that pattern: nested dissection (METIS) of the graph of row groups, supernodes of the
+/// groups (CHOLMOD).
+class SymmetricAnalysis {
+ public:
+  /// `pattern`: n x n symmetric, lower triangle stored, values ignored.
+  /// `group`: for each row the number of its group, 0 ... groups - 1. Rows of a group are eliminated together,
+  /// so that pivots can be chosen among them: a multiplier of a saddle point belongs with what it ties.
+  /// `last`: groups to be eliminated after all others (flags, one per group; may be empty), which makes
+  /// `SymmetricFactor::inverse_block` on their rows cheap.
+  /// Throws std::bad_alloc where the libraries run out of memory.
+  SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
+                    const std::vector<char>& last = {});
+
+  Index rows() const;
+  double entries() const;  ///< entries of the factor
+  double flops() const;    ///< multiplications and additions of one factorisation
+  class Implementation;
+
+ private:
+  friend class SymmetricFactor;
+  std::shared_ptr<const Implementation> implementation_;
+};
+
+/// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks
+/// (Bunch-Kaufman pivoting inside panels of whole groups, LAPACK dsytrf). Fronts are factorised in parallel
+/// along the elimination tree; every sum is taken in an order fixed by the analysis, so the bits do not depend
+/// on the number of threads.
+///
+/// By Sylvester's law of inertia D has as many negative eigenvalues as A (more exactly: as a matrix within
+/// `backward_error()` of A, because pivots are not delayed from front to front).
+class SymmetricFactor {
+ public:
+  SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
+
+  bool regular() const;               ///< false where a pivot is exactly zero; nothing else may then be asked
+  Index negative_eigenvalues() const; ///< of A, with multiplicity
+  Vector solve(const Vector& b) const;  ///< A^-1 b
+
+  /// (A^-1)_{rows, rows}, by the fronts on the way from these rows to the root only.
+  Matrix inverse_block(const std::vector<Index>& rows) const;
+
+  class Implementation;
+
+ private:
+  std::shared_ptr<const Implementation> implementation_;
+};
+
+/// max_i |b - A x|_i / (|A| |x| + |b|)_i for a symmetric matrix given by its lower triangle: the smallest
+/// relative change of the data of which x is the exact solution (Oettli and Prager).
+double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b);
+
+}  // namespace nscdd
