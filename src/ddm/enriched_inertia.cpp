@@ -184,7 +184,8 @@ class EnrichedInertia::Implementation {
   }
 
   const SparseCholesky& cholesky(double eta) const {
-    std::call_once(cholesky_once_, [&] { cholesky_.emplace(preparation->analysis(), preparation->sum(eta)); });
+    std::call_once(cholesky_once_,
+                   [&] { cholesky_.emplace(preparation->analysis(), preparation->sum(eta)); });
     return *cholesky_;
   }
 

@@ -42,7 +42,8 @@ class InterfaceFamily::Preparation {
     std::call_once(inertia_once, [this] {
       SparseMatrix sum(parts.interface_size(), parts.interface_size());
       for (const Subdomain& subdomain : parts.subdomains)
-        sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
+        sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() *
+                            subdomain.a.transpose());
       inertia_operator_ = std::move(sum);
     });
     return inertia_operator_;
@@ -92,8 +93,9 @@ class InterfaceOperator::Implementation {
   Implementation(std::shared_ptr<const InterfaceFamily::Preparation> p, double flexibility)
       : preparation(std::move(p)), eta(flexibility) {
     std::vector<std::optional<EnrichedInertia>> inverses(preparation->locals.size());
-    for_each_in_parallel(count(inverses),
-                         [&](Index e) { inverses[nscdd::at(e)] = preparation->locals[nscdd::at(e)].at(eta); });
+    for_each_in_parallel(count(inverses), [&](Index e) {
+      inverses[nscdd::at(e)] = preparation->locals[nscdd::at(e)].at(eta);
+    });
     for (auto& inverse : inverses) locals.push_back(std::move(*inverse));
   }
 
@@ -126,7 +128,8 @@ class InterfaceOperator::Implementation {
     const Index n = preparation->parts.interface_size();
     Matrix x = Matrix::Zero(n, n);
     std::vector<Matrix> condensed(locals.size());
-    for_each_in_parallel(count(locals), [&](Index e) { condensed[nscdd::at(e)] = locals[nscdd::at(e)].condense(); });
+    for_each_in_parallel(count(locals),
+                         [&](Index e) { condensed[nscdd::at(e)] = locals[nscdd::at(e)].condense(); });
     for (std::size_t e = 0; e < locals.size(); ++e) {
       const auto& touched = preparation->rows[e];
       const Matrix& local = condensed[e];
@@ -147,6 +150,7 @@ InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> imple
     : implementation_(std::move(implementation)) {}
 
 double InterfaceOperator::eta() const { return implementation_->eta; }
+const Decomposition& InterfaceOperator::parts() const { return implementation_->preparation->parts; }
 Index InterfaceOperator::rows() const { return implementation_->preparation->parts.interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 

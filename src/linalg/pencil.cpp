@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace nscdd {
@@ -25,49 +26,74 @@ Tridiagonal tridiagonalise(Matrix c) {
   return t;
 }
 
-// Eigenvalue number k (from 1, ascending) of a tridiagonal matrix, its unit eigenvector put into `vector`;
-// NaN where LAPACK fails.
-double eigenpair(const Tridiagonal& t, lapack_int k, double* vector) {
+// Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors; empty where
+// LAPACK fails.
+struct Pairs {
+  Vector values;
+  Matrix vectors;
+};
+
+Pairs eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
-  lapack_int found = 0, blocks = 0, failed = 0;
-  std::vector<lapack_int> block(at(n)), split(at(n));
-  Vector value = Vector::Zero(n);                 // LAPACKE looks for NaN in all n, of which one is set
+  const Index wanted = last - first + 1;
+  lapack_int found = 0, blocks = 0;
+  std::vector<lapack_int> block(at(n)), split(at(n)), failed(at(wanted));
+  Vector value = Vector::Zero(n);                 // LAPACKE looks for NaN in all n, of which a few are set
   const double finest = 2 * LAPACKE_dlamch('S');  // as accurate as bisection can be
-  if (LAPACKE_dstebz('I', 'B', n, 0, 0, k, k, finest, t.diagonal.data(), t.off.data(), &found, &blocks,
+  if (LAPACKE_dstebz('I', 'B', n, 0, 0, first, last, finest, t.diagonal.data(), t.off.data(), &found, &blocks,
                      value.data(), block.data(), split.data()) != 0 ||
-      found < 1 ||
-      LAPACKE_dstein(LAPACK_COL_MAJOR, n, t.diagonal.data(), t.off.data(), 1, value.data(), block.data(),
-                     split.data(), vector, n, &failed) != 0)
-    return not_a_number;
-  return value[0];
+      found < wanted)
+    return {};
+  Pairs pairs{Vector(wanted), Matrix::Zero(n, wanted)};
+  Matrix vectors = Matrix::Zero(n, wanted);
+  if (LAPACKE_dstein(LAPACK_COL_MAJOR, n, t.diagonal.data(), t.off.data(), static_cast<lapack_int>(wanted),
+                     value.data(), block.data(), split.data(), vectors.data(), n, failed.data()) != 0)
+    return {};
+  std::vector<Index> order(at(wanted));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index i, Index j) { return value[i] < value[j]; });
+  for (Index k = 0; k < wanted; ++k) {
+    pairs.values[k] = value[order[at(k)]];
+    pairs.vectors.col(k) = vectors.col(order[at(k)]);
+  }
+  return pairs;
 }
 
 }  // namespace
 
-PencilEnds pencil_ends(const Matrix& a, const Matrix& p) {
+double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
+                     const Matrix& vectors) {
+  Matrix r = a * vectors - p * vectors * values.asDiagonal();
+  lower.triangularView<Eigen::Lower>().solveInPlace(r);  // ||r||_{P^-1} = ||L^-1 r||
+  return r.colwise().norm().maxCoeff();
+}
+
+PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
   PencilEnds ends;
   const auto n = static_cast<lapack_int>(a.rows());
+  const auto k = static_cast<lapack_int>(std::min<Index>(wanted, n));
   Matrix lower = p, c = a;
   ends.definite = p.allFinite() && a.allFinite() &&
                   LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, lower.data(), n) == 0;  // P = L L^T
   if (!ends.definite) return ends;
   LAPACKE_dsygst(LAPACK_COL_MAJOR, 1, 'L', n, c.data(), n, lower.data(), n);  // C = L^-1 A L^-T
   const Tridiagonal t = tridiagonalise(std::move(c));                         // T = Q^T C Q
-  Matrix y(n, 2);
-  ends.smallest = eigenpair(t, 1, y.col(0).data());
-  ends.largest = eigenpair(t, n, y.col(1).data());
+  const Pairs low = eigenpairs(t, 1, k), high = eigenpairs(t, n - k + 1, n);
+  ends.definite = low.values.size() > 0 && high.values.size() > 0;
+  if (!ends.definite) return ends;
+  Matrix y(n, 2 * k);
+  y << low.vectors, high.vectors;
   if (n > 1)
-    LAPACKE_dormtr(LAPACK_COL_MAJOR, 'L', 'L', 'N', n, 2, t.reflectors.data(), n, t.tau.data(), y.data(),
-                   n);  // Q y
-  const auto triangle = lower.triangularView<Eigen::Lower>();
-  const Matrix x =
-      lower.transpose().triangularView<Eigen::Upper>().solve(y);  // L^-T Q y, so that x^T P x = 1
-  Matrix r = a * x;
-  r.col(0) -= ends.smallest * (p * x.col(0));
-  r.col(1) -= ends.largest * (p * x.col(1));
-  r = triangle.solve(r).eval();  // ||r||_{P^-1} = ||L^-1 r||
-  ends.residual = std::max(r.col(0).norm(), r.col(1).norm());
-  ends.vectors = x;
+    LAPACKE_dormtr(LAPACK_COL_MAJOR, 'L', 'L', 'N', n, 2 * k, t.reflectors.data(), n, t.tau.data(), y.data(),
+                   n);                                               // Q y
+  lower.transpose().triangularView<Eigen::Upper>().solveInPlace(y);  // L^-T Q y, so that x^T P x = 1
+  Vector values(2 * k);
+  values << low.values, high.values;
+  ends.residual = pair_residual(a, p, lower, values, y);
+  ends.low = low.values;
+  ends.low_vectors = y.leftCols(k);
+  ends.high = high.values.reverse();
+  ends.high_vectors = y.rightCols(k).rowwise().reverse();
   return ends;
 }
 

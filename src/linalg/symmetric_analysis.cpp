@@ -68,7 +68,8 @@ std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector
   GroupGraph inner{{0}, {}};
   for (const int g : kept) {
     for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
-      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0) inner.neighbours.push_back(other);
+      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0)
+        inner.neighbours.push_back(other);
     inner.start.push_back(static_cast<int>(inner.neighbours.size()));
   }
   for (const int k : nested_dissection(inner, kept_weight)) order.push_back(kept[at(k)]);
@@ -148,7 +149,8 @@ double elimination_flops(const Front& front) {  // sum over the pivots of (rows 
 
 }  // namespace
 
-SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern, const std::vector<Index>& group,
+SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern,
+                                                  const std::vector<Index>& group,
                                                   const std::vector<char>& last)
     : size(pattern.rows()) {
   const Index groups = size == 0 ? 0 : *std::max_element(group.begin(), group.end()) + 1;
@@ -186,14 +188,16 @@ SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern, c
     if (nodes.first_row(s) + pivot_groups < nodes.first_row(s + 1))
       front.parent = front_of[at(nodes.row(nodes.first_row(s) + pivot_groups))];
     front.subtree_flops += elimination_flops(front);
-    factor_entries += static_cast<double>(front.pivots) * (static_cast<double>(front.rows + front.update_rows()) + 1) / 2;
+    factor_entries +=
+        static_cast<double>(front.pivots) * (static_cast<double>(front.rows + front.update_rows()) + 1) / 2;
     if (front.parent >= 0) {
       fronts[at(front.parent)].children.push_back(s);
       fronts[at(front.parent)].subtree_flops += front.subtree_flops;
     }
   }
   front_of_row.resize(at(size));
-  for (Index i = 0; i < size; ++i) front_of_row[at(i)] = static_cast<int>(front_of[at(position_of[at(group[at(i)])])]);
+  for (Index i = 0; i < size; ++i)
+    front_of_row[at(i)] = static_cast<int>(front_of[at(position_of[at(group[at(i)])])]);
   place_in_parent.assign(row_of.size(), -1);
   for (const Front& front : fronts) {
     for (Index i = front.rows - 1; i >= 0; --i)  // place of the first row of each group
@@ -237,7 +241,8 @@ SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern, c
     const Front& front = fronts[s];
     for (Index i = front.rows - 1; i >= 0; --i)
       place[at(position_of[at(group[at(row_of[at(front.first_row + i)])])])] = i;
-    for (Index k = front.first_entry; k < (s + 1 < fronts.size() ? fronts[s + 1].first_entry : count(entries)); ++k) {
+    for (Index k = front.first_entry;
+         k < (s + 1 < fronts.size() ? fronts[s + 1].first_entry : count(entries)); ++k) {
       FrontEntry& one = entries[at(k)];
       const auto placed = [&](int row) {
         return static_cast<int>(place[at(position_of[at(group[at(row)])])]) + rank[at(row)];

@@ -12,16 +12,16 @@ struct Front {
   Index first_row = 0;  ///< of its `rows` entries in row_of
   Index rows = 0, pivots = 0;
   Index parent = -1;
-  Index first_entry = 0;          ///< of its original entries in `entries`
-  std::vector<Index> panels;      ///< ends of the panels of pivot columns, the last one being `pivots`
-  std::vector<Index> children;    ///< ascending
-  double subtree_flops = 0;       ///< of the front and all below it
+  Index first_entry = 0;        ///< of its original entries in `entries`
+  std::vector<Index> panels;    ///< ends of the panels of pivot columns, the last one being `pivots`
+  std::vector<Index> children;  ///< ascending
+  double subtree_flops = 0;     ///< of the front and all below it
   Index update_rows() const { return rows - pivots; }
 };
 
 /// An entry of the matrix put into a front.
 struct FrontEntry {
-  int source = 0;     ///< position among the stored values of the matrix
+  int source = 0;           ///< position among the stored values of the matrix
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 

@@ -21,9 +21,9 @@ using ConstBlock = Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>;
 
 // What stays of a front: columns of L with D on the diagonal, panel by panel.
 struct FrontFactor {
-  std::vector<double> columns;   // rows x pivots
+  std::vector<double> columns;    // rows x pivots
   std::vector<lapack_int> swaps;  // LAPACK's ipiv, panel by panel
-  Vector off;                    // subdiagonal of D
+  Vector off;                     // subdiagonal of D
 };
 
 // Interchanges of one panel in LAPACK's order: swap(i, j) exchanges two indices of the panel.
@@ -50,7 +50,8 @@ void interchange_back(const lapack_int* ipiv, Index n, Swap&& swap) {
   }
 }
 
-// D^-1 applied to the rows of b from `first` on: d its diagonal, e its subdiagonal, 2 x 2 blocks where e is set.
+// D^-1 applied to the rows of b from `first` on: d its diagonal, e its subdiagonal, 2 x 2 blocks where e is
+// set.
 template <class Diagonal, class Rows>
 void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   const Index n = diagonal.rows();
@@ -106,7 +107,10 @@ class SymmetricFactor::Implementation {
   using Analysis = SymmetricAnalysis::Implementation;
 
   Implementation(std::shared_ptr<const Analysis> a, const SparseMatrix& lower)
-      : analysis(std::move(a)), values(lower.valuePtr()), factors(analysis->fronts.size()), updates(factors.size()) {
+      : analysis(std::move(a)),
+        values(lower.valuePtr()),
+        factors(analysis->fronts.size()),
+        updates(factors.size()) {
     for_roots([this](Index root) { up_the_tree(root, [this](Index s) { eliminate(s); }); });
     updates.clear();
   }
@@ -165,7 +169,8 @@ class SymmetricFactor::Implementation {
       const auto n = static_cast<lapack_int>(width), stride = static_cast<lapack_int>(front.rows);
       lapack_int* swaps = own.swaps.data() + first;
       if (!factorise_panel(diagonal, n, stride, swaps, own.off.data() + first)) return;
-      Block left(columns.data() + first * front.rows + first + width, rest, width, Eigen::OuterStride<>(front.rows));
+      Block left(columns.data() + first * front.rows + first + width, rest, width,
+                 Eigen::OuterStride<>(front.rows));
       interchange(swaps, width, [&](Index i, Index j) {
         if (i != j) left.col(i).swap(left.col(j));
       });
@@ -176,7 +181,8 @@ class SymmetricFactor::Implementation {
       left = transposed.transpose();  // L
       const Index columns_left = front.pivots - first - width;
       if (columns_left > 0) {
-        Block target(&columns(first + width, first + width), rest, columns_left, Eigen::OuterStride<>(front.rows));
+        Block target(&columns(first + width, first + width), rest, columns_left,
+                     Eigen::OuterStride<>(front.rows));
         subtract_product(target, left, multiples.topRows(columns_left), true);
       }
       below_multiples.middleCols(first, width) = multiples.bottomRows(below);
@@ -184,7 +190,8 @@ class SymmetricFactor::Implementation {
     }
     if (below > 0) {
       const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
-      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, below_multiples, true);
+      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, below_multiples,
+                       true);
     }
   }
 
@@ -192,8 +199,8 @@ class SymmetricFactor::Implementation {
     double query = 0;
     LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, &query, -1);
     Vector work(static_cast<Index>(query));
-    lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, work.data(),
-                                          static_cast<lapack_int>(query));
+    lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps,
+                                          work.data(), static_cast<lapack_int>(query));
     if (info != 0 || !std::isfinite(diagonal(n - 1, n - 1))) {
       singular = true;
       return false;
@@ -207,7 +214,8 @@ class SymmetricFactor::Implementation {
   void assemble(Index s, Block& columns, Matrix& update) {
     const Front& front = analysis->fronts[at(s)];
     const auto& entries = analysis->entries;
-    const Index last = s + 1 < count(analysis->fronts) ? analysis->fronts[at(s + 1)].first_entry : count(entries);
+    const Index last =
+        s + 1 < count(analysis->fronts) ? analysis->fronts[at(s + 1)].first_entry : count(entries);
     for (Index k = front.first_entry; k < last; ++k) {
       const FrontEntry& entry = entries[at(k)];
       columns(entry.row, entry.column) += values[entry.source];
@@ -218,8 +226,9 @@ class SymmetricFactor::Implementation {
       const int* place = analysis->place_in_parent.data() + child.first_row + child.pivots;
       for (Index j = 0; j < from.cols(); ++j) {
         const Index column = place[j];
-        double* to = column < front.pivots ? &columns(0, column)
-                                           : update.data() + (column - front.pivots) * update.rows() - front.pivots;
+        double* to = column < front.pivots
+                         ? &columns(0, column)
+                         : update.data() + (column - front.pivots) * update.rows() - front.pivots;
         const double* source = from.data() + j * from.rows();
         for (Index i = j; i < from.rows(); ++i) to[place[i]] += source[i];
       }
@@ -287,7 +296,8 @@ class SymmetricFactor::Implementation {
       solve_diagonal(diagonal, own.off.data() + first, head);
       head.noalias() -= left.transpose() * local.tail(left.rows());
       diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-      interchange_back(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(head[i], head[j]); });
+      interchange_back(own.swaps.data() + first, width,
+                       [&](Index i, Index j) { std::swap(head[i], head[j]); });
     });
     for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
   }
@@ -296,7 +306,8 @@ class SymmetricFactor::Implementation {
     // Fronts that the right-hand sides reach, and the pivot rows of these.
     std::vector<char> reached(factors.size(), 0);
     for (const Index row : rows)
-      for (Index s = analysis->front_of_row[at(row)]; s >= 0 && !reached[at(s)]; s = analysis->fronts[at(s)].parent)
+      for (Index s = analysis->front_of_row[at(row)]; s >= 0 && !reached[at(s)];
+           s = analysis->fronts[at(s)].parent)
         reached[at(s)] = 1;
     std::vector<Index> path, compact(at(analysis->size), -1);
     Index reached_rows = 0;
@@ -312,7 +323,8 @@ class SymmetricFactor::Implementation {
     const auto rows_of = [&](Index s) {
       const Front& front = analysis->fronts[at(s)];
       std::vector<Index> list;
-      for (Index i = 0; i < front.rows; ++i) list.push_back(compact[at(analysis->row_of[at(front.first_row + i)])]);
+      for (Index i = 0; i < front.rows; ++i)
+        list.push_back(compact[at(analysis->row_of[at(front.first_row + i)])]);
       return list;
     };
     for (const Index s : path) {  // L^-1
@@ -356,7 +368,8 @@ class SymmetricFactor::Implementation {
 };
 
 SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
-  with_threads([&] { implementation_ = std::make_shared<const Implementation>(analysis.implementation_, lower); });
+  with_threads(
+      [&] { implementation_ = std::make_shared<const Implementation>(analysis.implementation_, lower); });
 }
 
 bool SymmetricFactor::regular() const { return !implementation_->singular; }

@@ -17,6 +17,7 @@ namespace nscdd {
 class InterfaceOperator {
  public:
   double eta() const;
+  const Decomposition& parts() const;
   Index rows() const;
   Index cols() const { return rows(); }
 

@@ -3,22 +3,29 @@
 
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>
+#include <nscdd/ddm/shifted_pencil.hpp>
 #include <nscdd/linalg/arpack.hpp>
 
+#include <array>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 namespace nscdd {
 
 enum class SpectralSolver {
-  automatic,  ///< dense up to `dense_limit` interface unknowns, ARPACK above
-  dense,      ///< both ends of the dense pencil (LAPACK)
-  arpack,     ///< both ends by Lanczos, matrix-free (ARPACK); dense for fewer than 5 unknowns
+  automatic,     ///< dense up to `dense_limit` interface unknowns, shift-invert above
+  dense,         ///< both ends of the dense pencil (LAPACK)
+  arpack,        ///< both ends by Lanczos on P^-1 S and S^-1 P, matrix-free (ARPACK)
+  shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them (ARPACK)
 };
 
 struct SpectralOptions {
   SpectralSolver solver = SpectralSolver::automatic;
   Index dense_limit = 800;  ///< for `automatic`
   double tolerance = 1e-8;  ///< largest residual / max(1, rho) that counts as converged
+  Index eigenvalues = 1;    ///< wanted at each end (not by the matrix-free `arpack`, which finds one)
+  bool certify = false;     ///< prove by inertia counts that no eigenvalue was missed (dense, shift_invert)
   ArpackOptions arpack = {};
 };
 
@@ -35,16 +42,42 @@ struct SpectralRadius {
   double subdominant = 0;
   double subdominant_min = not_a_number;  ///< ends of the spectrum without the unit eigenvalues
   double subdominant_max = not_a_number;
-  std::string_view solver = "none";  ///< "dense", "arpack", or "none" for an empty interface
-  Index applications = 0;            ///< products with interface operators; 0 where they were assembled
+  std::string_view solver = "none";  ///< "dense", "arpack", "shift-invert", or "none" for an empty interface
+  Index applications = 0;  ///< products with interface operators or solves; 0 where they were assembled
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
-  /// this distance of each end given.
+  /// this distance of each end given. For shift-invert the same of (S - sigma P)^-1 P, taken back to lambda.
   double residual = 0;
   bool converged = true;  ///< the solver says so and residual <= tolerance x max(1, rho)
+
+  std::vector<double> low, high;  ///< eigenvalues of B from each end inwards, without the unit eigenvalues
+  bool certified = false;         ///< inertia counts leave no eigenvalue outside the intervals given
+  std::array<double, 2> interval_min{not_a_number, not_a_number};  ///< that hold subdominant_min ...
+  std::array<double, 2> interval_max{not_a_number, not_a_number};  ///< ... and subdominant_max
+  Index within_min = 0, within_max = 0;  ///< eigenvalues in these intervals, with multiplicity
+  Index factorisations = 0;              ///< of the shifted pencil
+  Vector mode_min, mode_max;             ///< interface impulses of the two ends (empty where unknown)
 };
 
-/// In the rigid limit ARPACK finds the unit eigenspace densely; with unit eigenvalues and more than 4 000
-/// interface unknowns the result is not converged, with its multiplicity.
-SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {});
+/// What one point of a sweep leaves to the next: the elimination order of the shifted pencil, and the ends
+/// found last with their vectors, from which the next are extrapolated. Saves work; changes results within
+/// their residuals only.
+struct SpectralMemory {
+  struct Visited {
+    double epsilon = 0, eta = 0;
+    double smallest = 0, largest = 0;  ///< lambda
+    Vector smallest_vector, largest_vector;
+  };
+  std::optional<ShiftedPencilFamily> family;
+  std::vector<Visited> visited;  ///< of one line of the sweep, newest last
+};
+
+/// In the rigid limit shift-invert extrapolates from two small epsilon, the matrix-free solver finds the unit
+/// eigenspace densely (not converged above 4 000 unknowns); both report what they could not reach.
+SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
+                               SpectralMemory* memory = nullptr);
+
+/// The same spectrum under another relaxation omega: eigenvalues 1 - omega (1 - mu) for the mu of `plain`
+/// (omega = 1), unit eigenvalues of the rigid limit excepted.
+SpectralRadius relaxed(const SpectralRadius& plain, double omega, double tolerance);
 
 }  // namespace nscdd

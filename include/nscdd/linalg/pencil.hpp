@@ -7,18 +7,22 @@ namespace nscdd {
 
 /// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
 struct PencilEnds {
-  bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then NaN
-  double smallest = not_a_number;
-  double largest = not_a_number;
-  /// Larger ||A x - lambda P x||_{P^-1} / ||x||_P of the two eigenvectors: an eigenvalue of the pencil lies
-  /// within this distance of each end given (the residual bound for symmetric pencils).
+  bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then empty
+  Vector low, high;      ///< k eigenvalues from each end inwards: ascending, descending
+  Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
+  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue of the pencil lies within
+  /// this distance of each value given (the residual bound for symmetric pencils).
   double residual = not_a_number;
-  Matrix vectors;  ///< n x 2, the eigenvectors of the two ends, x^T P x = 1
 };
 
 /// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
-/// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection and inverse iteration for the two ends only.
-PencilEnds pencil_ends(const Matrix& a, const Matrix& p);
+/// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection (Sturm counts) and inverse iteration for the
+/// k = min(wanted, n) eigenvalues of each end.
+PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
+
+/// Largest residual of such pairs for another pencil they belong to, P = L L^T given by its factor.
+double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
+                     const Matrix& vectors);
 
 /// Orthonormal bases of the kernel of a symmetric positive semidefinite matrix and of its complement.
 struct KernelSplit {

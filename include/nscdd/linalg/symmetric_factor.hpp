@@ -14,9 +14,9 @@ namespace nscdd {
 class SymmetricAnalysis {
  public:
   /// `pattern`: n x n symmetric, lower triangle stored, values ignored.
-  /// `group`: for each row the number of its group, 0 ... groups - 1. Rows of a group are eliminated together,
-  /// so that pivots can be chosen among them: a multiplier of a saddle point belongs with what it ties.
-  /// `last`: groups to be eliminated after all others (flags, one per group; may be empty), which makes
+  /// `group`: for each row the number of its group, 0 ... groups - 1. Rows of a group are eliminated
+  /// together, so that pivots can be chosen among them: a multiplier of a saddle point belongs with what it
+  /// ties. `last`: groups to be eliminated after all others (flags, one per group; may be empty), which makes
   /// `SymmetricFactor::inverse_block` on their rows cheap.
   /// Throws std::bad_alloc where the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
@@ -34,8 +34,8 @@ class SymmetricAnalysis {
 
 /// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks
 /// (Bunch-Kaufman pivoting inside panels of whole groups, LAPACK dsytrf). Fronts are factorised in parallel
-/// along the elimination tree; every sum is taken in an order fixed by the analysis, so the bits do not depend
-/// on the number of threads.
+/// along the elimination tree; every sum is taken in an order fixed by the analysis, so the bits do not
+/// depend on the number of threads.
 ///
 /// By Sylvester's law of inertia D has as many negative eigenvalues as A (more exactly: as a matrix within
 /// `backward_error()` of A, because pivots are not delayed from front to front).
@@ -43,8 +43,8 @@ class SymmetricFactor {
  public:
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
 
-  bool regular() const;               ///< false where a pivot is exactly zero; nothing else may then be asked
-  Index negative_eigenvalues() const; ///< of A, with multiplicity
+  bool regular() const;  ///< false where a pivot is exactly zero; nothing else may then be asked
+  Index negative_eigenvalues() const;   ///< of A, with multiplicity
   Vector solve(const Vector& b) const;  ///< A^-1 b
 
   /// (A^-1)_{rows, rows}, by the fronts on the way from these rows to the root only.

@@ -22,9 +22,9 @@ class ThreadLimit {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Runs `work`, whose parallel parts may call BLAS from several threads: an OpenBLAS that threads by itself is
-/// told to keep to one thread per call (its own threads would change the order of sums), and with one that was
-/// built without locks the work keeps to one thread.
+/// Runs `work`, whose parallel parts may call BLAS from several threads: an OpenBLAS that threads by itself
+/// is told to keep to one thread per call (its own threads would change the order of sums), and with one that
+/// was built without locks the work keeps to one thread.
 void with_threads(const std::function<void()>& work);
 
 /// work(0) ... work(n - 1) in parallel, each on its own data.

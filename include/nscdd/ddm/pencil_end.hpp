@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/shifted_pencil.hpp>
+#include <nscdd/linalg/arpack.hpp>
+
+#include <optional>
+
+namespace nscdd {
+
+/// A point of a sweep as the search for an end of the spectrum sees it.
+struct PencilPoint {
+  double epsilon = 1;
+  double eta = infinity;
+  Index kernel = 0;        ///< eigenvalues at the low end that do not count (the rigid limit's zeros)
+  double low = 0;          ///< no other eigenvalue is below; >= 0
+  double high = infinity;  ///< no eigenvalue is above
+};
+
+/// Where an end is expected.
+struct EndGuess {
+  double value = 0;        ///< > 0
+  double uncertainty = 0;  ///< >= 0
+};
+
+struct EndOptions {
+  double tolerance = 1e-8;  ///< of lambda, absolute
+  Index eigenvalues = 1;    ///< wanted, from the end inwards
+  bool certify = false;
+  Index maximum_factorisations = 40;
+  ArpackOptions arpack = {.basis = 12, .maximum_restarts = 60};
+};
+
+/// One end of the spectrum of (S, P).
+struct PencilEnd {
+  Vector values;   ///< from the end inwards; empty where nothing was found
+  Matrix vectors;  ///< n_Gamma x k, interface impulses
+  /// An eigenvalue lies within this distance of the first value, and of each other: the residual of
+  /// (S - sigma P)^-1 P in the P norm, taken back to lambda.
+  double residual = infinity;
+  bool converged = false;  ///< residual <= tolerance
+  /// Inertia counts found every eigenvalue beyond `outside` and those of the list up to `inside`.
+  bool certified = false;
+  double outside = not_a_number, inside = not_a_number;
+  Index within = 0;  ///< eigenvalues between the two, with multiplicity
+  Index factorisations = 0, solves = 0;
+};
+
+/// Finds one end by shift-inverted Lanczos from shifts beyond it that close in on it: each factorisation says
+/// by its inertia whether the shift is beyond the end, and each Lanczos run stops at a hundredth of the
+/// distance, which sets the next shift. Crowded ends cost factorisations, not thousands of products. `start`:
+/// a vector to start from, or empty. Never throws for what does not converge.
+PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
+                   const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
+                   const Vector& start, const EndOptions& options);
+
+}  // namespace nscdd

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/contraction.hpp>
+
+#include <memory>
+
+namespace nscdd {
+
+/// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
+/// factorisation of the saddle-point matrix
+///     [ M_E + K_E/epsilon                          A_E^T ]
+///     [            -(M_E + K_E/eta) / sigma        A_E^T ]        (eta = infinity: [ M_E + K_E/epsilon A_E^T
+///     ] [ A_E                    A_E                       ]                         [ A_E             sigma
+///     X ])
+/// whose Schur complement on the interface is sigma P - S. Hence (Sylvester, Haynsworth) it has as many
+/// negative eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below
+/// sigma.
+class ShiftedPencil {
+ public:
+  /// False where the factorisation met a zero pivot or lost more than `lost_digits` allows: sigma is then too
+  /// near an eigenvalue of a part of the packing, and one a little to the side serves as well.
+  bool reliable() const;
+
+  double shift() const;
+  Index below() const;  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
+
+  Vector solve(const Vector& g) const;  ///< (S - sigma P)^-1 g
+
+  class Implementation;
+  explicit ShiftedPencil(std::shared_ptr<const Implementation> implementation);
+
+ private:
+  std::shared_ptr<const Implementation> implementation_;
+};
+
+/// Every shifted pencil of one pair of decompositions: the elimination order and its fronts are found once
+/// and serve all epsilon, eta (finite, or all infinite) and sigma.
+class ShiftedPencilFamily {
+ public:
+  /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.
+  explicit ShiftedPencilFamily(const Contraction& b);
+
+  /// Whether the family was made for the decompositions and the kind of eta of `b`.
+  bool serves(const Contraction& b) const;
+
+  /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma > 0.
+  ShiftedPencil at(double epsilon, double eta, double sigma) const;
+
+  Index unknowns() const;         ///< of the saddle-point matrix
+  double factor_entries() const;  ///< of its factor, 8 bytes each
+
+  class Preparation;
+
+ private:
+  std::shared_ptr<const Preparation> preparation_;
+};
+
+}  // namespace nscdd

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "spectrum_ends.hpp"
+#include <nscdd/linalg/pencil.hpp>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+namespace nscdd {
+namespace {
+
+// The pencil (A, P) restricted to the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q
+// an orthonormal basis of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and
+// P-orthogonal to the kernel.
+PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel, Index wanted) {
+  PencilEnds ends;
+  const Eigen::LLT<Matrix> cholesky(p);
+  ends.definite = cholesky.info() == Eigen::Success;
+  if (!ends.definite) return ends;
+  const Matrix image = cholesky.matrixU() * kernel;
+  const Matrix q =
+      Matrix(Eigen::HouseholderQR<Matrix>(image).householderQ()).rightCols(p.rows() - kernel.cols());
+  const Matrix y = cholesky.matrixU().solve(q);
+  const Matrix reduced = y.transpose() * a * y;
+  ends = pencil_ends(0.5 * (reduced + reduced.transpose()), Matrix::Identity(q.cols(), q.cols()), wanted);
+  if (!ends.definite) return ends;
+  ends.low_vectors = y * ends.low_vectors;
+  ends.high_vectors = y * ends.high_vectors;
+  const Matrix lower = cholesky.matrixL();  // the residual is that of the whole pencil
+  ends.residual = std::max(pair_residual(a, p, lower, ends.low, ends.low_vectors),
+                           pair_residual(a, p, lower, ends.high, ends.high_vectors));
+  return ends;
+}
+
+}  // namespace
+
+SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
+  // Both matrices scaled by D^-1/2, D = diag(X): the pencil keeps its eigenvalues, and unequal masses lose
+  // their hold.
+  const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
+  const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
+  // P B: solved for mu directly, so that small radii keep their digits
+  const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
+  const Index n = b.rows(), unit_multiplicity = b.system.nullity();
+  if (unit_multiplicity == n) return all_unit(n, "dense");
+  const PencilEnds ends = unit_multiplicity == 0
+                              ? pencil_ends(difference, p, options.eigenvalues)
+                              : deflated_ends(difference, p, b.system.kernel().kernel, options.eigenvalues);
+  if (!ends.definite) return not_converged("dense");
+  SpectralRadius result;
+  result.solver = "dense";
+  set_ends(result, ends.low[0], ends.high[0], unit_multiplicity);
+  result.low.assign(ends.low.begin(), ends.low.end());
+  result.high.assign(ends.high.begin(), ends.high.end());
+  result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
+  result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
+  result.residual = ends.residual;
+  result.converged = accurate(result, options.tolerance);
+  if (options.certify && result.converged) {  // the values come from Sturm counts, which miss none
+    const double margin = std::max(result.residual, 1e-14 * std::max(1.0, result.value));
+    result.certified = true;
+    result.interval_min = {result.subdominant_min - margin, result.subdominant_min + margin};
+    result.interval_max = {result.subdominant_max - margin, result.subdominant_max + margin};
+    const auto within = [&](const std::vector<double>& values) {
+      return std::count_if(values.begin(), values.end(),
+                           [&](double mu) { return std::abs(mu - values[0]) <= margin; });
+    };
+    result.within_min = within(result.low);
+    result.within_max = within(result.high);
+  }
+  return result;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "spectrum_ends.hpp"
+#include <nscdd/ddm/pencil_end.hpp>
+
+namespace nscdd {
+namespace {
+
+// Ends of the spectrum of (S, P), lambda = 1 - mu.
+struct Ends {
+  PencilEnd smallest, largest;
+  bool found() const { return smallest.values.size() > 0 && largest.values.size() > 0; }
+};
+
+// What is known of the spectrum without computing: with the same contacts, M + K/epsilon lies between
+// (M + K/eta) min(1, eta/epsilon) and (M + K/eta) max(1, eta/epsilon); fewer contacts in S make S larger.
+PencilPoint known_bounds(const Contraction& b, double epsilon) {
+  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta()};
+  const double ratio = std::isinf(point.eta) ? 0.0 : epsilon / point.eta;
+  point.low = std::min(1.0, ratio);
+  const bool same = &b.system.parts() == &b.preconditioner.parts();
+  point.high = std::isinf(point.eta) ? 1.0 : (same ? std::max(1.0, ratio) : infinity);
+  return point;
+}
+
+// In which coordinate an eigenvalue runs smoothly along a sweep: lambda > 0, and < 1 for the generic
+// algorithm.
+struct Coordinate {
+  bool generic;
+  double of(double lambda) const { return generic ? std::log(lambda / (1 - lambda)) : std::log(lambda); }
+  double lambda(double t) const { return generic ? 1 / (1 + std::exp(-t)) : std::exp(t); }
+};
+
+// Polynomial through the last two or three points of one line of the sweep, on logarithmic axes.
+std::optional<EndGuess> extrapolate(const SpectralMemory& memory, const PencilPoint& point,
+                                    double SpectralMemory::Visited::*end) {
+  const auto& visited = memory.visited;
+  if (visited.size() < 2) return std::nullopt;
+  const Coordinate coordinate{std::isinf(point.eta)};
+  const bool along_epsilon = visited.back().eta == point.eta;
+  const auto place = [&](double epsilon, double eta) { return std::log(along_epsilon ? epsilon : eta); };
+  const double x = place(point.epsilon, point.eta);
+  std::vector<double> xs, ys;
+  for (auto v = visited.rbegin(); v != visited.rend(); ++v) {  // newest first
+    xs.push_back(place(v->epsilon, v->eta));
+    ys.push_back(coordinate.of((*v).*end));
+  }
+  const double slope = (ys[0] - ys[1]) / (xs[0] - xs[1]);
+  double guess = ys[0] + slope * (x - xs[0]);
+  double uncertainty = 0.3 * std::abs(guess - ys[0]);
+  if (xs.size() > 2) {
+    const double before = (ys[1] - ys[2]) / (xs[1] - xs[2]);
+    const double curvature = (slope - before) / (xs[0] - xs[2]);
+    const double correction = curvature * (x - xs[0]) * (x - xs[1]);
+    guess += correction;
+    uncertainty = 0.5 * std::abs(correction);
+  }
+  const double value = coordinate.lambda(guess);
+  const double side = std::max(std::abs(coordinate.lambda(guess + uncertainty) - value),
+                               std::abs(value - coordinate.lambda(guess - uncertainty)));
+  if (!std::isfinite(value) || !std::isfinite(side) || !(value > 0)) return std::nullopt;
+  return EndGuess{value, side};
+}
+
+// Points of another line are of no use; a point met again takes its own place.
+void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends) {
+  auto& visited = memory.visited;
+  const auto on_line = [&](const SpectralMemory::Visited& v) {
+    return (v.epsilon == point.epsilon) != (v.eta == point.eta);
+  };
+  std::erase_if(visited, [&](const SpectralMemory::Visited& v) { return !on_line(v); });
+  if (visited.size() > 1 && (visited[0].eta == point.eta) != (visited[1].eta == point.eta))
+    visited.erase(visited.begin());
+  if (visited.size() > 2) visited.erase(visited.begin());
+  visited.push_back({point.epsilon, point.eta, ends.smallest.values[0], ends.largest.values[0],
+                     ends.smallest.vectors.col(0), ends.largest.vectors.col(0)});
+}
+
+Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
+               SpectralMemory& memory) {
+  if (!memory.family || !memory.family->serves(b)) {
+    memory.family.emplace(b);
+    memory.visited.clear();
+  }
+  const bool line = !memory.visited.empty() && ((memory.visited.back().eta == point.eta) !=
+                                                (memory.visited.back().epsilon == point.epsilon));
+  using Visited = SpectralMemory::Visited;
+  const auto guess = [&](double Visited::*end) {
+    return line ? extrapolate(memory, point, end) : std::optional<EndGuess>{};
+  };
+  const auto start = [&](Vector Visited::*vector) {
+    return memory.visited.empty() ? Vector{} : memory.visited.back().*vector;
+  };
+  Ends ends;
+  ends.smallest = find_end(*memory.family, b.preconditioner, point, SpectrumEnd::smallest,
+                           guess(&Visited::smallest), start(&Visited::smallest_vector), options);
+  ends.largest = find_end(*memory.family, b.preconditioner, point, SpectrumEnd::largest,
+                          guess(&Visited::largest), start(&Visited::largest_vector), options);
+  if (ends.found()) remember(memory, point, ends);
+  return ends;
+}
+
+SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity,
+                      const SpectralOptions& options) {
+  SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert");
+  result.solver = "shift-invert";
+  result.unit_multiplicity = unit_multiplicity;
+  result.applications = ends.smallest.solves + ends.largest.solves;
+  result.factorisations = ends.smallest.factorisations + ends.largest.factorisations;
+  if (!ends.found()) return result;
+  set_ends(result, 1.0 - ends.largest.values[0], 1.0 - ends.smallest.values[0], unit_multiplicity);
+  for (const double lambda : ends.largest.values) result.low.push_back(1.0 - lambda);
+  for (const double lambda : ends.smallest.values) result.high.push_back(1.0 - lambda);
+  result.mode_min = ends.largest.vectors.col(0);
+  result.mode_max = ends.smallest.vectors.col(0);
+  result.residual = std::max(ends.smallest.residual, ends.largest.residual);
+  result.converged = ends.smallest.converged && ends.largest.converged &&
+                     accurate(result, options.tolerance) && b.rows() > 0;
+  result.certified = ends.smallest.certified && ends.largest.certified;
+  result.interval_min = {1.0 - ends.largest.outside, 1.0 - ends.largest.inside};
+  result.interval_max = {1.0 - ends.smallest.inside, 1.0 - ends.smallest.outside};
+  result.within_min = ends.largest.within;
+  result.within_max = ends.smallest.within;
+  return result;
+}
+
+// S = P: every eigenvalue of B is 0, to the last bit.
+SpectralRadius no_error_left(Index size) {
+  SpectralRadius result;
+  result.solver = "shift-invert";
+  set_ends(result, 0.0, 0.0, 0);
+  result.low = result.high = {0.0};
+  result.certified = true;
+  result.interval_min = result.interval_max = {0.0, 0.0};
+  result.within_min = result.within_max = size;
+  return result;
+}
+
+}  // namespace
+
+SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options,
+                                   SpectralMemory& memory) {
+  const double epsilon = b.system.eta();
+  if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
+    return no_error_left(b.rows());
+  EndOptions end_options{
+      .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
+  const PencilPoint point = known_bounds(b, epsilon);
+  return report(b, find_ends(b, point, end_options, memory), 0, options);
+}
+
+}  // namespace nscdd

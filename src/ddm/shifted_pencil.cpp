@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/shifted_pencil.hpp>
+#include <nscdd/linalg/symmetric_factor.hpp>
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace nscdd {
+namespace {
+
+constexpr double largest_backward_error = 1e-8;
+
+struct Entry {
+  int row, column;
+  double inertia, stiffness;
+};
+
+// Lower triangle of the block of one decomposition: M_E and K_E = H_E H_E^T, and A_E in the interface rows.
+void add_block(std::vector<Entry>& entries, const Decomposition& parts, Index first, Index interface) {
+  for (const Subdomain& subdomain : parts.subdomains) {
+    const Index n = subdomain.inertia.size();
+    for (Index i = 0; i < n; ++i)
+      entries.push_back({static_cast<int>(first + i), static_cast<int>(first + i), subdomain.inertia[i], 0});
+    const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
+    for (Index j = 0; j < n; ++j)
+      for (SparseMatrix::InnerIterator e(stiffness, j); e; ++e)
+        if (e.row() >= j)
+          entries.push_back({static_cast<int>(first + e.row()), static_cast<int>(first + j), 0, e.value()});
+    for (Index j = 0; j < n; ++j)
+      for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
+        entries.push_back({static_cast<int>(interface + e.row()), static_cast<int>(first + j), e.value(), 0});
+    first += n;
+  }
+}
+
+Index total_dofs(const Decomposition& parts) {
+  Index n = 0;
+  for (const Subdomain& subdomain : parts.subdomains) n += subdomain.inertia.size();
+  return n;
+}
+
+SparseMatrix generic_preconditioner(const Decomposition& parts) {  // X
+  SparseMatrix x(parts.interface_size(), parts.interface_size());
+  for (const Subdomain& subdomain : parts.subdomains)
+    x += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
+  return x;
+}
+
+}  // namespace
+
+class ShiftedPencilFamily::Preparation {
+ public:
+  explicit Preparation(const Contraction& b)
+      : contraction(b),
+        generic(std::isinf(b.preconditioner.eta())),
+        system_size(total_dofs(b.system.parts())) {
+    const Decomposition& system = b.system.parts();
+    const Decomposition& preconditioner = b.preconditioner.parts();
+    interface = system_size + (generic ? 0 : total_dofs(preconditioner));
+    const Index size = interface + system.interface_size();
+    std::vector<Entry> entries;
+    add_block(entries, system, 0, interface);
+    if (generic) {
+      const SparseMatrix x = generic_preconditioner(preconditioner);
+      for (Index j = 0; j < x.outerSize(); ++j)
+        for (SparseMatrix::InnerIterator e(x, j); e; ++e)
+          if (e.row() >= j)
+            entries.push_back(
+                {static_cast<int>(interface + e.row()), static_cast<int>(interface + j), e.value(), 0});
+    } else {
+      add_block(entries, preconditioner, system_size, interface);
+    }
+    assemble(entries, size);
+    analysis.emplace(inertia, grain_groups(size));
+  }
+
+  // Sums entries of the same place, the two coefficients side by side.
+  void assemble(const std::vector<Entry>& entries, Index size) {
+    std::vector<Eigen::Triplet<double>> first, second;
+    first.reserve(entries.size());
+    for (const Entry& e : entries) first.emplace_back(e.row, e.column, e.inertia);
+    inertia = SparseMatrix(size, size);
+    inertia.setFromTriplets(first.begin(), first.end());
+    first = {};
+    second.reserve(entries.size());
+    for (const Entry& e : entries) second.emplace_back(e.row, e.column, e.stiffness);
+    stiffness = SparseMatrix(size, size);
+    stiffness.setFromTriplets(second.begin(), second.end());
+  }
+
+  // All copies of a grain and the gluing of these copies are eliminated together.
+  std::vector<Index> grain_groups(Index size) const {
+    const Decomposition& system = contraction.system.parts();
+    const Index d = system.dofs_per_grain;
+    std::vector<Index> grain;
+    grain.reserve(nscdd::at(size));
+    const auto add = [&](Index g) { grain.insert(grain.end(), nscdd::at(d), g); };
+    for (const Subdomain& subdomain : system.subdomains)
+      for (const Index g : subdomain.grains) add(g);
+    if (!generic)
+      for (const Subdomain& subdomain : contraction.preconditioner.parts().subdomains)
+        for (const Index g : subdomain.grains) add(g);
+    for (const Gluing& row : system.gluing) add(row.grain);
+    std::vector<Index> number(system.multiplicity.size(), -1);
+    Index next = 0;
+    for (Index& g : grain) {
+      Index& n = number[nscdd::at(g)];
+      if (n < 0) n = next++;
+      g = n;
+    }
+    return grain;
+  }
+
+  SparseMatrix matrix(double epsilon, double eta, double sigma) const {
+    SparseMatrix sum = inertia;
+    double* value = sum.valuePtr();
+    const double* k = stiffness.valuePtr();
+    for (Index j = 0; j < sum.outerSize(); ++j)
+      for (Index p = sum.outerIndexPtr()[j]; p < sum.outerIndexPtr()[j + 1]; ++p) {
+        const bool gluing = sum.innerIndexPtr()[p] >= interface && j < interface;
+        if (gluing) continue;
+        if (j < system_size) {
+          value[p] += k[p] / epsilon;
+        } else if (j < interface) {
+          value[p] = -(value[p] + k[p] / eta) / sigma;
+        } else {
+          value[p] *= sigma;
+        }
+      }
+    return sum;
+  }
+
+  Contraction contraction;  // keeps the decompositions alive
+  bool generic;
+  Index system_size = 0;
+  Index interface = 0;  // first interface row
+  SparseMatrix inertia,
+      stiffness;  // lower triangles of one pattern: coefficients of 1 and of 1/epsilon, 1/eta
+  std::optional<SymmetricAnalysis> analysis;
+};
+
+class ShiftedPencil::Implementation {
+ public:
+  Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> p, double epsilon, double eta,
+                 double sigma)
+      : preparation(std::move(p)), shift(sigma) {
+    const SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
+    factor.emplace(*preparation->analysis, matrix);
+    if (!factor->regular()) return;
+    const Vector right = Vector::Ones(matrix.rows());
+    reliable = backward_error(matrix, factor->solve(right), right) < largest_backward_error;
+  }
+
+  Index below() const {
+    const Index interface_size = preparation->inertia.rows() - preparation->interface;
+    const Index preconditioner_size = preparation->interface - preparation->system_size;
+    return preconditioner_size + interface_size - factor->negative_eigenvalues();
+  }
+
+  Vector solve(const Vector& g) const {
+    Vector right = Vector::Zero(preparation->inertia.rows());
+    right.tail(g.size()) = g;
+    return -factor->solve(right).tail(g.size());
+  }
+
+  std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation;
+  double shift;
+  std::optional<SymmetricFactor> factor;
+  bool reliable = false;
+};
+
+ShiftedPencil::ShiftedPencil(std::shared_ptr<const Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+bool ShiftedPencil::reliable() const { return implementation_->reliable; }
+double ShiftedPencil::shift() const { return implementation_->shift; }
+Index ShiftedPencil::below() const { return implementation_->below(); }
+Vector ShiftedPencil::solve(const Vector& g) const { return implementation_->solve(g); }
+
+ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b)
+    : preparation_(std::make_shared<const Preparation>(b)) {}
+
+bool ShiftedPencilFamily::serves(const Contraction& b) const {
+  const Contraction& own = preparation_->contraction;
+  return &b.system.parts() == &own.system.parts() &&
+         &b.preconditioner.parts() == &own.preconditioner.parts() &&
+         std::isinf(b.preconditioner.eta()) == preparation_->generic;
+}
+
+ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma) const {
+  return ShiftedPencil(
+      std::make_shared<const ShiftedPencil::Implementation>(preparation_, epsilon, eta, sigma));
+}
+
+Index ShiftedPencilFamily::unknowns() const { return preparation_->inertia.rows(); }
+double ShiftedPencilFamily::factor_entries() const { return preparation_->analysis->entries(); }
+
+}  // namespace nscdd
