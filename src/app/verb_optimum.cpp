@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
 #include "interruption.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "resume.hpp"
 #include "sweep_options.hpp"
@@ -22,6 +23,7 @@ struct Options {
   SpectralCommandOptions spectral;
   std::string epsilon = "0", csv;
   bool force = false, resume = false;
+  MemoryLimit memory;
 };
 
 // The row as text for a reader: one quantity per line.
@@ -59,6 +61,7 @@ int run(const Options& options) {
   if (options.csv.empty() && options.resume) throw Error("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", how)) return 0;
   const Model model = build(work.cases.front());
+  options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.csv.empty()) {
     report_all(work, model);
     return 0;
@@ -90,6 +93,7 @@ std::function<int()> declare_optimum(CLI::App& command, const Context&) {
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
+  options->memory.declare(command);
   command.footer(
       "The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which "
       "on it\n"

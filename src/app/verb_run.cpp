@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "data_files.hpp"
 #include "interruption.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
 #include "resume.hpp"
@@ -26,6 +27,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string study, output = "results";
   bool force = false, check = false, resume = false;
+  MemoryLimit memory;
   Context context;
 };
 
@@ -138,7 +140,8 @@ int run(const Options& options) {
   if (how.resume && !how.force && is_complete(study, outputs))
     return nothing_to_do(study, outputs, folder, options.check);
   // Before hours of work rather than after them.
-  for (const StudyTable& work : study.tables) kept_rows(outputs.table(work), work, how);
+  for (const StudyTable& work : study.tables)
+    options.memory.require(largest_need(work, kept_rows(outputs.table(work), work, how).rows));
   OutputFile hdf5_file(outputs.hdf5.string(), options.force, leftover(options.resume));
 
   Interruption interruption;
@@ -172,6 +175,7 @@ std::function<int()> declare_run(CLI::App& command, const Context& context) {
       ->capture_default_str();
   command.add_flag("--force", options->force, "replace existing results");
   declare_resume(command, options->resume);
+  options->memory.declare(command);
   command.add_flag("--check", options->check,
                    "compare with the study's baseline; exit code 1 where it differs");
   command.footer(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
 #include "interruption.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
 #include "resume.hpp"
@@ -25,6 +26,7 @@ struct Options {
   SpectralCommandOptions spectral;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
   bool force = false, resume = false;
+  MemoryLimit memory;
   Context context;
 };
 
@@ -68,6 +70,7 @@ int run(const Options& options) {
     note(fmt::format(
         "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
         model.name, model.partition.subdomains));
+  options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   Table table{sweep_columns(), {}};
   // Both are opened before the work and named after it: a run that fails leaves neither.
   ResumableTable csv(options.csv, work, how);
@@ -113,6 +116,7 @@ std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
   command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
+  options->memory.declare(command);
   command.footer(
       "SPEC is a number, a comma list, or FROM:TO:COUNT (logarithmic; FROM:TO:COUNT:linear).\n"
       "One row per (epsilon, eta, relaxation, sweeps); columns are described in docs/formats.md.\n"

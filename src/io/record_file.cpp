@@ -14,7 +14,7 @@ constexpr std::array<const char*, 4> type_names{"integer", "number", "boolean", 
 std::string lines(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
-    if (c == '\\' || c == '"') escaped += '\\';
+    if (c == '\\' || (c == '"' && escaped.ends_with("\"\""))) escaped += '\\';
     escaped += c;
   }
   return fmt::format("\"\"\"\n{}\"\"\"", escaped);
