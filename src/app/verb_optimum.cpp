@@ -66,8 +66,8 @@ int run(const Options& options) {
     report_all(work, model);
     return 0;
   }
-  ResumableTable csv(options.csv, work, how);
   Interruption interruption;
+  ResumableTable csv(options.csv, work, how);
   {
     Progress progress(work.name, csv.kept());
     optima(

@@ -142,9 +142,9 @@ int run(const Options& options) {
   // Before hours of work rather than after them.
   for (const StudyTable& work : study.tables)
     options.memory.require(largest_need(work, kept_rows(outputs.table(work), work, how).rows));
+  Interruption interruption;
   OutputFile hdf5_file(outputs.hdf5.string(), options.force, leftover(options.resume));
 
-  Interruption interruption;
   std::vector<NamedTable> tables;
   std::string seeds;
   for (const StudyTable& work : study.tables) {

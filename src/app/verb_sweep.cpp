@@ -72,11 +72,11 @@ int run(const Options& options) {
         model.name, model.partition.subdomains));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   Table table{sweep_columns(), {}};
+  Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
   ResumableTable csv(options.csv, work, how);
   std::optional<OutputFile> hdf5;
   if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.force, leftover(options.resume));
-  Interruption interruption;
   const Index failed = work_through(model, work, csv, interruption, [&](const Row& row) {
     if (hdf5) table.rows.push_back(row);
   });

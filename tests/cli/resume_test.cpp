@@ -115,8 +115,10 @@ TEST_CASE("resume: Ctrl-C of a sweep to standard output exits with 130") {
   options.kill_when = [&] { return session.has("out.h5.partial"); };
   const Outcome outcome =
       session.run(words("sweep disks4 --epsilon 1e-3:1e3:1000000 --csv sink --hdf5 out.h5"), options);
-  CHECK((outcome.exit_code == 130 || outcome.exit_code == 128 + SIGINT));  // before there was any work
-  if (outcome.exit_code == 130) CHECK(files(session) == 1);
+  CHECK(outcome.exit_code == 130);
+  CHECK(contains(outcome.standard_error, "sink: interrupted after "));
+  CHECK(!contains(outcome.standard_error, "--resume"));
+  CHECK(files(session) == 1);
 }
 
 TEST_CASE("resume: a line cut short is computed again") {
@@ -318,22 +320,13 @@ TEST_CASE("resume: a complete study is left alone, and may be checked") {
   CHECK(session.run(words("run study --resume --check")).exit_code == 1);
 }
 
-TEST_CASE("memory: a dense problem that does not fit is refused at once") {
+TEST_CASE("progress: rate and time left on a terminal") {
   const Session session;
-  // 72 002 interface unknowns: one matrix of 39 GiB
-  const std::string line =
-      "sweep hexagonal --set packing.columns=180 --set packing.rows=180 --subdomains 90x90 --epsilon 1 "
-      "--solver dense --csv a.csv --memory-limit 30";
-  check_refused(session, line, {"30 GiB", "--memory-limit", "72002 interface unknowns", "arpack"});
-}
-
-TEST_CASE("memory: the limit of the user decides") {
-  const Session session;
-  check_refused(session, "sweep disks4 --epsilon 1 --csv - --memory-limit 1e-6", {"1e-06 GiB"});
-  check_refused(session, "optimum disks4 --memory-limit 1e-6", {"1e-06 GiB"});
-  check_refused(session, "sweep disks4 --epsilon 1 --csv - --memory-limit 0", {"--memory-limit"});
-  answer(session, "sweep disks4 --epsilon 1 --csv - --memory-limit 1");
-  const Outcome outcome = session.run(words("run figure-6 --memory-limit 1e-6"));
-  CHECK(outcome.exit_code == 2);
-  CHECK(contains(outcome.standard_error, "case disks"));
+  kill_work(session);
+  RunOptions options;
+  options.on_terminal = true;
+  const Outcome outcome = session.run(words(work + " --resume"), options);
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, " points/s, "));
+  CHECK(contains(outcome.standard_error, " s left"));
 }
