@@ -47,7 +47,8 @@ int run(int argc, char** argv) {
       "  nscdd sweep disks4 --epsilon 0,1 --csv -\n"
       "  nscdd optimum disks8\n"
       "  nscdd run figure-5\n"
-      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage. 'nscdd VERB --help' has the options.");
+      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted. 'nscdd VERB --help' has "
+      "the options.");
   const Context context{joined(argc, argv)};
   std::array<std::function<int()>, verbs.size()> actions;
   std::array<CLI::App*, verbs.size()> commands{};

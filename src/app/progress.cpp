@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 namespace nscdd::app {
@@ -16,8 +18,8 @@ double seconds() {
 
 }  // namespace
 
-Progress::Progress(std::string label)
-    : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) != 0), started_(seconds()) {}
+Progress::Progress(std::string label, Index before)
+    : label_(std::move(label)), before_(before), terminal_(isatty(STDERR_FILENO) != 0), started_(seconds()) {}
 
 Progress::~Progress() {
   if (terminal_ && drawn_ > 0) fmt::print(stderr, "\r\033[K");
@@ -38,10 +40,28 @@ void Progress::draw(Index done, Index total) {
   const double fraction = static_cast<double>(done) / static_cast<double>(total);
   constexpr int width = 30;
   const int filled = static_cast<int>(fraction * width);
-  const double left = fraction > 0 ? (now - started_) * (1 - fraction) / fraction : 0;
-  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} % {:.0f} s left", label_, "", filled, "",
-             width - filled, 100 * fraction, left);
+  std::string speed;
+  if (done > before_) {
+    const double each = (now - started_) / static_cast<double>(done - before_);
+    speed = fmt::format(", {}, {} left", rate_text(each),
+                        duration_text(each * static_cast<double>(total - done)));
+  }
+  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", width - filled,
+             100 * fraction, speed);
   std::fflush(stderr);
+}
+
+std::string rate_text(double seconds_per_point) {
+  return seconds_per_point < 1 ? fmt::format("{:.3g} points/s", 1 / std::max(seconds_per_point, 1e-9))
+                               : fmt::format("{:.3g} s/point", seconds_per_point);
+}
+
+std::string duration_text(double seconds) {
+  const auto whole = std::llround(std::min(seconds, 1e15));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  if (whole < 86400) return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+  return fmt::format("{} d {} h", whole / 86400, whole % 86400 / 3600);
 }
 
 void note(const std::string& text) {

@@ -7,10 +7,11 @@
 
 namespace nscdd::app {
 
-/// A progress bar on standard error, for the life of the object; draws nothing where that is no terminal.
+/// A progress bar on standard error with rate and time left, for the life of the object; draws nothing where
+/// that is no terminal. Rates are those of this run: `before` units were done when it began.
 class Progress {
  public:
-  explicit Progress(std::string label);
+  explicit Progress(std::string label, Index before = 0);
   ~Progress();  ///< wipes the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -19,9 +20,16 @@ class Progress {
  private:
   void draw(Index done, Index total);
   std::string label_;
+  Index before_;
   bool terminal_;
   double started_, drawn_ = 0;
 };
+
+/// "3.2 points/s" for seconds per point below 1, else "4.5 s/point".
+std::string rate_text(double seconds_per_point);
+
+/// "12 s", "3 min 20 s", "5 h 12 min", "3 d 4 h".
+std::string duration_text(double seconds);
 
 /// A remark for the user, on standard error.
 void note(const std::string& text);

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
+#include "interruption.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
+#include "resume.hpp"
 #include "sweep_options.hpp"
 #include "verbs.hpp"
-#include <nscdd/io/csv.hpp>
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/resumable_table.hpp>
 #include <nscdd/study/optimum.hpp>
 #include <nscdd/study/values.hpp>
 
@@ -18,7 +22,8 @@ struct Options {
   CaseOptions one;
   SpectralCommandOptions spectral;
   std::string epsilon = "0", csv;
-  bool force = false;
+  bool force = false, resume = false;
+  MemoryLimit memory;
 };
 
 // The row as text for a reader: one quantity per line.
@@ -30,27 +35,48 @@ void print_report(const std::vector<Column>& columns, const Row& row) {
   }
 }
 
-int run(const Options& options) {
-  const std::vector<double> epsilon = parse_epsilon(options.epsilon);
-  const OptimumParameters base{0, options.spectral.contact_set(), options.spectral.spectral()};
-  const Model model = build(options.one.resolve());
-  const std::vector<Column> columns = optimum_columns();
-  std::unique_ptr<CsvWriter> csv;
-  if (!options.csv.empty()) csv = std::make_unique<CsvWriter>(options.csv, options.force, columns);
+StudyTable table_of(const Options& options) {
+  StudyTable work;
+  work.name = "optimum";
+  work.observable = Observable::optimum;
+  work.sweep.epsilon = parse_epsilon(options.epsilon);
+  work.sweep.contacts = options.spectral.contact_set();
+  work.sweep.spectral = options.spectral.spectral();
+  work.cases = {options.one.resolve()};
+  return work;
+}
+
+void report_all(const StudyTable& work, const Model& model) {
   bool first = true;
-  for (const double value : epsilon) {
-    OptimumParameters parameters = base;
-    parameters.epsilon = value;
-    const Row row = optimum_row(model, parameters, optimum(model, parameters));
-    if (csv) {
-      csv->write(row);
-    } else {
-      if (!first) fmt::print("\n");
-      print_report(columns, row);
-    }
+  optima(model, work.sweep, [&](const Row& row) {
+    if (!first) fmt::print("\n");
+    print_report(optimum_columns(), row);
     first = false;
+  });
+}
+
+int run(const Options& options) {
+  const Reopening how{options.resume, options.force};
+  const StudyTable work = table_of(options);
+  if (options.csv.empty() && options.resume) throw Error("--resume: expected --csv FILE with it, met none");
+  if (nothing_to_resume(options.csv, "", how)) return 0;
+  const Model model = build(work.cases.front());
+  options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
+  if (options.csv.empty()) {
+    report_all(work, model);
+    return 0;
   }
-  if (csv) csv->finish();
+  Interruption interruption;
+  ResumableTable csv(options.csv, work, how);
+  {
+    Progress progress(work.name, csv.kept());
+    optima(
+        model, work.sweep, [&](const Row& row) { csv.write(row); }, interruption.watch(progress.monitor()),
+        csv.kept());
+  }
+  if (interruption.stopped()) return leave(csv, work, options.csv);
+  csv.finish();
+  remove_record(options.csv);
   return 0;
 }
 
@@ -66,6 +92,8 @@ std::function<int()> declare_optimum(CLI::App& command, const Context&) {
   options->spectral.declare(command, "active");
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");
   command.add_flag("--force", options->force, "replace existing outputs");
+  declare_resume(command, options->resume);
+  options->memory.declare(command);
   command.footer(
       "The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which "
       "on it\n"

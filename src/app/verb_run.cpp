@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "data_files.hpp"
+#include "interruption.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
+#include "resume.hpp"
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/config.hpp>
 #include <nscdd/io/csv.hpp>
 #include <nscdd/io/output_file.hpp>
+#include <nscdd/io/resumable_table.hpp>
 #include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>
@@ -22,7 +26,8 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string study, output = "results";
-  bool force = false, check = false;
+  bool force = false, check = false, resume = false;
+  MemoryLimit memory;
   Context context;
 };
 
@@ -50,21 +55,26 @@ std::vector<Case> cases_of(const Study& study) {
   return cases;
 }
 
-Table run_one(const StudyTable& table, const fs::path& csv_path, bool force) {
-  Table result{study_columns(table), {}};
-  CsvWriter csv(csv_path.string(), force, result.columns);
-  Progress progress(table.name);
-  const Index failed = run_table(
-      table,
-      [&](const Row& row) {
-        csv.write(row);
-        result.rows.push_back(row);
-      },
-      progress.monitor());
+// One table of the study, the rows found included; false where it was interrupted.
+bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interruption, Table& result) {
+  const auto collect = [&](const Row& row) { result.rows.push_back(row); };
+  csv.replay(collect);
+  Index failed = 0;
+  if (!csv.finished()) {
+    Progress progress(work.name, csv.kept());
+    failed = run_table(
+        work,
+        [&](const Row& row) {
+          csv.write(row);
+          collect(row);
+        },
+        interruption.watch(progress.monitor()), csv.kept());
+  }
+  if (interruption.stopped()) return false;
   csv.finish();
   if (failed > 0)
-    note(fmt::format("{}: {} row(s) did not converge: see the column 'converged'", table.name, failed));
-  return result;
+    note(fmt::format("{}: {} row(s) did not converge: see the column 'converged'", work.name, failed));
+  return true;
 }
 
 // Before hours of work rather than after them.
@@ -89,33 +99,69 @@ int check_baselines(const Study& study, const std::string& folder, const std::ve
   return exit_code;
 }
 
+struct Outputs {
+  fs::path folder, hdf5;
+  std::string table(const StudyTable& work) const { return (folder / (work.name + ".csv")).string(); }
+};
+
+// Whether nothing of the study is missing and nothing is left of a run that was interrupted.
+bool is_complete(const Study& study, const Outputs& outputs) {
+  bool all = nscdd::is_complete(outputs.hdf5.string());
+  for (const StudyTable& work : study.tables) all = all && nscdd::is_complete(outputs.table(work));
+  return all;
+}
+
+Outputs prepare(const Study& study, const Options& options) {
+  const fs::path folder = fs::path(options.output) / study.name;
+  std::error_code status;
+  fs::create_directories(folder, status);
+  if (status) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), status.message()));
+  return {folder, folder / (study.name + ".h5")};
+}
+
+// Where a study that is complete is to be resumed.
+int nothing_to_do(const Study& study, const Outputs& outputs, const std::string& folder, bool check) {
+  note(fmt::format("{}: already complete, nothing to resume", outputs.folder.string()));
+  if (!check) return 0;
+  std::vector<NamedTable> tables;
+  for (const StudyTable& work : study.tables) {
+    const std::string path = outputs.table(work);
+    tables.push_back({work.name, untyped_table(parse_csv(read_text(path), path))});
+  }
+  return check_baselines(study, folder, tables);
+}
+
 int run(const Options& options) {
+  const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
   const Study study = read_study(folder);
   if (options.check) require_baselines(study, folder);
-  const fs::path output = fs::path(options.output) / study.name;
-  std::error_code status;
-  fs::create_directories(output, status);
-  if (status) throw Error(fmt::format("{}: cannot be made: {}", output.string(), status.message()));
-  const fs::path hdf5 = output / (study.name + ".h5");
-  for (const StudyTable& table : study.tables)
-    require_writable(output / (table.name + ".csv"), options.force);
-  OutputFile hdf5_file(hdf5.string(), options.force);
+  const Outputs outputs = prepare(study, options);
+  if (how.resume && !how.force && is_complete(study, outputs))
+    return nothing_to_do(study, outputs, folder, options.check);
+  // Before hours of work rather than after them.
+  for (const StudyTable& work : study.tables)
+    options.memory.require(largest_need(work, kept_rows(outputs.table(work), work, how).rows));
+  Interruption interruption;
+  OutputFile hdf5_file(outputs.hdf5.string(), options.force, leftover(options.resume));
 
   std::vector<NamedTable> tables;
   std::string seeds;
-  for (const StudyTable& table : study.tables) {
-    tables.push_back({table.name, run_one(table, output / (table.name + ".csv"), options.force)});
-    if (table.observable == Observable::observed_rate)
-      seeds += fmt::format("{} {}\n", table.name, table.seed);
+  for (const StudyTable& work : study.tables) {
+    ResumableTable csv(outputs.table(work), work, how);
+    tables.push_back({work.name, {study_columns(work), {}}});
+    if (!run_one(work, csv, interruption, tables.back().table)) return leave(csv, work, outputs.table(work));
+    if (work.observable == Observable::observed_rate) seeds += fmt::format("{} {}\n", work.name, work.seed);
   }
   Provenance origin = provenance(options.context, cases_of(study));
   origin.emplace_back("study", read_text((fs::path(folder) / "study.toml").string()));
   origin.emplace_back("seeds", seeds);
   hdf5_file.bytes(to_hdf5(origin, tables));
   hdf5_file.finish();
-  for (const NamedTable& table : tables) fmt::print("{}\n", (output / (table.name + ".csv")).string());
-  fmt::print("{}\n", hdf5.string());
+  for (const StudyTable& work : study.tables) remove_record(outputs.table(work));
+  for (const NamedTable& table : tables)
+    fmt::print("{}\n", (outputs.folder / (table.name + ".csv")).string());
+  fmt::print("{}\n", outputs.hdf5.string());
   return options.check ? check_baselines(study, folder, tables) : 0;
 }
 
@@ -128,6 +174,8 @@ std::function<int()> declare_run(CLI::App& command, const Context& context) {
   command.add_option("--output", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5")
       ->capture_default_str();
   command.add_flag("--force", options->force, "replace existing results");
+  declare_resume(command, options->resume);
+  options->memory.declare(command);
   command.add_flag("--check", options->check,
                    "compare with the study's baseline; exit code 1 where it differs");
   command.footer(

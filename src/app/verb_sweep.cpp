@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
+#include "interruption.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
+#include "resume.hpp"
 #include "sweep_options.hpp"
 #include "verbs.hpp"
-#include <nscdd/io/csv.hpp>
 #include <nscdd/io/hdf5.hpp>
 #include <nscdd/io/output_file.hpp>
+#include <nscdd/io/resumable_table.hpp>
 #include <nscdd/study/sweep.hpp>
 #include <nscdd/study/values.hpp>
 
@@ -22,7 +25,8 @@ struct Options {
   CaseOptions one;
   SpectralCommandOptions spectral;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
-  bool force = false;
+  bool force = false, resume = false;
+  MemoryLimit memory;
   Context context;
 };
 
@@ -37,32 +41,50 @@ SweepParameters parameters(const Options& options) {
   return result;
 }
 
+// The rows of the sweep, those found included; `sink` takes them all.
+Index work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
+                   Interruption& interruption, const RowSink& sink) {
+  Index failed = 0;
+  csv.replay([&](const Row& row) {
+    if (!std::get<bool>(row.back())) ++failed;
+    sink(row);
+  });
+  Progress progress(work.name, csv.kept());
+  const RowSink writing = [&](const Row& row) {
+    csv.write(row);
+    sink(row);
+  };
+  return failed + sweep(model, work.sweep, writing, interruption.watch(progress.monitor()), csv.kept());
+}
+
 int run(const Options& options) {
-  const SweepParameters sweep_parameters = parameters(options);
-  const Case one = options.one.resolve();
+  const Reopening how{options.resume, options.force};
+  StudyTable work;
+  work.name = "sweep";
+  work.sweep = parameters(options);
+  work.cases = {options.one.resolve()};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
-  const Model model = build(one);
+  if (nothing_to_resume(options.csv, options.hdf5, how)) return 0;
+  const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
     note(fmt::format(
         "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
         model.name, model.partition.subdomains));
+  options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   Table table{sweep_columns(), {}};
+  Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
-  CsvWriter csv(options.csv, options.force, table.columns);
+  ResumableTable csv(options.csv, work, how);
   std::optional<OutputFile> hdf5;
-  if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.force);
-  Index failed = 0;
-  {
-    Progress progress("sweep");
-    const RowSink sink = [&](const Row& row) {
-      csv.write(row);
-      if (hdf5) table.rows.push_back(row);
-    };
-    failed = sweep(model, sweep_parameters, sink, progress.monitor());
-  }
-  if (hdf5) hdf5->bytes(to_hdf5(provenance(options.context, {one}), {{"sweep", table}}));
+  if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.force, leftover(options.resume));
+  const Index failed = work_through(model, work, csv, interruption, [&](const Row& row) {
+    if (hdf5) table.rows.push_back(row);
+  });
+  if (interruption.stopped()) return leave(csv, work, options.csv);
+  if (hdf5) hdf5->bytes(to_hdf5(provenance(options.context, work.cases), {{"sweep", table}}));
   csv.finish();
   if (hdf5) hdf5->finish();
+  remove_record(options.csv);
   if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'converged'", failed));
   return 0;
 }
@@ -93,6 +115,8 @@ std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
   command.add_option("--csv", options->csv, "where the table goes, - for standard output")->required();
   command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
   command.add_flag("--force", options->force, "replace existing outputs");
+  declare_resume(command, options->resume);
+  options->memory.declare(command);
   command.footer(
       "SPEC is a number, a comma list, or FROM:TO:COUNT (logarithmic; FROM:TO:COUNT:linear).\n"
       "One row per (epsilon, eta, relaxation, sweeps); columns are described in docs/formats.md.\n"

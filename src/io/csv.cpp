@@ -31,7 +31,23 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-std::vector<std::string> split_line(std::string_view line, const std::string& where) {
+bool same_value(const Cell& cell, const std::string& expected, double tolerance) {
+  const std::string text = to_text(cell);
+  if (text == expected) return true;
+  if (!std::holds_alternative<double>(cell)) return false;
+  const double a = std::get<double>(cell);
+  double b = 0;
+  try {
+    b = parse_number(expected, "");
+  } catch (const Error&) {
+    return false;
+  }
+  return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b));
+}
+
+}  // namespace
+
+std::vector<std::string> csv_values(std::string_view line, const std::string& where) {
   std::vector<std::string> values;
   std::size_t i = 0;
   while (true) {
@@ -69,25 +85,16 @@ std::vector<std::string> split_line(std::string_view line, const std::string& wh
   }
 }
 
-bool same_value(const Cell& cell, const std::string& expected, double tolerance) {
-  const std::string text = to_text(cell);
-  if (text == expected) return true;
-  if (!std::holds_alternative<double>(cell)) return false;
-  const double a = std::get<double>(cell);
-  double b = 0;
-  try {
-    b = parse_number(expected, "");
-  } catch (const Error&) {
-    return false;
-  }
-  return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b));
+std::string csv_header(const std::vector<Column>& columns) {
+  std::string header;
+  for (const Column& column : columns) header += (header.empty() ? "" : ",") + quoted(column.name);
+  return header;
 }
 
-}  // namespace
-
-CsvWriter::CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns)
-    : file_(path, force) {
-  for (const Column& column : columns) header_ += (header_.empty() ? "" : ",") + quoted(column.name);
+CsvWriter::CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
+                     std::optional<std::uintmax_t> kept_bytes)
+    : file_(path, force, kept_bytes) {
+  if (kept_bytes.value_or(0) == 0) header_ = csv_header(columns);
 }
 
 void CsvWriter::write_header() {
@@ -100,6 +107,8 @@ void CsvWriter::finish() {
   write_header();
   file_.finish();
 }
+
+void CsvWriter::leave() { file_.leave(); }
 
 void CsvWriter::write(const Row& row) {
   write_header();
@@ -120,7 +129,7 @@ CsvText parse_csv(std::string_view text, const std::string& name) {
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
     const std::string where = fmt::format("{}:{}", name, number);
-    std::vector<std::string> values = split_line(line, where);
+    std::vector<std::string> values = csv_values(line, where);
     if (csv.columns.empty()) {
       for (std::size_t i = 0; i < values.size(); ++i) {
         if (values[i].empty())
@@ -153,6 +162,23 @@ std::string read_text(const std::string& path) {
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream.is_open() || stream.bad()) throw Error(fmt::format("{}: cannot be read", path));
   return text;
+}
+
+Table untyped_table(const CsvText& csv) {
+  Table table;
+  for (const std::string& name : csv.columns) table.columns.push_back({name, "", ""});
+  for (const auto& values : csv.rows) {
+    Row row;
+    for (const std::string& value : values) {
+      try {
+        row.emplace_back(parse_number(value, ""));
+      } catch (const Error&) {
+        row.emplace_back(value);
+      }
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
 }
 
 std::string compare(const Table& table, const CsvText& expected, double tolerance) {

@@ -2,7 +2,10 @@
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/output_file.hpp>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -13,21 +16,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_stream(const fs::path& path) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
-}
-
 [[noreturn]] void refuse(std::string_view name, std::string_view action) {
   throw Error(fmt::format("{}: cannot {}: {}", name, action, std::strerror(errno)));
 }
 
 }  // namespace
 
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+}
+
 fs::path partial_path(const fs::path& path) { return fs::path(path.string() + ".partial"); }
 
-void require_writable(const fs::path& path, bool force) {
+void require_writable(const fs::path& path, bool force, bool partial_accepted) {
   std::error_code ignored;
   if (path.empty()) throw Error("output: expected a file name, met an empty one");
   if (is_stream(path)) return;
@@ -40,7 +43,7 @@ void require_writable(const fs::path& path, bool force) {
   if (fs::exists(path, ignored))
     throw Error(
         fmt::format("{}: exists already; choose another name, or --force to replace it", path.string()));
-  if (fs::exists(partial_path(path), ignored))
+  if (!partial_accepted && fs::exists(partial_path(path), ignored))
     throw Error(fmt::format("{}: left by an interrupted run; move it away, or --force to replace it",
                             partial_path(path).string()));
 }
@@ -61,20 +64,42 @@ void complete(const fs::path& path) {
                             status.message()));
 }
 
-OutputFile::OutputFile(const std::string& path, bool force) : name_(path == "-" ? "standard output" : path) {
+OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes)
+    : name_(path == "-" ? "standard output" : path) {
   if (path == "-") {
     stream_ = stdout;
     return;
   }
-  require_writable(path, force);
-  if (!is_stream(path)) growing_ = partial_path(path);
-  stream_ = std::fopen((growing_.empty() ? fs::path(path) : growing_).c_str(), "wb");
-  if (stream_ == nullptr) refuse(name_, "be opened for writing");
+  require_writable(path, force, kept_bytes.has_value());
+  if (is_stream(path)) {
+    stream_ = std::fopen(path.c_str(), "wb");
+    if (stream_ == nullptr) refuse(name_, "be opened for writing");
+    return;
+  }
+  growing_ = partial_path(path);
+  removable_ = kept_bytes.value_or(0) == 0;
+  open_growing(kept_bytes.value_or(0));
+}
+
+// Locked before it is cut, so that two runs never write into one another's rows.
+void OutputFile::open_growing(std::uintmax_t kept_bytes) {
+  const int descriptor = ::open(growing_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) refuse(name_, "be opened for writing");
+  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (!locked && ::ftruncate(descriptor, static_cast<off_t>(kept_bytes)) == 0 &&
+      ::lseek(descriptor, 0, SEEK_END) >= 0)
+    stream_ = ::fdopen(descriptor, "wb");
+  if (stream_ != nullptr) return;
+  const int reason = errno;
+  ::close(descriptor);
+  if (locked) throw Error(fmt::format("{}: is being written by another run", growing_.string()));
+  errno = reason;
+  refuse(name_, "be opened for writing");
 }
 
 OutputFile::~OutputFile() {
   if (stream_ != nullptr && stream_ != stdout) std::fclose(stream_);
-  if (stream_ != nullptr && !growing_.empty()) {
+  if (stream_ != nullptr && !growing_.empty() && removable_) {
     std::error_code ignored;
     fs::remove(growing_, ignored);
   }
@@ -99,11 +124,18 @@ void OutputFile::finish() {
   if (std::fclose(stream_) != 0) {
     stream_ = nullptr;
     std::error_code ignored;
-    if (!growing_.empty()) fs::remove(growing_, ignored);
+    if (!growing_.empty() && removable_) fs::remove(growing_, ignored);
     refuse(name_, "be written");
   }
   stream_ = nullptr;
   if (!growing_.empty()) complete(name_);
+}
+
+void OutputFile::leave() {
+  if (stream_ == stdout || stream_ == nullptr) return;
+  const int closed = std::fclose(stream_);
+  stream_ = nullptr;
+  if (closed != 0) refuse(name_, "be written");
 }
 
 }  // namespace nscdd

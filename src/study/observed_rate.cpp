@@ -141,7 +141,7 @@ std::vector<Column> observed_rate_columns() {
 }
 
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed, const RowSink& sink,
-              const Monitor& monitor) {
+              const Monitor& monitor, Index first) {
   const Selection selection = select(model, parameters.contacts);
   const Row head = case_cells(model, selection, parameters.contacts);
   const InterfaceFamily family(model.parts);
@@ -172,7 +172,7 @@ Index observe(const Model& model, const SweepParameters& parameters, std::uint64
                            static_cast<std::int64_t>(seed), residual, converged});
     sink(row);
   };
-  sweep(model, parameters, observe_one, monitor);
+  sweep(model, parameters, observe_one, monitor, first);
   return failed;
 }
 

@@ -212,4 +212,18 @@ Row optimum_row(const Model& model, const OptimumParameters& parameters, const O
   return row;
 }
 
+Index optima(const Model& model, const SweepParameters& sweep, const RowSink& sink, const Monitor& monitor,
+             Index first) {
+  Index failed = 0;
+  const Index total = count(sweep.epsilon);
+  for (Index i = first; i < total; ++i) {
+    const OptimumParameters parameters{sweep.epsilon[at(i)], sweep.contacts, sweep.spectral};
+    const Optimum best = optimum(model, parameters);
+    failed += best.status == OptimumStatus::not_converged;
+    sink(optimum_row(model, parameters, best));
+    if (!report(monitor, i + 1, total)) break;
+  }
+  return failed;
+}
+
 }  // namespace nscdd

@@ -27,13 +27,28 @@ std::vector<Column> observable_columns(Observable observable) {
   return {};
 }
 
-Index observe(const Model& model, const StudyTable& table, const RowSink& sink, const Monitor& monitor) {
-  Index failed = 0;
+// Rows per case, where they are known.
+std::optional<Index> rows_per_case(const StudyTable& table) {
   switch (table.observable) {
     case Observable::spectral_radius:
-      return sweep(model, table.sweep, sink, monitor);
     case Observable::observed_rate:
-      return observe(model, table.sweep, table.seed, sink, monitor);
+      return point_count(table.sweep);
+    case Observable::optimum:
+      return count(table.sweep.epsilon);
+    case Observable::links:
+    case Observable::grains:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+Index observe(const Model& model, const StudyTable& table, const RowSink& sink, const Monitor& monitor,
+              Index first) {
+  switch (table.observable) {
+    case Observable::spectral_radius:
+      return sweep(model, table.sweep, sink, monitor, first);
+    case Observable::observed_rate:
+      return observe(model, table.sweep, table.seed, sink, monitor, first);
     case Observable::links:
       link_rows(model, sink);
       return 0;
@@ -41,15 +56,9 @@ Index observe(const Model& model, const StudyTable& table, const RowSink& sink, 
       grain_rows(model, sink);
       return 0;
     case Observable::optimum:
-      for (const double epsilon : table.sweep.epsilon) {
-        const OptimumParameters parameters{epsilon, table.sweep.contacts, table.sweep.spectral};
-        const Optimum best = optimum(model, parameters);
-        failed += best.status == OptimumStatus::not_converged;
-        sink(optimum_row(model, parameters, best));
-      }
-      return failed;
+      return optima(model, table.sweep, sink, monitor, first);
   }
-  return failed;
+  return 0;
 }
 
 // A varied value as a cell: a number where it reads as one.
@@ -70,6 +79,31 @@ std::vector<Cell> as_cells(const std::vector<std::string>& values) {
   return cells;
 }
 
+// Which of the cases, and which value of each varied parameter.
+struct Combination {
+  Index base = 0;
+  std::vector<Index> values;
+};
+
+Combination combination_of(const StudyTable& table, Index number) {
+  Index stride = varied_case_count(table) / count(table.cases);
+  Combination combination{number / stride, {}};
+  Index rest = number % stride;
+  for (const Variation& variation : table.vary) {
+    stride /= count(variation.values);
+    combination.values.push_back(rest / stride);
+    rest %= stride;
+  }
+  return combination;
+}
+
+Row varied_cells(const StudyTable& table, const Combination& combination) {
+  Row cells;
+  for (std::size_t i = 0; i < table.vary.size(); ++i)
+    cells.push_back(as_cells(table.vary[i].values)[at(combination.values[i])]);
+  return cells;
+}
+
 }  // namespace
 
 std::vector<Column> study_columns(const StudyTable& table) {
@@ -81,38 +115,74 @@ std::vector<Column> study_columns(const StudyTable& table) {
   return columns;
 }
 
-Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor) {
-  std::size_t combinations = 1;
-  for (const Variation& variation : table.vary) combinations *= variation.values.size();
-  const auto total = static_cast<Index>(combinations * table.cases.size());
-  Index done = 0, failed = 0;
-  for (const Case& base : table.cases)
-    for (std::size_t combination = 0; combination < combinations; ++combination) {
-      Case one = base;
-      Row varied;
-      std::size_t rest = combination, stride = combinations;
-      for (const Variation& variation : table.vary) {
-        stride /= variation.values.size();
-        const std::size_t k = rest / stride;
-        rest %= stride;
-        override_case(one, variation.parameter, variation.values[k]);
-        varied.push_back(as_cells(variation.values)[k]);
-      }
-      const RowSink with_varied = [&](const Row& row) {
-        Row full = row;
-        full.insert(full.begin() + 1, varied.begin(), varied.end());
-        sink(full);
-      };
-      const Monitor within = [&](Index part, Index parts) {
-        return report(monitor, done * 1000 + 1000 * part / std::max<Index>(parts, 1), total * 1000);
-      };
-      try {
-        failed += observe(build(one), table, with_varied, within);
-      } catch (const Error& error) {
-        throw Error(fmt::format("case {}: {}", one.name, error.what()));
-      }
-      if (!report(monitor, ++done * 1000, total * 1000)) return failed;
+std::optional<Index> row_count(const StudyTable& table) {
+  const auto rows = rows_per_case(table);
+  if (!rows) return std::nullopt;
+  return *rows * varied_case_count(table);
+}
+
+std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, Index row) {
+  const auto rows = rows_per_case(table);
+  if (!rows) return {};
+  const Combination combination = combination_of(table, row / *rows);
+  const Row varied = varied_cells(table, combination);
+  const Index number = row % *rows;
+  std::vector<std::pair<std::string, Cell>> cells{{"case", table.cases[at(combination.base)].name}};
+  for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(table.vary[i].parameter, varied[i]);
+  if (table.observable == Observable::optimum) {
+    cells.emplace_back("epsilon", table.sweep.epsilon[at(number)]);
+    return cells;
+  }
+  const SweepPoint point = sweep_point(table.sweep, number);
+  cells.emplace_back("epsilon", point.epsilon);
+  cells.emplace_back("eta", point.eta);
+  if (point.relaxation) cells.emplace_back("relaxation", *point.relaxation);
+  cells.emplace_back("gauss_seidel_sweeps",
+                     point.gauss_seidel_sweeps ? static_cast<double>(*point.gauss_seidel_sweeps) : infinity);
+  return cells;
+}
+
+Index varied_case_count(const StudyTable& table) {
+  Index combinations = 1;
+  for (const Variation& variation : table.vary) combinations *= count(variation.values);
+  return combinations * count(table.cases);
+}
+
+VariedCase varied_case(const StudyTable& table, Index number) {
+  const Combination combination = combination_of(table, number);
+  VariedCase varied{table.cases[at(combination.base)], varied_cells(table, combination)};
+  for (std::size_t i = 0; i < table.vary.size(); ++i)
+    override_case(varied.one, table.vary[i].parameter, table.vary[i].values[at(combination.values[i])]);
+  return varied;
+}
+
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first) {
+  const std::optional<Index> rows = rows_per_case(table);
+  if (!rows && first > 0)
+    throw Error(fmt::format("table {}: expected to start at row 0, met {}: its rows are not known beforehand",
+                            table.name, first));
+  const Index cases = varied_case_count(table), total = cases * rows.value_or(1);
+  Index failed = 0;
+  bool stopped = false;
+  for (Index number = rows ? first / *rows : 0; number < cases && !stopped; ++number) {
+    const auto [one, cells] = varied_case(table, number);
+    const RowSink with_varied = [&sink, &varied = cells](const Row& row) {
+      Row full = row;
+      full.insert(full.begin() + 1, varied.begin(), varied.end());
+      sink(full);
+    };
+    const Monitor within = [&](Index done, Index) {
+      stopped = !report(monitor, number * *rows + done, total);
+      return !stopped;
+    };
+    try {
+      const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
+      failed += observe(build(one), table, with_varied, within, known);
+    } catch (const Error& error) {
+      throw Error(fmt::format("case {}: {}", one.name, error.what()));
     }
+    if (!rows) stopped = !report(monitor, number + 1, total);
+  }
   return failed;
 }
 

@@ -69,6 +69,26 @@ Row inexact_cells(const Decomposition& stage_one, const InterfaceOperator& preco
 
 }  // namespace
 
+Index point_count(const SweepParameters& parameters) {
+  return count(parameters.epsilon) * count(parameters.eta) * count(parameters.relaxation) *
+         count(parameters.gauss_seidel_sweeps);
+}
+
+SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
+  // the digits of `number` in a mixed base, the last list being the lowest digit
+  const auto next = [&number](const auto& list) {
+    const Index digit = number % count(list);
+    number /= count(list);
+    return list[at(digit)];
+  };
+  SweepPoint point;
+  point.gauss_seidel_sweeps = next(parameters.gauss_seidel_sweeps);
+  point.relaxation = next(parameters.relaxation);
+  point.eta = next(parameters.eta);
+  point.epsilon = next(parameters.epsilon);
+  return point;
+}
+
 Selection select(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all) return {model.parts, model.problem.contacts(), "all"};
   const RigidImpulses rigid = rigid_impulses(model.problem);
@@ -131,7 +151,7 @@ std::vector<Column> sweep_columns() {
 }
 
 Index sweep(const Model& model, const SweepParameters& parameters, const RowSink& sink,
-            const Monitor& monitor) {
+            const Monitor& monitor, Index first) {
   for (const auto& relaxation : parameters.relaxation)
     for (const auto& sweeps : parameters.gauss_seidel_sweeps)
       if (!relaxation && sweeps)
@@ -142,28 +162,24 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
   const Selection selection = select(model, parameters.contacts);
   const Row head = case_cells(model, selection, parameters.contacts);
   OperatorStore preconditioners(model.parts), systems(selection.stage_one);
-  const Index total = count(parameters.epsilon) * count(parameters.eta) * count(parameters.relaxation) *
-                      count(parameters.gauss_seidel_sweeps);
-  Index done = 0, failed = 0;
+  const Index total = point_count(parameters);
+  Index failed = 0;
   const std::size_t converged_column = sweep_columns().size() - 1;
-  for (const double epsilon : parameters.epsilon)
-    for (const double eta : parameters.eta)
-      for (const auto& relaxation : parameters.relaxation)
-        for (const auto& sweeps : parameters.gauss_seidel_sweeps) {
-          const InterfaceOperator& preconditioner = preconditioners.at(eta);
-          Row row = head;
-          append(row, {epsilon, eta});
-          const Row cells =
-              sweeps ? inexact_cells(selection.stage_one, preconditioner, epsilon, *sweeps, *relaxation,
-                                     parameters.spectral)
-                     : exact_cells(preconditioner, systems.at(epsilon), relaxation, parameters.spectral);
-          row.insert(row.end(), cells.begin(), cells.end());
-          if (!selection.certain)
-            row[converged_column] = false;  // the radius of an uncertain set of contacts
-          if (!std::get<bool>(row[converged_column])) ++failed;
-          sink(row);
-          if (!report(monitor, ++done, total)) return failed;
-        }
+  for (Index number = first; number < total; ++number) {
+    const auto [epsilon, eta, relaxation, sweeps] = sweep_point(parameters, number);
+    const InterfaceOperator& preconditioner = preconditioners.at(eta);
+    Row row = head;
+    append(row, {epsilon, eta});
+    const Row cells = sweeps
+                          ? inexact_cells(selection.stage_one, preconditioner, epsilon, *sweeps, *relaxation,
+                                          parameters.spectral)
+                          : exact_cells(preconditioner, systems.at(epsilon), relaxation, parameters.spectral);
+    row.insert(row.end(), cells.begin(), cells.end());
+    if (!selection.certain) row[converged_column] = false;  // the radius of an uncertain set of contacts
+    if (!std::get<bool>(row[converged_column])) ++failed;
+    sink(row);
+    if (!report(monitor, number + 1, total)) return failed;
+  }
   return failed;
 }
 

@@ -98,6 +98,8 @@ struct Stream {
   const bool placed = ::dup2(output.theirs.number(), STDOUT_FILENO) >= 0 &&
                       ::dup2(error.theirs.number(), STDERR_FILENO) >= 0 && ::chdir(folder) == 0;
   if (!placed) ::_exit(127);
+  // A test program started in the background hands down signals that are ignored.
+  if (::signal(SIGINT, SIG_DFL) == SIG_ERR || ::signal(SIGTERM, SIG_DFL) == SIG_ERR) ::_exit(127);
   if (options.largest_file) {
     const rlimit limit{*options.largest_file, *options.largest_file};
     // The signal would end the program; without it a write fails, as on a full disk.
@@ -120,10 +122,11 @@ void follow(pid_t process, Stream& output, Stream& error, const RunOptions& opti
     ::poll(polled.data(), polled.size(), 5);  // descriptors below 0 are passed over
     if (polled[0].revents != 0) output.read_some();
     if (polled[1].revents != 0) error.read_some();
-    if (!killed && ((options.kill_when && options.kill_when()) || clock::now() > deadline)) {
-      ::kill(process, SIGKILL);
+    if (!killed && options.kill_when && options.kill_when()) {
+      ::kill(process, options.kill_signal);
       killed = true;
     }
+    if (clock::now() > deadline) ::kill(process, SIGKILL);
     state.si_pid = 0;
     const bool ended =
         ::waitid(P_PID, static_cast<id_t>(process), &state, WEXITED | WNOHANG | WNOWAIT) == 0 &&

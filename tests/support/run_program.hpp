@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -46,8 +47,9 @@ struct RunOptions {
   std::optional<std::size_t> largest_file;
   /// Permissions hold, even for the superuser.
   bool obey_permissions = false;
-  /// Asked some hundred times a second; SIGKILL once it says true.
+  /// Asked some hundred times a second; `kill_signal` is sent once it says true.
   std::function<bool()> kill_when;
+  int kill_signal = SIGKILL;
 };
 
 /// What a run came to.

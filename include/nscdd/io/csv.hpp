@@ -4,6 +4,8 @@
 #include <nscdd/core/table.hpp>
 #include <nscdd/io/output_file.hpp>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,15 +16,25 @@ namespace nscdd {
 /// row, each flushed. Equal tables give equal bytes.
 class CsvWriter {
  public:
-  CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns);
+  /// With `kept_bytes` > 0, continues the partial file of a run before behind that many bytes, which hold the
+  /// line of names.
+  CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
+            std::optional<std::uintmax_t> kept_bytes = std::nullopt);
+  void write_header();  ///< now, where no row has written it yet
   void write(const Row& row);
   void finish();
+  void leave();  ///< closes the partial file and keeps it
 
  private:
-  void write_header();
   OutputFile file_;
   std::string header_;  ///< until it is written, with the first row: a run that fails before prints nothing
 };
+
+/// The line of names of a table, without its line feed.
+std::string csv_header(const std::vector<Column>& columns);
+
+/// Values of one line of CSV, quotes as in RFC 4180. Throws Error beginning with `where` for an open quote.
+std::vector<std::string> csv_values(std::string_view line, const std::string& where);
 
 /// A CSV file as texts.
 struct CsvText {
@@ -39,6 +51,9 @@ CsvText parse_csv(std::string_view text, const std::string& name);
 
 /// Whole content of a regular file. Throws Error where it cannot be read.
 std::string read_text(const std::string& path);
+
+/// The table with a number where a value reads as one, else a text: its columns have no units.
+Table untyped_table(const CsvText& csv);
 
 /// First difference between a table and the CSV text of another, or "" where there is none: same columns,
 /// same number of rows, texts equal, numbers within `tolerance` x max(1, |number|). Columns that tell the

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,8 +12,8 @@ namespace nscdd {
 
 /// Throws Error where `path` (or the `path.partial` of an interrupted run) exists and `force` is false, or
 /// where its folder does not exist. Devices and pipes exist without holding anything: they are always
-/// accepted.
-void require_writable(const std::filesystem::path& path, bool force);
+/// accepted, and a partial file where the caller goes on with it.
+void require_writable(const std::filesystem::path& path, bool force, bool partial_accepted = false);
 
 /// Throws Error where two outputs would be one file (devices and pipes aside).
 void require_distinct(const std::string& first, const std::string& second);
@@ -23,23 +24,32 @@ std::filesystem::path partial_path(const std::filesystem::path& path);
 /// Renames `path.partial` to `path`. Throws Error where that fails.
 void complete(const std::filesystem::path& path);
 
+/// Whether `path` is a device or a pipe, which holds nothing; "-" (standard output) counts as one.
+bool is_stream(const std::filesystem::path& path);
+
 /// A text output that appears under its name only when complete: it grows as `path.partial`, every line
 /// flushed, and is renamed by `finish`. A killed run leaves the readable partial file; one that ends by an
-/// exception removes it. "-" is standard output; devices and pipes are written to directly. Every function
-/// throws Error where the system refuses (no room left, no permission).
+/// exception removes it, unless it holds bytes of a run before. "-" is standard output; devices and pipes are
+/// written to directly. Every function throws Error where the system refuses (no room left, no permission)
+/// and where another run is writing the same partial file.
 class OutputFile {
  public:
-  OutputFile(const std::string& path, bool force);
+  /// With `kept_bytes`, the partial file of a run before is continued behind that many bytes (0 where there
+  /// is none yet) instead of being refused.
+  OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   void line(std::string_view text);   ///< writes text and a line feed, and flushes
   void bytes(std::string_view text);  ///< writes text as it is, and flushes
   void finish();
+  void leave();  ///< closes the partial file and keeps it, to be continued by another run
 
  private:
+  void open_growing(std::uintmax_t kept_bytes);
   std::string name_;
   std::filesystem::path growing_;  ///< empty for a stream that is not a file of its own
+  bool removable_ = true;          ///< nothing is lost with the partial file but what this run wrote
   std::FILE* stream_ = nullptr;
 };
 

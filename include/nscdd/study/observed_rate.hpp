@@ -25,9 +25,10 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
                            std::uint64_t seed, Index maximum_iterations = 20000, double tolerance = 1e-9);
 
 /// Observed and predicted rate at every point of a sweep, one row each (relaxation must be a number or
-/// optimal, Gauss-Seidel sweeps may be finite). Columns are described in docs/formats.md.
+/// optimal, Gauss-Seidel sweeps may be finite), from row `first` on. Columns are described in
+/// docs/formats.md.
 std::vector<Column> observed_rate_columns();
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed, const RowSink& sink,
-              const Monitor& monitor = {});
+              const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd

@@ -58,4 +58,9 @@ Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
 std::vector<Column> optimum_columns();
 Row optimum_row(const Model& model, const OptimumParameters& parameters, const Optimum& best);
 
+/// Rows of the optima for every epsilon of `sweep` (its other lists are not looked at) from row `first` on;
+/// returns how many did not converge. Stops early where the monitor asks for it.
+Index optima(const Model& model, const SweepParameters& sweep, const RowSink& sink,
+             const Monitor& monitor = {}, Index first = 0);
+
 }  // namespace nscdd

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -59,8 +60,28 @@ struct Study {
 /// Columns of a study table: those of its observable, with one column per varied parameter after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
-/// Rows of a study table, as they come; returns how many did not converge. Throws Error naming the case where
-/// one cannot be built.
-Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {});
+/// Rows of a study table, where they are known before its cases are built: not so for links and grains.
+std::optional<Index> row_count(const StudyTable& table);
+
+/// The cells of a row (from 0) that are known before it is computed, by column: case, varied parameters and
+/// the coordinates of its point. None for links and grains.
+std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, Index row);
+
+/// The case with one combination of the varied parameters, and their cells.
+struct VariedCase {
+  Case one;
+  Row cells;
+};
+
+/// The cases of a table with every combination of its varied parameters, from 0, the combinations running
+/// fastest.
+Index varied_case_count(const StudyTable& table);
+VariedCase varied_case(const StudyTable& table, Index number);
+
+/// Rows of a study table from row `first` on, as they come; returns how many of them did not converge. No
+/// case is built whose rows are all known. Throws Error naming the case where one cannot be built, and for
+/// `first` > 0 where the number of rows is not known beforehand. The monitor counts rows (cases where the
+/// number of rows is not known).
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd

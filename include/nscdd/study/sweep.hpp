@@ -29,6 +29,18 @@ struct SweepParameters {
   SpectralOptions spectral = {};
 };
 
+/// One point of a sweep, which is one row of its table.
+struct SweepPoint {
+  double epsilon = 1.0;
+  double eta = infinity;
+  std::optional<double> relaxation;         ///< empty: the optimal one
+  std::optional<long> gauss_seidel_sweeps;  ///< empty: exact Stage 1
+};
+
+/// How many points a sweep has, and the one of row `number`, counted from 0.
+Index point_count(const SweepParameters& parameters);
+SweepPoint sweep_point(const SweepParameters& parameters, Index number);
+
 /// The decomposition of a model together with what the choice of contacts makes of it.
 struct Selection {
   Decomposition stage_one;  ///< with the contacts Stage 1 works with
@@ -53,9 +65,10 @@ std::vector<Column> sweep_columns();
 /// Takes the rows of a table as they come.
 using RowSink = std::function<void(const Row&)>;
 
-/// Spectral radius at every point of a sweep. Points that do not converge are rows with converged = false.
-/// Returns how many rows did not converge. Stops early where the monitor asks for it.
+/// Spectral radius at every point of a sweep from row `first` on, the rows before it being known. Points that
+/// do not converge are rows with converged = false; returns how many there are. Stops early where the monitor
+/// asks for it. Rows do not depend on where a sweep starts.
 Index sweep(const Model& model, const SweepParameters& parameters, const RowSink& sink,
-            const Monitor& monitor = {});
+            const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/study/study.hpp>
+
+#include <string>
+
+namespace nscdd {
+
+/// Bytes that a sweep of a model is expected to hold at its peak, known before it begins. With n_Gamma
+/// interface unknowns, n grain unknowns (copies included), z impulses and interface unknowns of an inexact
+/// Stage 1:
+///     model and Stage 1       model_bytes n + local modes of small subdomains, sum (d n_E)^2 8
+///     dense pencil            dense_matrices n_Gamma^2 8 (rigid_dense_matrices where epsilon = 0 occurs)
+///     ARPACK                  factors factor_fill n log2(n) 8 + 8 (basis + 5) n_Gamma
+///     inexact Stage 1, dense  inexact_matrices z^2 8
+/// and of the last three the largest that the options may choose.
+/// Dense counts are exact but for lower-order terms; the fill is an estimate for planar networks (see
+/// memory.cpp).
+double estimated_bytes(const Model& model, const SweepParameters& parameters);
+
+/// The case of a table that needs most.
+struct MemoryNeed {
+  double bytes = 0;
+  std::string name;          ///< of the case
+  Index interface_size = 0;  ///< its n_Gamma
+};
+
+/// Looks at every case that rows from `first` on belong to, building one at a time. No need for links and
+/// grains. Throws Error naming the case where one cannot be built.
+MemoryNeed largest_need(const StudyTable& table, Index first = 0);
+
+}  // namespace nscdd

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "memory_limit.hpp"
+
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace nscdd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
+constexpr double usable_share = 0.9;  // of what is available: an estimate is no measurement
+
+double system_available() {
+  std::ifstream stream("/proc/meminfo");
+  std::string key, unit;
+  for (double kibibytes = 0; stream >> key >> kibibytes; std::getline(stream, unit))
+    if (key == "MemAvailable:") return 1024 * kibibytes;
+  return infinity;
+}
+
+// The number in a file of a control group; infinite where there is none ("max", no such file).
+double number_in(const fs::path& file) {
+  std::ifstream stream(file);
+  double value = 0;
+  return stream >> value ? value : infinity;
+}
+
+// What a group and those it lies in leave.
+double left_in(const fs::path& root, fs::path group, const char* limit_name, const char* usage_name) {
+  double left = infinity;
+  while (true) {
+    const fs::path folder = root / group;
+    const double limit = number_in(folder / limit_name), usage = number_in(folder / usage_name);
+    if (limit < infinity && usage < infinity) left = std::min(left, std::max(limit - usage, 0.0));
+    if (group.empty()) return left;
+    group = group.parent_path();
+  }
+}
+
+double control_groups_available() {
+  std::ifstream stream("/proc/self/cgroup");  // lines "number:controllers:/path", "0::/path" for version 2
+  double left = infinity;
+  for (std::string line; std::getline(stream, line);) {
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const fs::path group = fs::path(line.substr(second + 1)).relative_path();
+    if (controllers.empty())
+      left = std::min(left, left_in("/sys/fs/cgroup", group, "memory.max", "memory.current"));
+    if (controllers == "memory")
+      left = std::min(
+          left, left_in("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+  }
+  return left;
+}
+
+}  // namespace
+
+double available_bytes() { return std::min(system_available(), control_groups_available()); }
+
+void MemoryLimit::declare(CLI::App& command) {
+  command.add_option(
+      "--memory-limit", gibibytes,
+      "memory the run may take, GiB; one that is estimated to need more is refused (90 % of what "
+      "is available)");
+}
+
+void MemoryLimit::require(const MemoryNeed& need) const {
+  if (gibibytes)
+    check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true},
+                 "--memory-limit");
+  const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
+  if (need.bytes <= limit) return;
+  throw Error(fmt::format(
+      "case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} GiB for {} "
+      "interface unknowns; fewer subdomains or grains, the solver arpack where it is dense, or a larger "
+      "--memory-limit may help",
+      need.name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available",
+      need.bytes / gibibyte, need.interface_size));
+}
+
+}  // namespace nscdd::app

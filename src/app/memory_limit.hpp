@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/study/memory.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+
+namespace nscdd::app {
+
+/// Memory that a run may take, and its refusal before the run begins.
+struct MemoryLimit {
+  std::optional<double> gibibytes;  ///< as given; else 90 % of what is available
+
+  void declare(CLI::App& command);
+
+  /// Throws Error with both amounts where the need exceeds the limit.
+  void require(const MemoryNeed& need) const;
+};
+
+/// Bytes that a new run can take without swapping: MemAvailable of /proc/meminfo, and what the control groups
+/// that the program is in leave of their limits; infinite where the system tells neither.
+double available_bytes();
+
+}  // namespace nscdd::app

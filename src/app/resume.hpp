@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/io/resumable_table.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+#include <string>
+
+namespace nscdd::app {
+
+/// The option --resume, described alike for every verb that has it.
+void declare_resume(CLI::App& command, bool& resume);
+
+/// Says so where --resume meets a table that is complete. Throws Error where an HDF5 file is still asked for:
+/// nothing tells what work the table came from.
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how);
+
+/// How OutputFile takes an output that is written in one piece at the end: what an interrupted run left of it
+/// is empty.
+std::optional<std::uintmax_t> leftover(bool resume);
+
+/// Closes an interrupted table, tells the user how to go on, and returns the exit code.
+int leave(ResumableTable& table, const StudyTable& work, const std::string& path);
+
+}  // namespace nscdd::app

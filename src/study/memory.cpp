@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/enriched_inertia.hpp>
+#include <nscdd/study/memory.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+constexpr double bytes_per_number = 8;
+
+// P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK.
+constexpr double dense_matrices = 6;
+// In the rigid limit with unit eigenvalues also a kernel and its complement, a basis, and the restricted
+// pencil.
+constexpr double rigid_dense_matrices = 13;
+// The deflation of ARPACK in the rigid limit splits a dense kernel up to this many interface unknowns.
+constexpr double rigid_kernel_limit = 4000, rigid_kernel_matrices = 5;
+// A nonsymmetric matrix, its Hessenberg and Schur forms with their bases, and complex eigenvectors.
+constexpr double inexact_matrices = 9;
+constexpr double inexact_dense_limit = 2500;  // up to which ARPACK may fall back on the dense solver
+
+// Subdomains and undivided packing at eta and at epsilon, and one more while a flexibility changes.
+constexpr double factors = 5;
+// Entries of a CHOLMOD factor (AMD ordering) over n log2 n: 8.9 for hexagonal lattices of 2 10^4
+// unknowns, 10.6 for 8 10^4.
+constexpr double factor_fill = 11;
+// Geometry, H, A, K and their transposes: 1.7 kB per unknown measured on the same lattices.
+constexpr double model_bytes = 1800;
+constexpr double arpack_vectors = 5;  // beside the basis
+
+double square(double x) { return x * x; }
+
+double numbers_of(const Model& model) {
+  double copies = 0;
+  for (const Subdomain& subdomain : model.parts.subdomains)
+    copies += static_cast<double>(subdomain.inertia.size());
+  return copies;
+}
+
+double model_need(const Model& model) {
+  double modes = 0;
+  for (const Subdomain& subdomain : model.parts.subdomains)
+    if (subdomain.inertia.size() <= EnrichedInertiaFamily::default_dense_limit)
+      modes += square(static_cast<double>(subdomain.inertia.size()));
+  return model_bytes * numbers_of(model) + bytes_per_number * modes;
+}
+
+bool has_rigid_limit(const SweepParameters& parameters) {
+  return std::find(parameters.epsilon.begin(), parameters.epsilon.end(), 0.0) != parameters.epsilon.end();
+}
+
+double exact_need(const Model& model, const SweepParameters& parameters) {
+  const SpectralOptions& options = parameters.spectral;
+  const Index size = model.parts.interface_size();
+  const auto n = static_cast<double>(size);
+  const bool rigid = has_rigid_limit(parameters);
+  if (options.solver == SpectralSolver::dense ||
+      (options.solver == SpectralSolver::automatic && size <= options.dense_limit))
+    return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
+  const double unknowns = std::max(numbers_of(model), 2.0);
+  const double kernel = rigid && n <= rigid_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
+  return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +
+                             (static_cast<double>(options.arpack.basis) + arpack_vectors) * n);
+}
+
+double inexact_need(const Model& model, const SweepParameters& parameters) {
+  const auto size = static_cast<double>(model.parts.contacts + model.parts.interface_size());
+  const SpectralOptions& options = parameters.spectral;
+  const bool dense = options.solver == SpectralSolver::dense ||
+                     (options.solver == SpectralSolver::automatic && size <= inexact_dense_limit);
+  const double basis = static_cast<double>(options.arpack.basis) + arpack_vectors;
+  return bytes_per_number * (dense ? inexact_matrices * square(size) : basis * size);
+}
+
+}  // namespace
+
+double estimated_bytes(const Model& model, const SweepParameters& parameters) {
+  double need = 0;
+  for (const auto& sweeps : parameters.gauss_seidel_sweeps)
+    need = std::max(need, sweeps ? inexact_need(model, parameters) : exact_need(model, parameters));
+  return model_need(model) + need;
+}
+
+MemoryNeed largest_need(const StudyTable& table, Index first) {
+  MemoryNeed largest;
+  const auto rows = row_count(table);
+  if (!rows) return largest;
+  const Index cases = varied_case_count(table);
+  for (Index number = first * cases / std::max<Index>(*rows, 1); number < cases; ++number) {
+    const Case one = varied_case(table, number).one;
+    try {
+      const Model model = build(one);
+      const double bytes = estimated_bytes(model, table.sweep);
+      if (bytes > largest.bytes) largest = {bytes, model.name, model.parts.interface_size()};
+    } catch (const Error& error) {
+      throw Error(fmt::format("case {}: {}", one.name, error.what()));
+    }
+  }
+  return largest;
+}
+
+}  // namespace nscdd

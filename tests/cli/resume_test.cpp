@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Long work: what an interrupted run leaves, and that going on gives what a run in one piece gives.
+#include "session.hpp"
+#include <nscdd/io/csv.hpp>
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <filesystem>
+
+using namespace nscdd::testing;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// About two seconds of work: 1 500 rows of 400 disks.
+const std::string work =
+    "sweep hexagonal --set packing.columns=20 --set packing.rows=20 --epsilon 1e-3:1e3:750 --eta 0.1,inf "
+    "--csv long.csv";
+
+// Sends a signal once a file has some bytes.
+RunOptions stopped(const Session& session, const std::string& file, std::uintmax_t bytes, int signal) {
+  RunOptions options;
+  options.kill_signal = signal;
+  options.kill_when = [path = session.folder / file, bytes] {
+    std::error_code missing;
+    const auto size = fs::file_size(path, missing);
+    return !missing && size > bytes;
+  };
+  return options;
+}
+
+// The work killed after some rows.
+void kill_work(const Session& session, const std::string& line = work) {
+  REQUIRE(session.run(words(line), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code ==
+          128 + SIGKILL);
+  REQUIRE(session.has("long.csv.partial"));
+  REQUIRE(session.has("long.csv.record"));
+  REQUIRE(!session.has("long.csv"));
+}
+
+std::size_t files(const Session& session) { return content_of(session.folder.path()).size(); }
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+const std::string study_text = R"(title = "two tables"
+[[table]]
+name = "first"
+cases = ["disks4"]
+vary = { "packing.grains" = [4, 6] }
+epsilon = "0,1e-2:1e2:20"
+
+[[table]]
+name = "second"
+cases = ["hexagonal"]
+vary = { "packing.columns" = [12, 20] }
+epsilon = "1e-3:1e3:300"
+eta = "0.1,inf"
+
+[[table]]
+name = "third"
+observable = "links"
+cases = ["disks4"]
+)";
+
+}  // namespace
+
+TEST_CASE("resume: a killed sweep ends as one in one piece, byte for byte") {
+  const Session whole, session;
+  answer(whole, work);
+  kill_work(session);
+  const std::string before = session.read("long.csv.partial");
+  // it is gone on with, not begun again: killed once more, the rows there were still lead
+  REQUIRE(
+      session
+          .run(words(work + " --resume"), stopped(session, "long.csv.partial", before.size() + 8000, SIGKILL))
+          .exit_code == 128 + SIGKILL);
+  CHECK(session.read("long.csv.partial").rfind(before.substr(0, before.rfind('\n') + 1), 0) == 0);
+  answer(session, work + " --resume");
+  CHECK(session.read("long.csv") == whole.read("long.csv"));
+  CHECK(files(session) == 1);
+}
+
+TEST_CASE("resume: Ctrl-C and SIGTERM leave whole rows, say how to go on and exit with 130") {
+  const Session whole, session;
+  answer(whole, work);
+  std::string line = work;
+  std::uintmax_t bytes = 8000;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    CAPTURE(signal);
+    const Outcome outcome = session.run(words(line), stopped(session, "long.csv.partial", bytes, signal));
+    CHECK(outcome.exit_code == 130);
+    CHECK(outcome.standard_output == "");
+    const std::string rows = session.read("long.csv.partial");
+    CHECK(rows.back() == '\n');
+    const auto count = read_table(rows).rows.size();
+    CHECK(contains(outcome.standard_error,
+                   "long.csv: interrupted after " + std::to_string(count) + " of 1500 rows; --resume"));
+    bytes = rows.size() + 8000;
+    line = work + " --resume";
+  }
+  answer(session, line);
+  CHECK(session.read("long.csv") == whole.read("long.csv"));
+  CHECK(files(session) == 1);
+}
+
+TEST_CASE("resume: Ctrl-C of a sweep to standard output exits with 130") {
+  const Session session;
+  RunOptions options;
+  options.kill_signal = SIGINT;
+  fs::create_symlink("/dev/null", session.folder / "sink");
+  options.kill_when = [&] { return session.has("out.h5.partial"); };
+  const Outcome outcome =
+      session.run(words("sweep disks4 --epsilon 1e-3:1e3:1000000 --csv sink --hdf5 out.h5"), options);
+  CHECK(outcome.exit_code == 130);
+  CHECK(contains(outcome.standard_error, "sink: interrupted after "));
+  CHECK(!contains(outcome.standard_error, "--resume"));
+  CHECK(files(session) == 1);
+}
+
+TEST_CASE("resume: a line cut short is computed again") {
+  const Session whole, session;
+  answer(whole, work);
+  kill_work(session);
+  std::string rows = session.read("long.csv.partial");
+  rows.resize(rows.rfind('\n') + 1);
+  for (const std::string& cut :
+       Texts{rows + "hexagonal,400,11", rows + "hexagonal,400,1141\n", rows.substr(0, rows.size() - 1)}) {
+    session.file("long.csv.partial", cut);
+    answer(session, work + " --resume");
+    CHECK(session.read("long.csv") == whole.read("long.csv"));
+    CHECK(files(session) == 1);
+    fs::remove(session.folder / "long.csv");
+    kill_work(session);
+  }
+}
+
+TEST_CASE("resume: HDF5 holds the rows found and the rows computed") {
+  const Session whole, session;
+  const std::string line = work + " --hdf5 long.h5";
+  answer(whole, line + " --resume");  // nothing there: from the start
+  kill_work(session, line);
+  answer(session, line + " --resume");
+  CHECK(session.read("long.h5") == whole.read("long.h5"));
+  CHECK(session.read("long.csv") == whole.read("long.csv"));
+  CHECK(files(session) == 2);
+}
+
+TEST_CASE("resume: other work is refused, naming what differs, and nothing is touched") {
+  const Session session;
+  kill_work(session);
+  const auto refused = [&](const std::string& line, std::initializer_list<std::string> parts) {
+    check_refused(session, line + " --resume", parts);
+  };
+  refused(work + " --set contacts.tolerance=1e-6", {"long.csv.partial", "the case differs", "1e-06"});
+  refused(work + " --density 2", {"the case differs", "density = 2500", "density = 2"});
+  refused(replaced(work, "1e3:750", "1e3:751"), {"options differs", "750 values", "751 values"});
+  refused(replaced(work, "0.1,inf", "0.2,inf"), {"options differs", "[0.1, inf]", "[0.2, inf]"});
+  refused(work + " --contacts active", {"options differs", "contacts = all", "contacts = active"});
+  refused(work + " --solver dense", {"solver options differs", "solver = auto", "solver = dense"});
+  refused(work + " --residual-tolerance 1e-6", {"solver options differs", "tolerance"});
+  const std::string record = session.read("long.csv.record");
+  const auto build = record.find("build ") + 6;
+  session.file("long.csv.record", record.substr(0, build) + "0123456789abcdef" + record.substr(build + 16));
+  refused(work, {"code version differs", "build 0123456789abcdef"});
+  session.file("long.csv.record", replaced(record, "Eigen 3", "Eigen 2"));
+  refused(work, {"code version differs", "Eigen 2"});
+  session.file("long.csv.record", "nonsense");
+  refused(work, {"long.csv.record:1"});
+  fs::remove(session.folder / "long.csv.record");
+  refused(work, {"long.csv.record", "--force"});
+}
+
+TEST_CASE("resume: an edited packing file is another case, the same one elsewhere is not") {
+  const Session session;
+  std::string packing = "x,y,radius\n";
+  for (int i = 0; i < 300; ++i) packing += std::to_string(i) + ",0,0.5\n";
+  session.file("mine.csv", packing);
+  const std::string line = "sweep mine.csv --subdomains 30x1 --epsilon 1e-3:1e3:20000 --csv long.csv";
+  kill_work(session, line);
+  session.file("mine.csv", replaced(packing, "\n7,0,0.5\n", "\n7,0,0.50000001\n"));
+  check_refused(session, line + " --resume", {"the case differs", "300 grains, content"});
+  session.file("elsewhere/mine.csv", packing);
+  const Outcome outcome = session.run(words(replaced(line, "mine.csv", "elsewhere/mine.csv") + " --resume"),
+                                      stopped(session, "long.csv.partial", 0, SIGINT));
+  CHECK((outcome.exit_code == 130 || outcome.exit_code == 128 + SIGINT));
+}
+
+TEST_CASE("resume: rows that are not those of the sweep are refused") {
+  const Session session;
+  kill_work(session);
+  const std::string rows = session.read("long.csv.partial");
+  const auto first = rows.find('\n') + 1, second = rows.find('\n', first) + 1,
+             third = rows.find('\n', second) + 1;
+  session.file("long.csv.partial", rows.substr(0, first) + rows.substr(second));
+  check_refused(session, work + " --resume", {"long.csv.partial:2", "eta", "0.1", "inf"});
+  session.file("long.csv.partial", replaced(rows, "spectral_radius", "radius"));
+  check_refused(session, work + " --resume", {"long.csv.partial:1", "columns"});
+  session.file("long.csv.partial", rows.substr(0, second) + "hexagonal,x\n" + rows.substr(third));
+  check_refused(session, work + " --resume", {"long.csv.partial:3", "values"});
+}
+
+TEST_CASE("resume: without --resume the rows of an interrupted run are safe") {
+  const Session session;
+  kill_work(session);
+  const auto rows = read_table(session.read("long.csv.partial")).rows.size();
+  check_refused(session, work,
+                {"long.csv.partial", std::to_string(rows) + " row(s) of an interrupted run", "--resume",
+                 "--force starts again"});
+  answer(session, "sweep disks4 --epsilon 1 --csv long.csv --force");
+  CHECK(read_table(session.read("long.csv")).rows.size() == 1);
+  CHECK(files(session) == 1);
+}
+
+TEST_CASE("resume: a complete table is left alone") {
+  const Session session;
+  const std::string line = "sweep disks4 --epsilon 0,1 --csv long.csv";
+  answer(session, line + " --resume");
+  const std::string rows = session.read("long.csv");
+  const Outcome outcome = session.run(words(line + " --resume"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "already complete"));
+  CHECK(session.read("long.csv") == rows);
+  CHECK(files(session) == 1);
+  check_refused(session, line + " --hdf5 a.h5 --resume", {"long.csv", "a.h5", "--force"});
+}
+
+TEST_CASE("resume: an older table is replaced only where --force says so, and only when all is done") {
+  const Session whole, session;
+  answer(whole, work);
+  session.file("long.csv", "precious");
+  REQUIRE(
+      session.run(words(work + " --force"), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code ==
+      128 + SIGKILL);
+  CHECK(session.read("long.csv") == "precious");
+  check_refused(session, work + " --resume", {"long.csv: exists already", "--force"});
+  answer(session, work + " --resume --force");
+  CHECK(session.read("long.csv") == whole.read("long.csv"));
+  CHECK(files(session) == 1);
+}
+
+TEST_CASE("resume: standard output and reports keep nothing") {
+  const Session session;
+  check_refused(session, "sweep disks4 --epsilon 1 --csv - --resume", {"--resume", "file"});
+  check_refused(session, "optimum disks4 --resume", {"--resume", "--csv"});
+}
+
+TEST_CASE("resume: two runs never write one table") {
+  const Session session;
+  bool refused = false;
+  RunOptions options;
+  options.kill_when = [&] {
+    if (!session.has("long.csv.record")) return false;
+    const Outcome second = session.run(words(work + " --resume"));
+    refused = second.exit_code == 2 && contains(second.standard_error, "another run");
+    return true;
+  };
+  CHECK(session.run(words(work), options).exit_code == 128 + SIGKILL);
+  CHECK(refused);
+}
+
+TEST_CASE("resume: a killed table of optima ends as one in one piece") {
+  const Session whole, session;
+  const std::string line = "optimum disks8 --epsilon 0,1e-3:1e3:60 --contacts all --csv long.csv";
+  answer(whole, line);
+  kill_work(session, replaced(line, "long", "long"));
+  answer(session, line + " --resume");
+  CHECK(session.read("long.csv") == whole.read("long.csv"));
+  CHECK(files(session) == 1);
+}
+
+TEST_CASE("resume: a killed study ends as one in one piece") {
+  const Session whole, session;
+  for (const Session* one : {&whole, &session}) one->file("study/study.toml", study_text);
+  answer(whole, "run study --resume");
+  const std::string folder = "results/study/";
+  for (const int signal : {SIGKILL, SIGINT}) {
+    CAPTURE(signal);
+    const std::uintmax_t bytes =
+        signal == SIGKILL ? 8000 : fs::file_size(session.folder / (folder + "second.csv.partial")) + 8000;
+    const Outcome outcome = session.run(words("run study --resume"),
+                                        stopped(session, folder + "second.csv.partial", bytes, signal));
+    CHECK(outcome.exit_code == (signal == SIGKILL ? 128 + SIGKILL : 130));
+    CHECK(session.has(folder + "first.csv"));
+    CHECK(session.has(folder + "first.csv.record"));
+    CHECK(!session.has(folder + "second.csv"));
+    CHECK(!session.has(folder + "study.h5"));
+  }
+  check_refused(session, "run study", {"first.csv", "exists already"});
+  const std::string first = session.read(folder + "first.csv");
+  session.file(folder + "first.csv", first + "\n");
+  check_refused(session, "run study --resume", {"first.csv", "--force"});
+  session.file(folder + "first.csv", first);
+  session.file("study/study.toml", replaced(study_text, "1e3:300", "1e3:301"));
+  check_refused(session, "run study --resume", {"second.csv.partial", "options differs"});
+  session.file("study/study.toml", replaced(study_text, "1e2:20", "1e2:21"));
+  check_refused(session, "run study --resume", {"first.csv", "options differs"});
+  session.file("study/study.toml", study_text);
+  answer(session, "run study --resume");
+  CHECK(content_of(session.folder.path()) == content_of(whole.folder.path()));  // HDF5 included
+}
+
+TEST_CASE("resume: a complete study is left alone, and may be checked") {
+  const Session session;
+  session.file("study/study.toml", study_text);
+  answer(session, "run study");
+  const auto before = content_of(session.folder.path());
+  const Outcome outcome = session.run(words("run study --resume"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "already complete"));
+  CHECK(content_of(session.folder.path()) == before);
+  for (const std::string& name : Texts{"second", "third"})
+    session.file("study/baseline-" + name + ".csv", session.read("results/study/" + name + ".csv"));
+  session.file("study/baseline.csv", session.read("results/study/first.csv"));
+  CHECK(session.run(words("run study --resume --check")).exit_code == 0);
+  session.file("study/baseline-second.csv", session.read("results/study/first.csv"));
+  CHECK(session.run(words("run study --resume --check")).exit_code == 1);
+}
+
+TEST_CASE("progress: rate and time left on a terminal") {
+  const Session session;
+  kill_work(session);
+  RunOptions options;
+  options.on_terminal = true;
+  const Outcome outcome = session.run(words(work + " --resume"), options);
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, " points/s, "));
+  CHECK(contains(outcome.standard_error, " s left"));
+}
