@@ -27,7 +27,8 @@ int run(const Options& options) {
   CsvWriter links(options.csv, options.force, link_columns(contacts));
   std::optional<CsvWriter> grains;
   if (!options.grains.empty()) grains.emplace(options.grains, options.force, grain_columns());
-  const ContactChoice choice = link_rows(model, contacts, [&](const Row& row) { links.write(row); });
+  const ContactChoice choice = link_rows(
+      model, [&](const Row& row) { links.write(row); }, contacts);
   if (grains) grain_rows(model, [&](const Row& row) { grains->write(row); });
   links.finish();
   if (grains) grains->finish();

@@ -26,7 +26,7 @@ std::vector<Column> link_columns(ContactSet contacts) {
            : "unique, least_norm (hyperstatic network), or none without a load"}};
 }
 
-ContactChoice link_rows(const Model& model, ContactSet contacts, const RowSink& sink) {
+ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts) {
   const bool loaded = !model.problem.arriving_velocity.isZero(0);
   const ContactChoice choice = choose_contacts(model, !loaded                       ? ContactSet::all
                                                       : contacts == ContactSet::all ? ContactSet::active

@@ -35,7 +35,7 @@ Index observe(const Model& model, const StudyTable& table, const RowSink& sink, 
     case Observable::observed_rate:
       return observe(model, table.sweep, table.seed, sink, monitor);
     case Observable::links:
-      link_rows(model, table.sweep.contacts, sink);
+      link_rows(model, sink, table.sweep.contacts);
       return 0;
     case Observable::grains:
       grain_rows(model, sink);

@@ -18,8 +18,8 @@ enum class UnilateralMethod {
 
 struct UnilateralOptions {
   UnilateralMethod method = UnilateralMethod::interior_point;
-  double tolerance = 1e-8;                  ///< on the residual, see UnilateralImpulses
-  std::optional<Index> maximum_iterations;  ///< left open: that of the method
+  double tolerance = 1e-8;                       ///< on the residual, see UnilateralImpulses
+  std::optional<Index> maximum_iterations = {};  ///< left open: that of the method
 };
 
 /// What a contact does in a frictionless impact.

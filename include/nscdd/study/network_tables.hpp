@@ -11,7 +11,7 @@ namespace nscdd {
 /// velocity), one row per contact: what Figures 2-4 draw. ContactSet::all shows those of the linear rigid
 /// problem, as ContactSet::active does. Columns are described in docs/formats.md. Returns the choice.
 std::vector<Column> link_columns(ContactSet contacts = ContactSet::active);
-ContactChoice link_rows(const Model& model, ContactSet contacts, const RowSink& sink);
+ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts = ContactSet::active);
 
 /// Grains with their multiplicity and prescribed velocity, one row each.
 std::vector<Column> grain_columns();
