@@ -41,8 +41,11 @@ struct Direction {
   Vector x, s;
 };
 
-// Newton's direction for  s = B^T u,  x_i s_i = (what the second equation is to lose less `excess`):
+// Newton's direction, which takes `excess` off the products x_i s_i and `infeasibility` = B^T u - s to
+// nothing:
 //     s dx + x ds = -excess,   ds = B^T du + infeasibility + proximal dx,   du = B dx
+// dx eliminated:  (I + B D B^T) du = -B (excess + x infeasibility) / damped,   D = x / damped.
+// damped = s + proximal x.
 Direction newton(const SparseMatrix& b, const SparseCholesky& factor, const Vector& x, const Vector& damped,
                  const Vector& infeasibility, const Vector& excess) {
   const Vector right = excess + x.cwiseProduct(infeasibility);
