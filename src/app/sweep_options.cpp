@@ -7,8 +7,11 @@ namespace nscdd::app {
 
 void SpectralCommandOptions::declare(CLI::App& command, const std::string& default_contacts) {
   contacts = default_contacts;
-  command.add_option("--contacts", contacts, "contacts of Stage 1: all, or active (those in compression)")
-      ->check(CLI::IsMember({"all", "active"}))
+  command
+      .add_option("--contacts", contacts,
+                  "contacts of Stage 1: all, active (in compression in the linear rigid problem), or "
+                  "unilateral (carrying in the frictionless unilateral problem)")
+      ->check(CLI::IsMember({"all", "active", "unilateral"}))
       ->capture_default_str();
   command.add_option("--solver", solver, "auto, dense, or arpack")
       ->check(CLI::IsMember({"auto", "dense", "arpack"}))
@@ -18,7 +21,7 @@ void SpectralCommandOptions::declare(CLI::App& command, const std::string& defau
 }
 
 ContactSet SpectralCommandOptions::contact_set() const {
-  return contacts == "active" ? ContactSet::active : ContactSet::all;
+  return nscdd::contact_set(contacts).value_or(ContactSet::all);  // the option admits no other name
 }
 
 SpectralOptions SpectralCommandOptions::spectral() const {

@@ -42,6 +42,8 @@ int run() {
   print_alternatives<Partitioner>("partition.");
   fmt::print("Contact detection, [contacts]\n");
   print_fields<ContactDetection>("contacts.");
+  fmt::print("Loads on every grain, [loads]\n");
+  print_fields<Loads>("loads.");
   fmt::print("Observables of a study, observable = \"...\"\n");
   for (const auto& [name, summary] : observables) fmt::print("  {:<17}{}\n", name, summary);
   return 0;

@@ -16,17 +16,19 @@ namespace {
 
 struct Options {
   CaseOptions one;
-  std::string csv = "-", grains;
+  std::string csv = "-", grains, contacts = "active";
   bool force = false;
 };
 
 int run(const Options& options) {
   const Model model = build(options.one.resolve());
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
-  CsvWriter links(options.csv, options.force, link_columns());
+  const ContactSet contacts = contact_set(options.contacts).value_or(ContactSet::active);
+  CsvWriter links(options.csv, options.force, link_columns(contacts));
   std::optional<CsvWriter> grains;
   if (!options.grains.empty()) grains.emplace(options.grains, options.force, grain_columns());
-  link_rows(model, [&](const Row& row) { links.write(row); });
+  const ContactChoice choice = link_rows(
+      model, [&](const Row& row) { links.write(row); }, contacts);
   if (grains) grain_rows(model, [&](const Row& row) { grains->write(row); });
   links.finish();
   if (grains) grains->finish();
@@ -34,6 +36,10 @@ int run(const Options& options) {
     note(
         "nothing is prescribed (--prescribed GRAIN:VX:VY): impulses are nan and every contact counts as "
         "active");
+  if (choice.idle > 0)
+    note(fmt::format("{} of {} contacts are weakly active: they neither carry nor open", choice.idle,
+                     model.network.size()));
+  if (!choice.certain) note("the impulses were not found to 1e-8: the choice of contacts is uncertain");
   return 0;
 }
 
@@ -42,6 +48,11 @@ int run(const Options& options) {
 std::function<int()> declare_network(CLI::App& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
+  command
+      .add_option("--contacts", options->contacts,
+                  "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
+      ->check(CLI::IsMember({"active", "unilateral"}))
+      ->capture_default_str();
   command.add_option("--csv", options->csv, "where the links go, - for standard output")
       ->capture_default_str();
   command.add_option("--grains", options->grains, "also write the grains there");
@@ -50,9 +61,11 @@ std::function<int()> declare_network(CLI::App& command, const Context&) {
       "One row per contact: grains, normal, subdomain, impulse of the linear rigid problem under the "
       "prescribed\n"
       "velocity (the least-norm solution for a hyperstatic network, said in impulse_solution), active or "
-      "not.\n"
+      "not;\n"
+      "with --contacts unilateral those of the frictionless unilateral problem.\n"
       "Examples:\n"
       "  nscdd network disks4\n"
+      "  nscdd network hexagonal --contacts unilateral --set loads.compression=1,1\n"
       "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv");
   return [options] { return run(*options); };
 }

@@ -128,6 +128,9 @@ Case parse_case(std::string_view text, const std::string& file, const PackingRea
   if (root.has("masses")) read_masses_section(root.section("masses", false), one.masses);
   root.node("masses");
   read_partition_section(root.section("partition", true), one.partition);
+  StrictTable loads = root.section("loads", false);
+  loads.read_fields(one.loads);
+  loads.finish();
   for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, one);
   root.finish();
   return one;

@@ -94,9 +94,9 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   read_spec(section, "gauss_seidel_sweeps", table.sweep.gauss_seidel_sweeps, parse_sweeps);
   std::string contacts = "all", solver = "auto";
   section.read("contacts", contacts);
-  if (contacts != "all" && contacts != "active")
-    section.fail("contacts", "\"all\" or \"active\"", "\"" + contacts + "\"");
-  table.sweep.contacts = contacts == "all" ? ContactSet::all : ContactSet::active;
+  const std::optional<ContactSet> chosen = contact_set(contacts);
+  if (!chosen) section.fail("contacts", "\"all\", \"active\" or \"unilateral\"", "\"" + contacts + "\"");
+  table.sweep.contacts = *chosen;
   section.read("solver", solver);
   if (solver != "auto" && solver != "dense" && solver != "arpack")
     section.fail("solver", "\"auto\", \"dense\" or \"arpack\"", "\"" + solver + "\"");

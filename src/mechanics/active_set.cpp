@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/error.hpp>
 #include <nscdd/linalg/least_squares.hpp>
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/mechanics/active_set.hpp>
@@ -40,10 +39,7 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
 }
 
 std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidImpulses& rigid) {
-  if (problem.arriving_velocity.size() == 0 || problem.arriving_velocity.isZero(0))
-    throw Error(
-        "active contacts: expected a prescribed velocity (a [[prescribed]] table in the case, or "
-        "--prescribed GRAIN:VX:VY), met none");
+  require_arriving_velocity(problem);
   const double largest = rigid.impulses.size() == 0 ? 0.0 : rigid.impulses.cwiseAbs().maxCoeff();
   std::vector<char> active(at(problem.contacts()), 0);
   for (Index c = 0; c < problem.contacts(); ++c) active[at(c)] = rigid.impulses[c] > 1e-10 * largest;

@@ -7,9 +7,30 @@
 #include <cmath>
 
 namespace nscdd {
+namespace {
+
+// V^- = D (x - x_c), 2 n entries.
+Vector deformation_velocities(const Packing& packing, const Loads& loads) {
+  Vector velocities = Vector::Zero(2 * packing.size());
+  if (loads.none()) return velocities;
+  double mass = 0, centre_x = 0, centre_y = 0;
+  for (Index i = 0; i < packing.size(); ++i) {
+    mass += packing.mass[at(i)];
+    centre_x += packing.mass[at(i)] * packing.x[at(i)];
+    centre_y += packing.mass[at(i)] * packing.y[at(i)];
+  }
+  for (Index i = 0; i < packing.size(); ++i) {
+    const double x = packing.x[at(i)] - centre_x / mass, y = packing.y[at(i)] - centre_y / mass;
+    velocities[2 * i] = -loads.compression[0] * x + loads.shear * y;
+    velocities[2 * i + 1] = loads.shear * x - loads.compression[1] * y;
+  }
+  return velocities;
+}
+
+}  // namespace
 
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
-                          const std::vector<PrescribedVelocity>& prescribed) {
+                          const std::vector<PrescribedVelocity>& prescribed, const Loads& loads) {
   if (count(packing.mass) != packing.size())
     throw Error(fmt::format("assemble: expected a mass for each of {} grains, met {}", packing.size(),
                             packing.mass.size()));
@@ -33,7 +54,7 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   problem.h.resize(2 * n, network.size());
   problem.h.setFromTriplets(entries.begin(), entries.end());
 
-  problem.arriving_velocity = Vector::Zero(2 * n);
+  problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {
     if (one.grain < 0 || one.grain >= n)
       throw Error(
@@ -44,6 +65,13 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
     problem.arriving_velocity.segment(2 * one.grain, 2) << one.velocity[0], one.velocity[1];
   }
   return problem;
+}
+
+void require_arriving_velocity(const ReferenceProblem& problem) {
+  if (problem.arriving_velocity.size() == 0 || problem.arriving_velocity.isZero(0))
+    throw Error(
+        "active contacts: expected a prescribed velocity (a [[prescribed]] or [loads] table in the case, "
+        "--prescribed GRAIN:VX:VY or --set loads.compression=CX,CY), met none");
 }
 
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact) {

@@ -63,9 +63,11 @@ void override_case(Case& one, std::string_view path, std::string_view value) {
   } else if (section == "partition") {
     std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
                one.partition);
+  } else if (section == "loads") {
+    override_section(section, one.loads, key, path, value);
   } else {
-    throw Error(
-        fmt::format("{}: no such parameter; expected packing.*, contacts.*, masses.* or partition.*", path));
+    throw Error(fmt::format(
+        "{}: no such parameter; expected packing.*, contacts.*, masses.*, partition.* or loads.*", path));
   }
 }
 
@@ -96,6 +98,7 @@ std::string to_toml(const Case& one) {
     }
   }
   text += "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, one.partition);
+  if (!one.loads.none()) text += "\n[loads]\n" + field_lines(one.loads);
   for (const PrescribedVelocity& velocity : one.prescribed)
     text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain,
                         field_text(velocity.velocity));
@@ -123,7 +126,7 @@ Model build(const Case& one) {
         throw Error(
             fmt::format("prescribed velocity: expected each grain once, met grain {} again", velocity.grain));
   }
-  model.problem = assemble(model.packing, model.network, prescribed);
+  model.problem = assemble(model.packing, model.network, prescribed, one.loads);
   model.partition = partition(one.partition, model.packing, model.network, model.problem);
   model.parts = decompose(model.problem, model.partition);
   return model;

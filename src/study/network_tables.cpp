@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/study/network_tables.hpp>
 
 namespace nscdd {
 
-std::vector<Column> link_columns() {
+std::vector<Column> link_columns(ContactSet contacts) {
+  const std::string problem = contacts == ContactSet::unilateral ? "frictionless unilateral" : "linear rigid";
   return {
       {"case", "", "name of the case"},
       {"contact", "1", "number of the contact"},
@@ -18,28 +18,28 @@ std::vector<Column> link_columns() {
       {"normal_y", "1", "unit normal from grain_a to grain_b"},
       {"gap", "m", "distance of the surfaces, negative for an overlap"},
       {"subdomain", "1", "subdomain that owns the contact"},
-      {"impulse", "kg m/s", "impulse of the linear rigid problem, > 0 in compression; nan without a load"},
+      {"impulse", "kg m/s", "impulse of the " + problem + " problem, > 0 in compression; nan without a load"},
       {"active", "1", "in compression (every contact where nothing is prescribed)"},
-      {"impulse_solution", "", "unique, least_norm (hyperstatic network), or none without a load"}};
+      {"impulse_solution", "",
+       contacts == ContactSet::unilateral
+           ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
+           : "unique, least_norm (hyperstatic network), or none without a load"}};
 }
 
-void link_rows(const Model& model, const RowSink& sink) {
+ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts) {
   const bool loaded = !model.problem.arriving_velocity.isZero(0);
-  RigidImpulses rigid;
-  std::vector<char> active(at(model.network.size()), 1);
-  if (loaded) {
-    rigid = rigid_impulses(model.problem);
-    active = active_contacts(model.problem, rigid);
-  }
-  const std::string solution = !loaded ? "none" : rigid.unique ? "unique" : "least_norm";
+  const ContactChoice choice = choose_contacts(model, !loaded                       ? ContactSet::all
+                                                      : contacts == ContactSet::all ? ContactSet::active
+                                                                                    : contacts);
   const Packing& p = model.packing;
   for (Index c = 0; c < model.network.size(); ++c) {
     const Contact& k = model.network.contacts[at(c)];
     sink({model.name, std::int64_t{c}, std::int64_t{k.a}, std::int64_t{k.b}, p.x[at(k.a)], p.y[at(k.a)],
           p.x[at(k.b)], p.y[at(k.b)], k.normal[0], k.normal[1], k.gap,
           std::int64_t{model.partition.subdomain_of_contact[at(c)]},
-          loaded ? rigid.impulses[c] : not_a_number, active[at(c)] != 0, solution});
+          loaded ? choice.impulses[c] : not_a_number, choice.active[at(c)] != 0, choice.solution});
   }
+  return choice;
 }
 
 std::vector<Column> grain_columns() {

@@ -11,8 +11,8 @@
 namespace nscdd {
 namespace {
 
-std::vector<Column> observable_columns(Observable observable) {
-  switch (observable) {
+std::vector<Column> observable_columns(const StudyTable& table) {
+  switch (table.observable) {
     case Observable::spectral_radius:
       return sweep_columns();
     case Observable::optimum:
@@ -20,7 +20,7 @@ std::vector<Column> observable_columns(Observable observable) {
     case Observable::observed_rate:
       return observed_rate_columns();
     case Observable::links:
-      return link_columns();
+      return link_columns(table.sweep.contacts);
     case Observable::grains:
       return grain_columns();
   }
@@ -50,7 +50,7 @@ Index observe(const Model& model, const StudyTable& table, const RowSink& sink, 
     case Observable::observed_rate:
       return observe(model, table.sweep, table.seed, sink, monitor, first);
     case Observable::links:
-      link_rows(model, sink);
+      link_rows(model, sink, table.sweep.contacts);
       return 0;
     case Observable::grains:
       grain_rows(model, sink);
@@ -107,7 +107,7 @@ Row varied_cells(const StudyTable& table, const Combination& combination) {
 }  // namespace
 
 std::vector<Column> study_columns(const StudyTable& table) {
-  std::vector<Column> columns = observable_columns(table.observable);
+  std::vector<Column> columns = observable_columns(table);
   std::vector<Column> varied;
   for (const Variation& variation : table.vary)
     varied.push_back({variation.parameter, "", "parameter of the case, varied by the study"});

@@ -91,12 +91,9 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
 
 Selection select(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all) return {model.parts, model.problem.contacts(), "all"};
-  const RigidImpulses rigid = rigid_impulses(model.problem);
-  const std::vector<char> active = active_contacts(model.problem, rigid);
-  Selection selection{restrict_contacts(model.parts, active), 0,
-                      rigid.unique ? "compressive (unique)" : "compressive (least norm)",
-                      rigid.residual <= 1e-8};
-  for (const char flag : active) selection.active_contacts += flag;
+  const ContactChoice choice = choose_contacts(model, contacts);
+  Selection selection{restrict_contacts(model.parts, choice.active), 0, choice.rule, choice.certain};
+  for (const char flag : choice.active) selection.active_contacts += flag;
   return selection;
 }
 
@@ -115,8 +112,7 @@ Row case_cells(const Model& model, const Selection& selection, ContactSet contac
   Row row;
   append(row, {model.name, integer(model.packing.size()), integer(model.network.size()),
                integer(selection.active_contacts), integer(model.partition.subdomains),
-               integer(model.parts.interface_size()),
-               std::string(contacts == ContactSet::all ? "all" : "active"), selection.rule});
+               integer(model.parts.interface_size()), std::string(to_string(contacts)), selection.rule});
   return row;
 }
 

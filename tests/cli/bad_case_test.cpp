@@ -113,6 +113,18 @@ TEST_CASE("case file: a value out of bounds") {
   check_spoilt("grain = 3", "grain = -5", {"grain -5"});
 }
 
+TEST_CASE("case file: loads that make no sense") {
+  const auto loads = [](const std::string& line, std::initializer_list<std::string> parts) {
+    check_spoilt("[partition]", "[loads]\n" + line + "\n[partition]", parts);
+  };
+  loads("compression = 1.0", {"bad.toml:12", "loads.compression", "two numbers"});
+  loads("compression = [1.0]", {"bad.toml:12", "loads.compression", "two numbers"});
+  loads("compression = [1.0, nan]", {"bad.toml:12", "loads.compression", "finite"});
+  loads("shear = inf", {"bad.toml:12", "loads.shear", "finite"});
+  loads("shear = \"much\"", {"bad.toml:12", "loads.shear", "number"});
+  loads("gravity = 9.81", {"bad.toml:12", "loads.gravity", "compression, shear"});
+}
+
 TEST_CASE("case file: an unknown word") {
   check_spoilt("\"strip\"", "\"cubes\"", {"bad.toml:3", "packing.generator", "strip", "hexagonal", "cubes"});
   check_spoilt("\"density\"", "\"heavy\"", {"bad.toml:9", "masses.model", "heavy"});

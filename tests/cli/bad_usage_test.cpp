@@ -111,6 +111,10 @@ TEST_CASE("usage: the active set without a prescribed velocity") {
                 {"prescribed", "--prescribed"});
   check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv out.csv --hdf5 out.h5",
                 {"prescribed"});
+  check_refused(session, "sweep mine.csv --epsilon 0 --contacts unilateral --csv -", {"prescribed", "loads"});
+  check_refused(session, "network mine.csv --contacts all", {"--contacts", "unilateral"});
+  check_refused(session, "sweep mine.csv --epsilon 0 --csv - --set loads.compression=1",
+                {"loads.compression"});
   check_refused(session, "optimum mine.csv", {"prescribed"});
   check_refused(session, "optimum mine.csv --csv -", {"prescribed"});
   check_refused(session, "optimum mine.csv --csv out.csv", {"prescribed"});

@@ -119,6 +119,53 @@ TEST_CASE("network: the least-norm solution of a hyperstatic network says so") {
   CHECK(table(session, "network hexagonal").text(0, "impulse_solution") == "least_norm");
 }
 
+TEST_CASE("network: impulses of the unilateral problem of 4 disks, which the paper's rule does not have") {
+  const Session session;
+  const Outcome outcome = session.run(words("network disks4 --contacts unilateral"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.standard_error.find("1 of 5 contacts are weakly active") != std::string::npos);
+  const CsvTable links = read_table(outcome.standard_output);
+  REQUIRE(links.rows.size() == 5);
+  // contact 1 2 opens, contact 0 2 is weakly active; the others carry what grain 3 brings
+  double pushed = 0;
+  for (std::size_t row = 0; row < 5; ++row) {
+    CAPTURE(row);
+    CHECK(links.number(row, "impulse") >= 0);
+    CHECK(links.text(row, "active") == (links.number(row, "impulse") > 1e-7 ? "true" : "false"));
+    CHECK(links.text(row, "impulse_solution") == "unilateral_unique");
+    if (links.text(row, "grain_b") == "3")
+      pushed += links.number(row, "impulse") * links.number(row, "normal_x");
+  }
+  CHECK(pushed > 0);
+  CHECK(pushed < 1);  // grain 3 arrives with 1 kg m/s and goes on more slowly
+  const CsvTable compressed =
+      table(session, "network hexagonal --contacts unilateral --set loads.compression=1,1");
+  CHECK(compressed.text(0, "impulse_solution") == "unilateral_maximal");
+  CHECK(table(session, "network disks4").text(2, "active") == "false");
+}
+
+TEST_CASE("sweep, optimum and run take the unilateral contacts") {
+  const Session session;
+  const CsvTable swept = table(session, "sweep disks4 --epsilon 0 --contacts unilateral");
+  CHECK(swept.text(0, "contact_set") == "unilateral");
+  CHECK(swept.text(0, "contact_rule") == "complementarity (unique)");
+  CHECK(swept.number(0, "active_contacts") == 3);
+  CHECK(swept.text(0, "converged") == "true");
+  const CsvTable best = table(session, "optimum disks4 --contacts unilateral");
+  CHECK(best.text(0, "contact_set") == "unilateral");
+  CHECK(table(session, "sweep hexagonal --epsilon 0 --contacts unilateral --set loads.compression=1,1")
+            .text(0, "contact_rule") == "complementarity (maximal)");
+  session.file("mine/study.toml",
+               "[[table]]\nname = \"radius\"\ncases = \"disks4\"\nepsilon = 0\ncontacts = \"unilateral\"\n"
+               "[[table]]\nname = \"links\"\nobservable = \"links\"\ncases = \"disks4\"\n"
+               "contacts = \"unilateral\"\n");
+  answer(session, "run mine");
+  CHECK(read_table(session.read("results/mine/radius.csv")).number(0, "spectral_radius") ==
+        swept.number(0, "spectral_radius"));
+  CHECK(read_table(session.read("results/mine/links.csv")).text(0, "impulse_solution") ==
+        "unilateral_unique");
+}
+
 TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
   const Session session;
   const std::string report = answer(session, "inspect disks12");

@@ -61,6 +61,10 @@ TEST_CASE("case file: written and read back it is the same case") {
   }
   Case metis = testing::strip(8);
   metis.partition = MetisPartitioner{.metis = 3, .seed = 9};
+  CHECK(to_toml(metis).find("loads") == std::string::npos);  // only where there are any
+  metis.loads = {{0.1, -2.5e-7}, 1.0 / 3};
+  CHECK(parse(to_toml(metis)).loads.compression == metis.loads.compression);
+  CHECK(parse(to_toml(metis)).loads.shear == metis.loads.shear);
   CHECK(std::get<MetisPartitioner>(parse(to_toml(metis)).partition).seed == 9);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nscdd/core/types.hpp>
+#include <nscdd/mechanics/loads.hpp>
 #include <nscdd/packing/contact_network.hpp>
 #include <nscdd/packing/packing.hpp>
 
@@ -30,9 +31,13 @@ struct ReferenceProblem {
 };
 
 /// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation.
+/// Grains arrive with the velocities of `loads`, those in `prescribed` with their own instead.
 /// Throws Error where masses are missing or a prescribed grain does not exist or has no finite velocity.
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
-                          const std::vector<PrescribedVelocity>& prescribed = {});
+                          const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
+
+/// Throws Error, saying how to give one, where no grain has an arriving velocity: impulses would all be zero.
+void require_arriving_velocity(const ReferenceProblem& problem);
 
 /// Grains that a contact acts on, ascending, read off the pattern of H.
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact);

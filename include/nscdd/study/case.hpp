@@ -32,10 +32,12 @@ struct Case {
   Partitioner partition = GridPartitioner{};
   /// Grain numbers count from 0; a negative one from the end, -1 being the last grain.
   std::vector<PrescribedVelocity> prescribed;
+  Loads loads;
 };
 
 /// Sets one parameter of a case from text: "packing.grains", "contacts.tolerance", "masses.density",
-/// "partition.grid" and so on. Throws Error for a key that the case does not have, naming those it has.
+/// "partition.grid", "loads.compression" and so on. Throws Error for a key that the case does not have,
+/// naming those it has.
 void override_case(Case& one, std::string_view key, std::string_view value);
 
 /// The case as a case file that reads back to it (a packing file by its path).

@@ -7,10 +7,11 @@
 
 namespace nscdd {
 
-/// Links of the contact network with the impulses of the linear rigid problem (NaN without a prescribed
-/// velocity), one row per contact: what Figures 2-4 draw. Columns are described in docs/formats.md.
-std::vector<Column> link_columns();
-void link_rows(const Model& model, const RowSink& sink);
+/// Links of the contact network with the impulses behind a choice of contacts (NaN without an arriving
+/// velocity), one row per contact: what Figures 2-4 draw. ContactSet::all shows those of the linear rigid
+/// problem, as ContactSet::active does. Columns are described in docs/formats.md. Returns the choice.
+std::vector<Column> link_columns(ContactSet contacts = ContactSet::active);
+ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts = ContactSet::active);
 
 /// Grains with their multiplicity and prescribed velocity, one row each.
 std::vector<Column> grain_columns();

@@ -4,20 +4,14 @@
 #include <nscdd/core/monitor.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/study/case.hpp>
+#include <nscdd/study/contact_choice.hpp>
 
 #include <functional>
 #include <optional>
 #include <vector>
 
 namespace nscdd {
-
-/// Contacts that Stage 1 works with; Stage 2 always has them all.
-enum class ContactSet {
-  all,     ///< H_E
-  active,  ///< G_E: those in compression ([ADI12] section 4.3)
-};
 
 /// What to vary and how to solve: rows are the product of the lists, the last one running fastest.
 struct SweepParameters {
@@ -45,11 +39,11 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 struct Selection {
   Decomposition stage_one;  ///< with the contacts Stage 1 works with
   Index active_contacts = 0;
-  std::string rule;     ///< "all", "compressive (unique)" or "compressive (least norm)"
+  std::string rule;     ///< how they were chosen, see ContactChoice
   bool certain = true;  ///< false where the impulses behind the rule were not found to 1e-8
 };
 
-/// Throws Error where the active set is asked for and nothing is prescribed.
+/// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
 Selection select(const Model& model, ContactSet contacts);
 
 /// Columns common to every table about a case, and their values.

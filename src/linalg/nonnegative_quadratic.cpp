@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/linalg/nonnegative_quadratic.hpp>
+
+#include <algorithm>
+
+namespace nscdd {
+namespace {
+
+double natural_map(const Vector& x, const Vector& gradient) {
+  return x.size() == 0 ? 0.0 : x.cwiseMin(gradient).cwiseAbs().maxCoeff();
+}
+
+// Largest step along -p that keeps x >= 0; infinite where none leaves it.
+double feasible_step(const Vector& x, const Vector& p) {
+  double step = infinity;
+  for (Index i = 0; i < x.size(); ++i)
+    if (p[i] > 0) step = std::min(step, x[i] / p[i]);
+  return step;
+}
+
+// The gradient on the free variables, 0 on those at their bound.
+Vector free_part(const Vector& x, const Vector& g) { return (x.array() > 0).select(g, 0); }
+
+}  // namespace
+
+NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue,
+                                        Vector start, const QuadraticOptions& options,
+                                        const Monitor& monitor) {
+  NonnegativeMinimum result;
+  Vector& x = result.x = start.cwiseMax(0);
+  const double scale = b.size() == 0 ? 0.0 : b.cwiseAbs().maxCoeff();
+  const double fixed_step = 1.9 / largest_eigenvalue;
+  const auto product = [&](const Vector& y) {
+    ++result.iterations;
+    return a(y);
+  };
+  Vector& g = result.gradient = product(x) + b;
+  Vector p = free_part(x, g);
+  while (natural_map(x, g) > options.tolerance * scale && result.iterations < options.maximum_iterations) {
+    const Vector free = free_part(x, g);
+    const Vector chopped = (x.array() > 0).select(0.0, g.cwiseMin(0));
+    if (chopped.squaredNorm() <= (x / fixed_step).cwiseMin(free).dot(free)) {
+      const Vector ap = product(p);
+      const double curvature = p.dot(ap);
+      const double step = g.dot(p) / curvature, limit = feasible_step(x, p);
+      if (step <= limit) {  // conjugate gradients
+        x = (x - step * p).cwiseMax(0);
+        g -= step * ap;
+        const Vector next = free_part(x, g);
+        p = next - (next.dot(ap) / curvature) * p;
+      } else {  // expansion: to the bound, then along the projected gradient
+        x = (x - limit * p).cwiseMax(0);
+        g -= limit * ap;
+        x = (x - fixed_step * free_part(x, g)).cwiseMax(0);
+        g = product(x) + b;
+        p = free_part(x, g);
+      }
+    } else {  // proportioning: lets bounds go
+      const Vector ad = product(chopped);
+      const double step = g.dot(chopped) / chopped.dot(ad);
+      x -= step * chopped;
+      g -= step * ad;
+      p = free_part(x, g);
+    }
+    if (!report(monitor, result.iterations, options.maximum_iterations)) break;
+  }
+  g = product(x) + b;
+  result.residual = scale > 0 ? natural_map(x, g) / scale : 0.0;
+  result.converged = result.residual <= options.tolerance;
+  return result;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/linalg/range_projector.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+#include <nscdd/mechanics/unilateral.hpp>
+#include <nscdd/study/contact_choice.hpp>
+
+#include <algorithm>
+
+namespace nscdd {
+namespace {
+
+// Impulses are unique where the columns of H of all contacts that stay closed are independent. (Where they
+// are not, they may still be, if no self-stress spares the idle ones; that is not looked into.)
+bool unique_impulses(const ReferenceProblem& problem, const std::vector<ContactStatus>& status) {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<char> touched(at(problem.grains()), 0);
+  Index closed = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    if (status[at(c)] == ContactStatus::open) continue;
+    for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e)
+      entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(closed), e.value());
+    for (const Index grain : grains_of_contact(problem, c)) touched[at(grain)] = 1;
+    ++closed;
+  }
+  if (closed == 0) return true;
+  // Two translations and a rotation are invisible to contacts: more columns than that leaves cannot be
+  // independent, which spares large packings a factorisation.
+  const Index grains = std::count(touched.begin(), touched.end(), 1);
+  if (closed > problem.dofs_per_grain * grains - 3) return false;
+  SparseMatrix columns(problem.h.rows(), closed);
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return sparse_rank(columns) == closed;
+}
+
+ContactChoice compressive(const ReferenceProblem& problem) {
+  const RigidImpulses rigid = rigid_impulses(problem);
+  ContactChoice choice;
+  choice.active = active_contacts(problem, rigid);
+  choice.impulses = rigid.impulses;
+  choice.rule = rigid.unique ? "compressive (unique)" : "compressive (least norm)";
+  choice.solution = rigid.unique ? "unique" : "least_norm";
+  choice.certain = rigid.residual <= 1e-8;
+  return choice;
+}
+
+ContactChoice complementary(const ReferenceProblem& problem) {
+  require_arriving_velocity(problem);
+  const UnilateralImpulses solved = unilateral_impulses(problem);
+  const bool unique = unique_impulses(problem, solved.status);
+  ContactChoice choice;
+  for (const ContactStatus status : solved.status) choice.active.push_back(status == ContactStatus::carrying);
+  choice.impulses = solved.impulses;
+  choice.rule = unique ? "complementarity (unique)" : "complementarity (maximal)";
+  choice.solution = unique ? "unilateral_unique" : "unilateral_maximal";
+  choice.idle = solved.count(ContactStatus::idle);
+  choice.certain = solved.converged;
+  return choice;
+}
+
+}  // namespace
+
+std::optional<ContactSet> contact_set(std::string_view name) {
+  const auto found = std::find(contact_set_names.begin(), contact_set_names.end(), name);
+  if (found == contact_set_names.end()) return std::nullopt;
+  return static_cast<ContactSet>(found - contact_set_names.begin());
+}
+
+ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
+  switch (contacts) {
+    case ContactSet::active:
+      return compressive(model.problem);
+    case ContactSet::unilateral:
+      return complementary(model.problem);
+    case ContactSet::all:
+      break;
+  }
+  ContactChoice choice;
+  choice.active.assign(at(model.problem.contacts()), 1);
+  choice.rule = "all";
+  choice.solution = "none";
+  return choice;
+}
+
+}  // namespace nscdd
