@@ -89,7 +89,7 @@ std::vector<const PackingColumn*> columns_of(const Packing& packing) {
 std::string remarks(const Provenance& provenance) {
   std::string text;
   for (const auto& [name, content] : provenance) {
-    text += fmt::format("# {}:", name);
+    text += fmt::format("# {}:{}", name, content.find('\n') == std::string::npos ? " " : "\n#   ");
     for (const char c : content.substr(0, content.find_last_not_of('\n') + 1))
       text += c == '\n' ? std::string("\n#   ") : std::string(1, c);
     text += '\n';
