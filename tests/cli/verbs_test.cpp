@@ -167,7 +167,8 @@ TEST_CASE("list: cases and studies and generators and partitioners and observabl
   const std::string text = answer(session, "list");
   for (const std::string& name :
        Texts{"disks4", "disks8", "disks12", "figure-5", "figure-6", "figure-7", "strip", "hexagonal", "grid",
-             "metis", "deposit", "packing.fraction_large = 0.5", "packing.vacancies = 0", "spectral_radius", "contacts.tolerance"}) {
+             "metis", "deposit", "packing.fraction_large = 0.5", "packing.vacancies = 0", "spectral_radius",
+             "contacts.tolerance"}) {
     CAPTURE(name);
     CHECK(contains(text, name));
   }

@@ -23,7 +23,7 @@ struct Deposit {
       "grains of random sizes dropped into a box, each rolled to rest on two supports";
   Index grains = 1000;
   double width = 0;  ///< m; 0 for a bed about as high as wide
-  SizeDistribution sizes;
+  SizeDistribution sizes = {};
   Index seed = 1;
 
   template <class Self, class Visitor>
