@@ -26,11 +26,15 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
   const double dx = other.x - pivot.x, dy = other.y - pivot.y;
   const double d = std::hypot(dx, dy);
   if (d >= reach_p + reach_o) return std::nullopt;
-  // The meeting point lies `along` the line of centres and `beside` it, on the side the disk comes from.
-  const double along = ((reach_p - reach_o) * (reach_p + reach_o) + d * d) / (2 * d);
-  const double beside =
-      static_cast<double>(side) * std::sqrt(std::max(0.0, (reach_p - along) * (reach_p + along)));
-  return Point{pivot.x + (along * dx - beside * dy) / d, pivot.y + (along * dy + beside * dx) / d};
+  // The meeting point lies `along` the line of centres and `beside` it, on the side the disk comes from; seen
+  // from the centre that it is nearer to, where a large circle does not round off the small one.
+  const bool from_pivot = reach_p <= reach_o;
+  const Disk& base = from_pivot ? pivot : other;
+  const double near = from_pivot ? reach_p : reach_o, far = from_pivot ? reach_o : reach_p;
+  const double along = (near * near + (d - far) * (d + far)) / (2 * d);
+  const double beside = static_cast<double>(side) * std::sqrt(std::max(0.0, (near - along) * (near + along)));
+  const double towards = from_pivot ? along : -along;  // in the direction from the pivot to the other
+  return Point{base.x + (towards * dx - beside * dy) / d, base.y + (towards * dy + beside * dx) / d};
 }
 
 Heap::Heap(double width, double largest_radius, Index grains)

@@ -113,7 +113,7 @@ TEST_CASE("generate: what makes no packing is refused") {
   setting("packing.grains=1e3", {"packing.grains", "integer"});
   setting("packing.grains=100000000", {"packing.grains", "10000000"});
   setting("packing.columns=3", {"packing.columns", "packing.distribution"});
-  setting("packing.radius_min=-1", {"packing.radius_min", "> 0"});
+  setting("packing.radius_min=-1", {"packing.radius_min", "-1"});
   setting("packing.radius_min=0.3", {"packing.radius_min", "radius_max"});
   setting("packing.width=0.3", {"packing.width"});
   setting("packing.width=1e9", {"packing.width"});

@@ -49,19 +49,20 @@ std::vector<Support> supports(const Packing& p, const ContactNetwork& network, d
   return all;
 }
 
+// Checks a deposit in a box of that width: nothing overlaps or leaves the box, everything is held.
 void check_deposit(const Deposit& deposit, double width) {
   const Packing p = generate(deposit);
   REQUIRE(p.size() == deposit.grains);
   check(p);
-  const ContactNetwork network = detect_contacts(p, {.tolerance = 1e-10, .overlap_tolerance = 1e-10});
-  double deepest = 0;
-  for (const Contact& contact : network.contacts)
-    deepest = std::min(deepest, contact.gap / (p.radius[at(contact.a)] + p.radius[at(contact.b)]));
-  CHECK(deepest > -2e-12);
+  const ContactNetwork network = detect_contacts(p, {.tolerance = 1e-9, .overlap_tolerance = 1e-7});
+  double scale = 0, deepest = 0;
   for (Index i = 0; i < p.size(); ++i) {
     const double r = p.radius[at(i)];
     if (p.y[at(i)] < r || p.x[at(i)] < r || p.x[at(i)] > width - r) FAIL("grain ", i, " is not in the box");
+    scale = std::max({scale, p.x[at(i)], p.y[at(i)]});
   }
+  for (const Contact& contact : network.contacts) deepest = std::min(deepest, contact.gap);
+  CHECK(deepest >= -1e-15 * scale);  // a few roundings of coordinates
   const std::vector<Support> held = supports(p, network, width);
   for (Index i = 0; i < p.size(); ++i)
     if (!held[at(i)].floor && !(held[at(i)].left && held[at(i)].right)) FAIL("grain ", i, " is not held");
@@ -160,6 +161,31 @@ TEST_CASE("deposit: no overlap, every grain held on both sides or on the floor")
     one(500, 8, {.radius_min = 0.5, .radius_max = 0.5}, seed);    // a box of exactly 8 diameters
     one(500, 5000, {}, seed);                                     // grains far apart
   }
+}
+
+TEST_CASE("deposit: the same for sizes and boxes at random, sizes up to 1 : 10^4, boxes of whole diameters") {
+  RandomStream random(5);
+  for (int trial = 0; trial < 1000; ++trial) {
+    CAPTURE(trial);
+    Deposit deposit{.grains = 1 + random.below(300), .seed = trial};
+    const double ratios[] = {1, 1.0000001, 2, 3, std::pow(10.0, 4 * random.uniform())};
+    deposit.sizes.radius_min = 0.5;
+    deposit.sizes.radius_max = 0.5 * ratios[random.below(5)];
+    const char* names[] = {"uniform", "uniform_volume", "two_sizes", "lognormal"};
+    deposit.sizes.distribution = names[random.below(4)];
+    const double whole = static_cast<double>(1 + random.below(12));
+    const double widths[] = {whole, whole * std::numbers::sqrt2, whole + random.uniform()};
+    deposit.width = 2 * deposit.sizes.radius_max * widths[random.below(3)];
+    check_deposit(deposit, deposit.width);
+  }
+}
+
+TEST_CASE("drop and roll: a small disk between a small one and a huge one touches both") {
+  const Disk huge{0, 5000, 5000}, small{5000.4, 4999, 0.5};
+  const Point c = *roll_against(huge, small, 0.5, Side::right);
+  CHECK(std::abs(std::hypot(c[0] - huge.x, c[1] - huge.y) - 5000.5) < 2e-12);
+  CHECK(std::abs(std::hypot(c[0] - small.x, c[1] - small.y) - 1) < 2e-12);
+  CHECK(c[1] > small.y);
 }
 
 TEST_CASE("deposit: a hundred thousand grains") {

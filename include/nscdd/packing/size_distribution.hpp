@@ -32,9 +32,9 @@ struct SizeDistribution {
           Field{.description = "of the radii: uniform, uniform_volume, two_sizes or lognormal",
                 .choices = "uniform uniform_volume two_sizes lognormal"});
     visit("radius_min", self.radius_min,
-          Field{.description = "smallest radius", .unit = "m", .minimum = 0, .minimum_excluded = true});
+          Field{.description = "smallest radius", .unit = "m", .minimum = 1e-100, .maximum = 1e100});
     visit("radius_max", self.radius_max,
-          Field{.description = "largest radius", .unit = "m", .minimum = 0, .minimum_excluded = true});
+          Field{.description = "largest radius", .unit = "m", .minimum = 1e-100, .maximum = 1e100});
     visit("fraction_large", self.fraction_large,
           Field{.description = "two_sizes: fraction of large grains, by number", .minimum = 0, .maximum = 1});
     visit("median", self.median,
