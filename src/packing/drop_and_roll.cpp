@@ -107,11 +107,11 @@ Heap::Meeting Heap::end_of_roll(const Disk& pivot, double radius, Side side) con
 Heap::Meeting Heap::roll(const Disk& pivot, const Point& from, double radius, Side side) const {
   Meeting met = end_of_roll(pivot, radius, side);
   const double reach = radius + largest_;
-  const auto [left, right] = std::minmax(from[0], met.centre[0]);
-  const std::size_t last_column = column_of(right + reach);
+  const std::size_t first_column = column_of(std::min(from[0], met.centre[0]) - reach);
+  const std::size_t last_column = column_of(std::max(from[0], met.centre[0]) + reach);
   const std::size_t last_row = std::min(rows_, row_of(from[1] + reach) + 1);
   for (std::size_t row = row_of(met.centre[1] - reach); row < last_row; ++row)
-    for (std::size_t column = column_of(left - reach); column <= last_column; ++column)
+    for (std::size_t column = first_column; column <= last_column; ++column)
       visit_cell(column, row, [&](std::int32_t i, const Disk& disk) {
         // Only what lies ahead is in the way; the pivot itself and a pivot just left are not.
         if (later(pivot, from, {disk.x, disk.y}, side) <= 0) return;

@@ -273,9 +273,9 @@ TEST_CASE("sizes: mean and distribution are those of the closed forms") {
     }
   }
   SUBCASE("truncated lognormal: around the median, and in either tail") {
-    for (const double median : {0.18, 0.02, 2.0}) {
+    for (const auto& law : {std::pair{0.18, 0.4}, {0.02, 0.15}, {2.0, 0.2}}) {
+      const double median = law.first, sigma = law.second;
       CAPTURE(median);
-      const double sigma = 0.4;
       const auto sample = sizes_of(
           {.distribution = "lognormal", .radius_min = a, .radius_max = b, .median = median, .sigma = sigma},
           6, n);
