@@ -36,8 +36,7 @@ struct HexagonalLattice {
     visit("vacancies", self.vacancies,
           Field{.description = "fraction of the disks left out", .minimum = 0, .maximum = 0.99});
     visit("disorder", self.disorder,
-          Field{.description = "radii shrunk by factors uniform in [1 - disorder, 1]; contacts.tolerance >= "
-                               "2 disorder / (1 - disorder) keeps every link",
+          Field{.description = "radii shrunk by factors in [1 - disorder, 1]; contacts.tolerance to match",
                 .minimum = 0,
                 .maximum = 0.99});
     visit("seed", self.seed,
