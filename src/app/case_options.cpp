@@ -46,10 +46,30 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
 
 }  // namespace
 
+Case read_any_case(const std::string& name) {
+  const std::string path = find_case(name);
+  if (std::filesystem::path(path).extension() == ".toml") return read_case(path);
+  if (!packing_format(path))
+    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
+  Case one;
+  one.name = std::filesystem::path(path).stem().string();
+  one.packing = PackingFile{path, read_packing(path)};
+  return one;
+}
+
+void apply_settings(Case& one, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos)
+      throw Error(fmt::format("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting));
+    override_case(one, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+}
+
 void CaseOptions::declare(CLI::App& command) {
   command
       .add_option("CASE", name,
-                  "case file (.toml), packing file (.csv with x,y,radius[,mass]), or a known case")
+                  "case file (.toml), packing file (.csv or .h5 with x,y,radius[,mass]), or a known case")
       ->required();
   command.add_option("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   command
@@ -65,17 +85,7 @@ void CaseOptions::declare(CLI::App& command) {
 }
 
 Case CaseOptions::resolve() const {
-  const std::string path = find_case(name);
-  const std::string extension = std::filesystem::path(path).extension().string();
-  Case one;
-  if (extension == ".toml") {
-    one = read_case(path);
-  } else if (extension == ".csv") {
-    one.name = std::filesystem::path(path).stem().string();
-    one.packing = PackingFile{path, read_packing(path)};
-  } else {
-    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv)", path));
-  }
+  Case one = read_any_case(name);
   if (!subdomains.empty()) one.partition = parse_subdomains(subdomains);
   if (!prescribed.empty()) one.prescribed.clear();
   for (const std::string& text : prescribed) {
@@ -89,12 +99,7 @@ Case CaseOptions::resolve() const {
   if (density) override_case(one, "masses.density", field_text(*density));
   if (tolerance) override_case(one, "contacts.tolerance", field_text(*tolerance));
   if (overlap_tolerance) override_case(one, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
-  for (const std::string& setting : settings) {
-    const auto equals = setting.find('=');
-    if (equals == std::string::npos)
-      throw Error(fmt::format("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting));
-    override_case(one, setting.substr(0, equals), setting.substr(equals + 1));
-  }
+  apply_settings(one, settings);
   return one;
 }
 

@@ -11,6 +11,13 @@
 
 namespace nscdd::app {
 
+/// The case behind a name: a case file, a known case, or a packing file with everything else as by default.
+/// Throws Error for whatever cannot be used.
+Case read_any_case(const std::string& name);
+
+/// Sets parameters of a case from texts KEY=VALUE.
+void apply_settings(Case& one, const std::vector<std::string>& settings);
+
 /// CASE and the options that go with it, the same for every verb that takes a case.
 struct CaseOptions {
   std::string name;

@@ -49,8 +49,8 @@ std::string find_case(const std::string& name) {
       if (is_file(path)) return path.lexically_normal().string();
     }
   throw Error(
-      fmt::format("case '{}': expected a case file (.toml), a packing file (.csv) or one of the known cases "
-                  "({}), met no such file",
+      fmt::format("case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known "
+                  "cases ({}), met no such file",
                   name, joined(known_cases())));
 }
 

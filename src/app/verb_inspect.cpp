@@ -1,23 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
+#include "progress.hpp"
 #include "verbs.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/csv.hpp>
 #include <nscdd/study/inspection.hpp>
+#include <nscdd/study/network_tables.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
+#include <optional>
 
 namespace nscdd::app {
 namespace {
 
-void print_degrees(const std::string& name, const NetworkDegrees& network) {
-  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", name, network.grains, network.contacts, network.rank,
-             network.rigid_modes, network.hyperstaticity);
+struct Options {
+  CaseOptions one;
+  std::string histogram;
+  bool ranks = false, force = false;
+};
+
+void print_degrees(const std::string& name, const NetworkDegrees& network, bool ranks) {
+  const auto text = [&](Index value) { return ranks ? fmt::format("{}", value) : "-"; };
+  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", name, network.grains, network.contacts,
+             text(network.rank), text(network.rigid_modes), text(network.hyperstaticity));
 }
 
-int run(const CaseOptions& options) {
-  const Model model = build(options.resolve());
-  const Inspection found = inspect(model);
+void print_network(const Model& model, const Inspection& found, Index ranks_up_to) {
   fmt::print("case                 {}\n", model.name);
   fmt::print("grains               {}\n", model.packing.size());
   fmt::print("  touching nothing   {}\n", found.isolated_grains);
@@ -30,24 +42,72 @@ int run(const CaseOptions& options) {
              found.interface_dofs == 0 ? " (empty interface)" : "");
   for (const auto& [multiplicity, grains] : found.interface_grains)
     fmt::print("  grains shared by {:<3} {}\n", multiplicity, grains);
-  fmt::print("unit eigenvalues of B_0  {} (self-stresses across the interface)\n\n", found.unit_multiplicity);
+  if (found.ranks) {
+    fmt::print("unit eigenvalues of B_0  {} (self-stresses across the interface)\n\n",
+               found.unit_multiplicity);
+  } else {
+    fmt::print(
+        "unit eigenvalues of B_0  not computed, nor ranks (more than {} contacts; --ranks asks for them)\n\n",
+        ranks_up_to);
+  }
   fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", "subdomain", "grains", "contacts", "rank W",
              "rigid modes", "hyperstaticity");
   for (std::size_t e = 0; e < found.subdomains.size(); ++e)
-    print_degrees(fmt::format("{}", e), found.subdomains[e]);
-  print_degrees("whole", found.whole);
+    print_degrees(fmt::format("{}", e), found.subdomains[e], found.ranks);
+  print_degrees("whole", found.whole, found.ranks);
+}
+
+void print_geometry(const Inspection& found) {
+  fmt::print("\nsolid fraction       {:.6g} (grain area over the box around all grains)\n",
+             found.solid_fraction.box);
+  fmt::print("  in the middle      {:.6g} (in that box at half width and half height)\n",
+             found.solid_fraction.middle);
+  fmt::print("rattlers             {} (fewer than 2 contacts, without other rattlers)\n", found.rattlers);
+  fmt::print("  coordination number without them  {:.6g}\n\n", found.coordination_without_rattlers);
+  Index most = 1;
+  for (const SizeClass& one : found.sizes) most = std::max(most, one.grains);
+  fmt::print("{:<25}{:>9}\n", "radius, m", "grains");
+  for (const SizeClass& one : found.sizes)
+    fmt::print("{:<25}{:>9}  {:#<{}}\n", fmt::format("{:.6g} ... {:.6g}", one.from, one.to), one.grains, "",
+               (40 * one.grains + most / 2) / most);
+}
+
+int run(const Options& options) {
+  if (options.histogram == "-")
+    throw Error("--histogram: expected a file name, met -; standard output is for the report");
+  const Case one = options.one.resolve();
+  std::optional<CsvWriter> histogram;
+  if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, size_columns());
+  Model model;
+  {
+    Progress progress("generate");
+    model = build(one, progress.monitor());
+  }
+  InspectionOptions inspection;
+  if (options.ranks) inspection.ranks_up_to = std::numeric_limits<Index>::max();
+  const Inspection found = inspect(model, inspection);
+  if (histogram) {
+    size_rows(model, [&](const Row& row) { histogram->write(row); });
+    histogram->finish();
+  }
+  print_network(model, found, inspection.ranks_up_to);
+  print_geometry(found);
   return 0;
 }
 
 }  // namespace
 
 std::function<int()> declare_inspect(CLI::App& command, const Context&) {
-  auto options = std::make_shared<CaseOptions>();
-  options->declare(command);
+  auto options = std::make_shared<Options>();
+  options->one.declare(command);
+  command.add_flag("--ranks", options->ranks, "compute ranks however large the network is");
+  command.add_option("--histogram", options->histogram, "also write the sizes of the grains there, as CSV");
+  command.add_flag("--force", options->force, "replace an existing output");
   command.footer(
       "Examples:\n"
       "  nscdd inspect disks12\n"
-      "  nscdd inspect mine.csv --subdomains 3x2");
+      "  nscdd inspect mine.csv --subdomains 3x2\n"
+      "  nscdd inspect deposit --histogram sizes.csv");
   return [options] { return run(*options); };
 }
 

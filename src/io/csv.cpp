@@ -10,7 +10,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 namespace nscdd {
 namespace {
@@ -45,44 +44,53 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance)
   return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b));
 }
 
-}  // namespace
-
-std::vector<std::string> csv_values(std::string_view line, const std::string& where) {
-  std::vector<std::string> values;
-  std::size_t i = 0;
-  while (true) {
-    std::string value;
+// The values of one line; those in quotes that are not as they stand in the text are kept in `quoted`.
+template <class Where>
+void split_values(std::string_view line, const Where& where, std::vector<std::string_view>& values,
+                  std::vector<std::pair<std::size_t, std::string>>& quoted) {
+  values.clear();
+  quoted.clear();
+  for (std::size_t i = 0;; ++i) {
     std::size_t start = i;
     while (start < line.size() && (line[start] == ' ' || line[start] == '\t')) ++start;
     if (start < line.size() && line[start] == '"') {
-      i = start + 1;
-      while (true) {
+      std::string value;
+      for (i = start + 1;; ++i) {
         if (i >= line.size())
-          throw Error(fmt::format("{}: expected a closing quote, met the end of the line", where));
-        if (line[i] == '"' && i + 1 < line.size() && line[i + 1] == '"') {
-          value += '"';
-          i += 2;
-        } else if (line[i] == '"') {
-          ++i;
-          break;
-        } else {
-          value += line[i++];
+          throw Error(fmt::format("{}: expected a closing quote, met the end of the line", where()));
+        if (line[i] == '"') {
+          if (i + 1 >= line.size() || line[i + 1] != '"') break;
+          ++i;  // a doubled quote is one
         }
+        value += line[i];
       }
+      ++i;
       const std::size_t comma = std::min(line.find(',', i), line.size());
       if (!trimmed(line.substr(i, comma - i)).empty())
-        throw Error(fmt::format("{}: expected a comma after a closing quote, met '{}'", where,
+        throw Error(fmt::format("{}: expected a comma after a closing quote, met '{}'", where(),
                                 line.substr(i, comma - i)));
+      quoted.emplace_back(values.size(), std::move(value));
+      values.emplace_back();
       i = comma;
     } else {
       const std::size_t comma = std::min(line.find(',', i), line.size());
-      value = trimmed(line.substr(i, comma - i));
+      values.push_back(trimmed(line.substr(i, comma - i)));
       i = comma;
     }
-    values.push_back(std::move(value));
-    if (i >= line.size()) return values;
-    ++i;
+    if (i >= line.size()) break;
   }
+  // Only now: views of texts would not survive the growth of their list.
+  for (const auto& [column, text] : quoted) values[column] = text;
+}
+
+}  // namespace
+
+std::vector<std::string> csv_values(std::string_view line, const std::string& where) {
+  std::vector<std::string_view> values;
+  std::vector<std::pair<std::size_t, std::string>> quoted;
+  split_values(
+      line, [&] { return where; }, values, quoted);
+  return {values.begin(), values.end()};
 }
 
 std::string csv_header(const std::vector<Column>& columns) {
@@ -117,39 +125,58 @@ void CsvWriter::write(const Row& row) {
   file_.line(line);
 }
 
-CsvText parse_csv(std::string_view text, const std::string& name) {
-  CsvText csv;
-  if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  std::size_t number = 0;
-  while (!text.empty()) {
-    ++number;
-    const auto end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
-    const std::string where = fmt::format("{}:{}", name, number);
-    std::vector<std::string> values = csv_values(line, where);
-    if (csv.columns.empty()) {
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i].empty())
-          throw Error(fmt::format("{}: expected a name for column {}, met none", where, i + 1));
-        if (std::find(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(i), values[i]) !=
-            values.begin() + static_cast<std::ptrdiff_t>(i))
-          throw Error(fmt::format("{}: column '{}' is named twice", where, values[i]));
-      }
-      csv.columns = std::move(values);
-      csv.header_line = number;
-      continue;
-    }
-    if (values.size() != csv.columns.size())
-      throw Error(fmt::format("{}: expected {} values as in the first line, met {}", where,
-                              csv.columns.size(), values.size()));
-    csv.rows.push_back(std::move(values));
-    csv.lines.push_back(number);
+CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
+  if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
+  if (!next_line()) throw Error(fmt::format("{}: expected a line of column names, met an empty file", name_));
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (values_[i].empty())
+      throw Error(fmt::format("{}: expected a name for column {}, met none", where(), i + 1));
+    if (std::find(columns_.begin(), columns_.end(), values_[i]) != columns_.end())
+      throw Error(fmt::format("{}: column '{}' is named twice", where(), values_[i]));
+    columns_.emplace_back(values_[i]);
   }
-  if (csv.columns.empty())
-    throw Error(fmt::format("{}: expected a line of column names, met an empty file", name));
+}
+
+bool CsvReader::next() {
+  if (!next_line()) return false;
+  if (values_.size() != columns_.size())
+    throw Error(fmt::format("{}: expected {} values as in the first line, met {}", where(), columns_.size(),
+                            values_.size()));
+  return true;
+}
+
+// To the next line that is not left out, split into values.
+bool CsvReader::next_line() {
+  while (!rest_.empty()) {
+    ++line_;
+    const auto end = std::min(rest_.find('\n'), rest_.size());
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#') continue;
+    split(line);
+    return true;
+  }
+  return false;
+}
+
+void CsvReader::split(std::string_view line) {
+  split_values(
+      line, [this] { return where(); }, values_, quoted_);
+}
+
+std::string CsvReader::where() const { return fmt::format("{}:{}", name_, line_); }
+
+CsvText parse_csv(std::string_view text, const std::string& name) {
+  CsvReader reader(text, name);
+  CsvText csv{.columns = reader.columns(), .header_line = reader.line(), .rows = {}, .lines = {}};
+  while (reader.next()) {
+    std::vector<std::string> row;
+    for (std::size_t j = 0; j < csv.columns.size(); ++j) row.emplace_back(reader.value(j));
+    csv.rows.push_back(std::move(row));
+    csv.lines.push_back(reader.line());
+  }
   return csv;
 }
 
@@ -159,7 +186,9 @@ std::string read_text(const std::string& path) {
   if (!std::filesystem::is_regular_file(path, ignored))
     throw Error(fmt::format("{}: expected a file, met a folder or a device", path));
   std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string text, block(1 << 20, '\0');
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
+    text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
   if (!stream.is_open() || stream.bad()) throw Error(fmt::format("{}: cannot be read", path));
   return text;
 }

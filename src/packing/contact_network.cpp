@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -36,6 +37,21 @@ void require_no_overlap(const Packing& p, const Contact& contact, double allowed
         -contact.gap, allowed, describe(i), describe(j)));
 }
 
+// By (a, b): counted into place by a, then each grain's few by b.
+std::vector<Contact> sorted(const std::vector<Contact>& contacts, Index grains) {
+  std::vector<std::size_t> start(at(grains) + 1, 0);
+  for (const Contact& contact : contacts) ++start[at(contact.a) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Contact> result(contacts.size());
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  for (const Contact& contact : contacts) result[next[at(contact.a)]++] = contact;
+  for (std::size_t a = 0; a + 1 < start.size(); ++a)
+    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[a]),
+              result.begin() + static_cast<std::ptrdiff_t>(start[a + 1]),
+              [](const Contact& l, const Contact& r) { return l.b < r.b; });
+  return result;
+}
+
 }  // namespace
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
@@ -45,7 +61,9 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
   const CellGrid grid(packing.x, packing.y, largest * (2 + detection.tolerance));
   grid.for_each_pair([&](Index i, Index j) {
     const double reach = packing.radius[at(i)] + packing.radius[at(j)] + detection.tolerance * largest;
-    if (std::abs(packing.x[at(j)] - packing.x[at(i)]) > reach) return;  // most pairs end here, without a root
+    // Most pairs end here, without a root; the margin is wide for rounding.
+    const double dx = packing.x[at(j)] - packing.x[at(i)], dy = packing.y[at(j)] - packing.y[at(i)];
+    if (dx * dx + dy * dy > 1.000001 * reach * reach) return;
     const Contact contact = pair_geometry(packing, i, j);
     const double smaller = std::min(packing.radius[at(i)], packing.radius[at(j)]);
     if (contact.gap > detection.tolerance * smaller) return;
@@ -53,8 +71,7 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
     network.contacts.push_back(contact);
   });
   // The order of cells is an accident of the grid; the order of grains is the packing's own.
-  std::sort(network.contacts.begin(), network.contacts.end(),
-            [](const Contact& l, const Contact& r) { return std::pair(l.a, l.b) < std::pair(r.a, r.b); });
+  network.contacts = sorted(network.contacts, packing.size());
   return network;
 }
 

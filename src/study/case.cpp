@@ -105,14 +105,18 @@ std::string to_toml(const Case& one) {
   return text;
 }
 
-Model build(const Case& one) {
-  Model model;
-  model.name = one.name;
+Packing packing_of(const Case& one, const Monitor& monitor) {
   Packing packing = std::holds_alternative<PackingFile>(one.packing)
                         ? std::get<PackingFile>(one.packing).packing
-                        : generate(std::get<Generator>(one.packing));
+                        : generate(std::get<Generator>(one.packing), monitor);
   check(packing);
-  model.packing = with_masses(std::move(packing), one.masses);
+  return one.masses.model ? with_masses(std::move(packing), one.masses) : packing;
+}
+
+Model build(const Case& one, const Monitor& monitor) {
+  Model model;
+  model.name = one.name;
+  model.packing = with_masses(packing_of(one, monitor), one.masses);
   model.network = detect_contacts(model.packing, one.contacts);
   std::vector<PrescribedVelocity> prescribed = one.prescribed;
   for (PrescribedVelocity& velocity : prescribed) {

@@ -2,15 +2,17 @@
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/study/inspection.hpp>
 
+#include <algorithm>
 #include <numeric>
 
 namespace nscdd {
 namespace {
 
-NetworkDegrees degrees(const Subdomain& subdomain) {
+NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
   NetworkDegrees result;
   result.grains = count(subdomain.grains);
   result.contacts = subdomain.h.cols();
+  if (!ranks) return result;
   result.rank = sparse_rank(subdomain.h);
   result.rigid_modes = subdomain.h.rows() - result.rank;
   result.hyperstaticity = result.contacts - result.rank;
@@ -33,14 +35,32 @@ Index components(const ContactNetwork& network) {
   return pieces;
 }
 
+// Rattlers and the coordination number of what remains without them.
+void count_rattlers(const ContactNetwork& network, Inspection& result) {
+  const std::vector<char> loose = rattlers(network);
+  result.rattlers = std::count(loose.begin(), loose.end(), 1);
+  const Index held = network.grains - result.rattlers;
+  const auto between = std::count_if(network.contacts.begin(), network.contacts.end(), [&](const Contact& c) {
+    return loose[at(c.a)] == 0 && loose[at(c.b)] == 0;
+  });
+  result.coordination_without_rattlers =
+      held > 0 ? 2.0 * static_cast<double>(between) / static_cast<double>(held) : not_a_number;
+}
+
 }  // namespace
 
-Inspection inspect(const Model& model) {
+Inspection inspect(const Model& model, const InspectionOptions& options) {
   Inspection result;
-  result.whole = degrees(reassemble(model.parts));
+  result.ranks = model.network.size() <= options.ranks_up_to;
+  if (result.ranks) {
+    result.whole = degrees(reassemble(model.parts), true);
+  } else {
+    result.whole.contacts = model.network.size();
+    for (const Index multiplicity : model.parts.multiplicity) result.whole.grains += multiplicity > 0;
+  }
   Index local_hyperstaticity = 0;
   for (const Subdomain& subdomain : model.parts.subdomains) {
-    result.subdomains.push_back(degrees(subdomain));
+    result.subdomains.push_back(degrees(subdomain, result.ranks));
     local_hyperstaticity += result.subdomains.back().hyperstaticity;
     if (subdomain.contacts.empty()) ++result.empty_subdomains;
   }
@@ -53,6 +73,9 @@ Inspection inspect(const Model& model) {
   result.coordination_number =
       2.0 * static_cast<double>(model.network.size()) / static_cast<double>(model.packing.size());
   result.interface_dofs = model.parts.interface_size();
+  result.solid_fraction = solid_fraction(model.packing);
+  count_rattlers(model.network, result);
+  result.sizes = size_histogram(model.packing);
   return result;
 }
 

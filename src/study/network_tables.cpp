@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/packing/statistics.hpp>
 #include <nscdd/study/network_tables.hpp>
 
 namespace nscdd {
@@ -62,6 +63,24 @@ void grain_rows(const Model& model, const RowSink& sink) {
     sink({model.name, std::int64_t{i}, p.x[at(i)], p.y[at(i)], p.radius[at(i)], p.mass[at(i)],
           std::int64_t{contacts[at(i)]}, std::int64_t{model.parts.multiplicity[at(i)]},
           model.problem.arriving_velocity[2 * i], model.problem.arriving_velocity[2 * i + 1]});
+}
+
+std::vector<Column> size_columns() {
+  return {{"case", "", "name of the case"},
+          {"radius_from", "m", "smallest radius of the class"},
+          {"radius_to", "m", "upper bound of the class, its own in the last class only"},
+          {"grains", "1", "grains of the class"},
+          {"number_fraction", "1", "of all grains"},
+          {"area_fraction", "1", "of the area of all grains"}};
+}
+
+void size_rows(const Model& model, const RowSink& sink) {
+  const std::vector<SizeClass> classes = size_histogram(model.packing);
+  double area = 0;
+  for (const SizeClass& one : classes) area += one.area;
+  for (const SizeClass& one : classes)
+    sink({model.name, one.from, one.to, std::int64_t{one.grains},
+          static_cast<double>(one.grains) / static_cast<double>(model.packing.size()), one.area / area});
 }
 
 }  // namespace nscdd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The verbs beside sweep and run: network, inspect, optimum, list, and the help of all.
+// The verbs beside sweep and run: network, inspect, optimum, generate, list, and the help of all.
 #include "session.hpp"
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-const std::vector<std::string> verbs{"sweep", "run", "network", "inspect", "optimum", "list"};
+const std::vector<std::string> verbs{"sweep", "run", "network", "inspect", "optimum", "generate", "list"};
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -214,7 +214,8 @@ TEST_CASE("list: cases and studies and generators and partitioners and observabl
   const std::string text = answer(session, "list");
   for (const std::string& name :
        Texts{"disks4", "disks8", "disks12", "figure-5", "figure-6", "figure-7", "strip", "hexagonal", "grid",
-             "metis", "spectral_radius", "contacts.tolerance"}) {
+             "metis", "deposit", "packing.fraction_large = 0.5", "packing.vacancies = 0", "spectral_radius",
+             "contacts.tolerance"}) {
     CAPTURE(name);
     CHECK(contains(text, name));
   }

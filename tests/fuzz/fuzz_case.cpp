@@ -28,6 +28,7 @@ std::optional<Case> parse(std::string_view text) {
 
 Index grains(const Generator& generator) {
   if (const auto* strip = std::get_if<TriangularStrip>(&generator)) return strip->grains;
+  if (const auto* deposit = std::get_if<Deposit>(&generator)) return deposit->grains;
   const auto& lattice = std::get<HexagonalLattice>(generator);
   return lattice.columns * lattice.rows;  // both at most 10^5
 }

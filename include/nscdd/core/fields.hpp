@@ -21,6 +21,7 @@ struct Field {
   double minimum = -infinity;
   bool minimum_excluded = false;
   double maximum = infinity;
+  std::string_view choices = {};  ///< of a text: the values it may have, separated by blanks; empty for any
 };
 
 /// A parameter as `nscdd list` shows it and as result files record it.
@@ -57,13 +58,14 @@ std::string_view field_type(const std::string&);
 std::string_view field_type(const std::array<double, 2>&);
 std::string_view field_type(const std::array<Index, 2>&);
 
-/// Throws Error unless every component of the value is finite and within the bounds of its field.
+/// Throws Error unless every component of the value is finite and within the bounds of its field, or the text
+/// is one of its choices.
 void check_bounds(double value, const Field& field, std::string_view key);
 void check_bounds(Index value, const Field& field, std::string_view key);
 void check_bounds(const std::array<double, 2>& value, const Field& field, std::string_view key);
 void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key);
 inline void check_bounds(bool, const Field&, std::string_view) {}
-inline void check_bounds(const std::string&, const Field&, std::string_view) {}
+void check_bounds(const std::string& value, const Field& field, std::string_view key);
 
 /// Every parameter of a struct with its present value.
 template <class Parameters>

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace nscdd {
@@ -36,6 +37,31 @@ std::string csv_header(const std::vector<Column>& columns);
 /// Values of one line of CSV, quotes as in RFC 4180. Throws Error beginning with `where` for an open quote.
 std::vector<std::string> csv_values(std::string_view line, const std::string& where);
 
+/// Reads CSV text row by row: first line of names, quotes as in RFC 4180, blank lines and lines that begin
+/// with '#' left out, CRLF and a byte order mark accepted. The text must outlive the reader.
+/// Throws Error "name:line: ..." for a row with too few or too many values, an open quote, an empty or
+/// repeated column name, or text without a line of names.
+class CsvReader {
+ public:
+  CsvReader(std::string_view text, std::string name);
+  const std::vector<std::string>& columns() const { return columns_; }
+  bool next();  ///< to the next row; false after the last
+  std::string_view value(std::size_t column) const { return values_[column]; }
+  std::size_t line() const { return line_; }  ///< line number of the row (at first of the names), from 1
+
+ private:
+  bool next_line();
+  void split(std::string_view line);
+  std::string where() const;
+  std::string_view rest_;
+  std::string name_;
+  std::size_t line_ = 0;
+  std::vector<std::string> columns_;
+  std::vector<std::string_view> values_;
+  std::vector<std::pair<std::size_t, std::string>>
+      quoted_;  ///< values that are not as they stand in the text
+};
+
 /// A CSV file as texts.
 struct CsvText {
   std::vector<std::string> columns;
@@ -44,9 +70,7 @@ struct CsvText {
   std::vector<std::size_t> lines;  ///< line number of each row, from 1
 };
 
-/// Splits CSV text: first line of names, quotes as in RFC 4180, blank lines and lines that begin with '#'
-/// left out, CRLF and a byte order mark accepted. Throws Error "name:line: ..." for a row with too few or too
-/// many values, an open quote, an empty or repeated column name, or text without a line of names.
+/// The whole of a CSV text, as CsvReader reads it.
 CsvText parse_csv(std::string_view text, const std::string& name);
 
 /// Whole content of a regular file. Throws Error where it cannot be read.

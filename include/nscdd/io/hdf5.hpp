@@ -3,7 +3,10 @@
 
 #include <nscdd/core/table.hpp>
 
+#include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,11 +21,27 @@ struct NamedTable {
   Table table;
 };
 
+/// A column of numbers that lie elsewhere.
+struct NumberColumn {
+  Column heading;
+  std::span<const double> values;
+};
+
 /// The bytes of an HDF5 file: one group per table, one dataset per column (double, int64, int8 0/1 or
 /// fixed-length UTF-8 text) with attributes `unit` and `description`, the order of the columns in the group's
 /// attribute `columns`, provenance as texts in the group `provenance`. No time stamps: equal content gives
 /// equal bytes. Put together in memory, so that writing them fails as for any other file: the library cannot
 /// give up a file of its own on a full disk, and crashes when it tries again at the end of the program.
 std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables);
+
+/// The same for one group of numbers alone, without a cell for each of them.
+std::string to_hdf5(const Provenance& provenance, const std::string& group,
+                    const std::vector<NumberColumn>& columns);
+
+/// The datasets of one group of an HDF5 file given by its bytes, by name. Throws Error naming `name` (the
+/// file) for bytes that are no HDF5 file, for a missing group, and for a member of the group that is no
+/// one-dimensional dataset of numbers or cannot be read.
+std::map<std::string, std::vector<double>> numbers_from_hdf5(std::string_view bytes, const std::string& name,
+                                                             const std::string& group);
 
 }  // namespace nscdd

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/hexagonal_lattice.hpp>
 #include <nscdd/packing/generators/triangular_strip.hpp>
 
@@ -10,10 +12,11 @@ namespace nscdd {
 
 /// Every generator of packings: one file and one word here. Each has `name`, `summary`, fields and
 /// `generate`.
-using Generator = std::variant<TriangularStrip, HexagonalLattice>;
+using Generator = std::variant<TriangularStrip, HexagonalLattice, Deposit>;
 
-inline Packing generate(const Generator& generator) {
-  return std::visit([](const auto& one) { return generate(one); }, generator);
+/// The packing of a generator. The monitor counts grains; one that asks to stop leaves those there are.
+inline Packing generate(const Generator& generator, const Monitor& monitor = {}) {
+  return std::visit([&](const auto& one) { return generate(one, monitor); }, generator);
 }
 
 }  // namespace nscdd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
+#include <nscdd/core/monitor.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/partitioner.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
@@ -43,6 +44,10 @@ void override_case(Case& one, std::string_view key, std::string_view value);
 /// The case as a case file that reads back to it (a packing file by its path).
 std::string to_toml(const Case& one);
 
+/// The packing of a case, generated or as read from its file, with masses where the case says how. Throws
+/// Error for a packing or masses that cannot be used.
+Packing packing_of(const Case& one, const Monitor& monitor = {});
+
 /// A case made ready for analysis.
 struct Model {
   std::string name;
@@ -54,7 +59,7 @@ struct Model {
 };
 
 /// Generates or takes over the packing, sets masses, finds contacts, assembles and decomposes.
-/// Throws Error for whatever cannot be used (see the functions called).
-Model build(const Case& one);
+/// Throws Error for whatever cannot be used (see the functions called). The monitor follows the generator.
+Model build(const Case& one, const Monitor& monitor = {});
 
 }  // namespace nscdd

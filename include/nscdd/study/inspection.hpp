@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/packing/statistics.hpp>
 #include <nscdd/study/case.hpp>
 
 #include <map>
@@ -8,7 +9,8 @@
 
 namespace nscdd {
 
-/// Kinematics of one contact network: rank W = rank H.
+/// Kinematics of one contact network: rank W = rank H. Rank and what follows from it are 0 where ranks were
+/// left out.
 struct NetworkDegrees {
   Index grains = 0;
   Index contacts = 0;
@@ -29,9 +31,20 @@ struct Inspection {
   /// Multiplicity of the eigenvalue 1 of B_0 counted from ranks alone:
   /// hyperstaticity of the whole minus that of the subdomains (self-stresses that cross the interface).
   Index unit_multiplicity = 0;
+  bool ranks = false;  ///< ranks were computed
+  SolidFraction solid_fraction;
+  Index rattlers = 0;  ///< grains that no load can reach, see rattlers() in packing/statistics.hpp
+  double coordination_without_rattlers = 0;  ///< of the other grains among themselves; nan without any
+  std::vector<SizeClass> sizes;              ///< ten classes of radii
+};
+
+struct InspectionOptions {
+  /// Ranks are computed for networks of at most so many contacts: seconds there, and growing faster than the
+  /// network.
+  Index ranks_up_to = 100'000;
 };
 
 /// Ranks are those of H, which are those of W, by sparse rank-revealing QR.
-Inspection inspect(const Model& model);
+Inspection inspect(const Model& model, const InspectionOptions& options = {});
 
 }  // namespace nscdd

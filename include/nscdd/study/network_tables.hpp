@@ -17,4 +17,8 @@ ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet cont
 std::vector<Column> grain_columns();
 void grain_rows(const Model& model, const RowSink& sink);
 
+/// Grains by size, ten classes of radii, one row each.
+std::vector<Column> size_columns();
+void size_rows(const Model& model, const RowSink& sink);
+
 }  // namespace nscdd

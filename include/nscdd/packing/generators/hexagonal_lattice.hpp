@@ -2,18 +2,30 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
+#include <nscdd/core/monitor.hpp>
 #include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
 
 /// Touching equal disks on a triangular lattice (hexagonal packing), row by row: grain k = row x columns +
 /// column at ((2 column + row mod 2) r, row sqrt(3) r). Hyperstatic from 2 rows of 3 on.
+///
+/// Two defects, drawn per site from the seed, so that either can be varied with the other held:
+/// - vacancies: round(vacancies x sites) disks are left out, one disk staying at least. Those left out at a
+///   lower fraction are left out at every higher one.
+/// - size disorder: radius_i = radius x (1 - disorder x u_i), u_i uniform in [0, 1). Centres stay, so nothing
+///   overlaps, but neighbours part by up to 2 disorder x radius: under the default contact tolerance next to
+///   no contact is left. contacts.tolerance >= 2 disorder / (1 - disorder) keeps every link of the lattice, a
+///   smaller one thins the network at random.
 struct HexagonalLattice {
   static constexpr std::string_view name = "hexagonal";
   static constexpr std::string_view summary = "touching equal disks on a triangular lattice, hyperstatic";
   Index columns = 8;
   Index rows = 8;
   double radius = 0.5;
+  double vacancies = 0;
+  double disorder = 0;
+  Index seed = 1;
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -21,10 +33,18 @@ struct HexagonalLattice {
     visit("rows", self.rows, Field{.description = "rows", .minimum = 1, .maximum = 1e5});
     visit("radius", self.radius,
           Field{.description = "radius of every disk", .unit = "m", .minimum = 0, .minimum_excluded = true});
+    visit("vacancies", self.vacancies,
+          Field{.description = "fraction of the disks left out", .minimum = 0, .maximum = 0.99});
+    visit("disorder", self.disorder,
+          Field{.description = "radii shrunk by factors in [1 - disorder, 1]; contacts.tolerance to match",
+                .minimum = 0,
+                .maximum = 0.99});
+    visit("seed", self.seed,
+          Field{.description = "seed of vacancies and disorder", .minimum = 0, .maximum = 4294967295.0});
   }
 };
 
-/// Throws Error for more than 10^7 disks.
-Packing generate(const HexagonalLattice& lattice);
+/// Throws Error for more than 10^7 sites.
+Packing generate(const HexagonalLattice& lattice, const Monitor& monitor = {});
 
 }  // namespace nscdd

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
+#include <nscdd/core/monitor.hpp>
 #include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
@@ -22,6 +23,6 @@ struct TriangularStrip {
   }
 };
 
-Packing generate(const TriangularStrip& strip);
+Packing generate(const TriangularStrip& strip, const Monitor& monitor = {});
 
 }  // namespace nscdd

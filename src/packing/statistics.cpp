@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/packing/statistics.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace nscdd {
+namespace {
+
+using std::numbers::pi;
+
+struct Rectangle {
+  double left = infinity, right = -infinity, low = infinity, high = -infinity;
+  double area() const { return (right - left) * (high - low); }
+};
+
+Rectangle box_around(const Packing& p) {
+  Rectangle box;
+  for (std::size_t i = 0; i < p.x.size(); ++i) {
+    box.left = std::min(box.left, p.x[i] - p.radius[i]);
+    box.right = std::max(box.right, p.x[i] + p.radius[i]);
+    box.low = std::min(box.low, p.y[i] - p.radius[i]);
+    box.high = std::max(box.high, p.y[i] + p.radius[i]);
+  }
+  return box;
+}
+
+// Area of the unit disk in x <= a, for -1 <= a <= 1.
+double cap_area(double a) { return 0.5 * pi + a * std::sqrt((1 - a) * (1 + a)) + std::asin(a); }
+
+// Area that a disk has in a rectangle, by inclusion and exclusion of its four corners.
+double area_in(const Rectangle& box, double x, double y, double radius) {
+  const double left = (box.left - x) / radius, right = (box.right - x) / radius;
+  const double low = (box.low - y) / radius, high = (box.high - y) / radius;
+  const double share = left <= -1 && low <= -1 && right >= 1 && high >= 1
+                           ? pi
+                           : disk_corner_area(right, high) - disk_corner_area(left, high) -
+                                 disk_corner_area(right, low) + disk_corner_area(left, low);
+  return share * radius * radius;
+}
+
+}  // namespace
+
+double disk_corner_area(double a, double b) {
+  if (a <= -1 || b <= -1) return 0;
+  a = std::min(a, 1.0);
+  b = std::min(b, 1.0);
+  if (a * a + b * b < 1)  // the corner lies in the disk
+    return a * b + 0.5 * (cap_area(a) + cap_area(b)) - 0.25 * pi;
+  if (a < 0 && b < 0) return 0;
+  if (a < 0) return cap_area(a);
+  if (b < 0) return cap_area(b);
+  return cap_area(a) + cap_area(b) - pi;  // the disk without two caps
+}
+
+SolidFraction solid_fraction(const Packing& packing) {
+  const Rectangle box = box_around(packing);
+  const double quarter_width = 0.25 * (box.right - box.left), quarter_height = 0.25 * (box.high - box.low);
+  const Rectangle middle{box.left + quarter_width, box.right - quarter_width, box.low + quarter_height,
+                         box.high - quarter_height};
+  double in_box = 0, in_middle = 0;
+  for (std::size_t i = 0; i < packing.x.size(); ++i) {
+    in_box += pi * packing.radius[i] * packing.radius[i];
+    in_middle += area_in(middle, packing.x[i], packing.y[i], packing.radius[i]);
+  }
+  return {in_box / box.area(), in_middle / middle.area()};
+}
+
+std::vector<char> rattlers(const ContactNetwork& network) {
+  std::vector<Index> left = contact_counts(network);
+  // Neighbours of grain i: neighbour[start[i]] ... neighbour[start[i + 1] - 1].
+  std::vector<Index> start(left.size() + 1, 0);
+  for (std::size_t i = 0; i < left.size(); ++i) start[i + 1] = start[i] + left[i];
+  std::vector<Index> neighbour(at(start.back())), next(start.begin(), start.end() - 1);
+  for (const Contact& contact : network.contacts) {
+    neighbour[at(next[at(contact.a)]++)] = contact.b;
+    neighbour[at(next[at(contact.b)]++)] = contact.a;
+  }
+  std::vector<char> loose(left.size(), 0);
+  std::vector<Index> found;
+  const auto drop_where_loose = [&](Index i) {
+    if (loose[at(i)] != 0 || left[at(i)] >= 2) return;
+    loose[at(i)] = 1;
+    found.push_back(i);
+  };
+  for (Index i = 0; i < network.grains; ++i) drop_where_loose(i);
+  while (!found.empty()) {
+    const Index i = found.back();
+    found.pop_back();
+    for (Index k = start[at(i)]; k < start[at(i) + 1]; ++k) {
+      --left[at(neighbour[at(k)])];
+      drop_where_loose(neighbour[at(k)]);
+    }
+  }
+  return loose;
+}
+
+std::vector<SizeClass> size_histogram(const Packing& packing, Index classes) {
+  const auto [smallest, largest] = std::minmax_element(packing.radius.begin(), packing.radius.end());
+  const double low = *smallest, span = *largest - low;
+  if (span <= 1e-12 * *largest) classes = 1;
+  std::vector<SizeClass> all(at(classes));
+  for (Index k = 0; k < classes; ++k) {
+    all[at(k)].from = low + span * static_cast<double>(k) / static_cast<double>(classes);
+    all[at(k)].to =
+        k + 1 == classes ? *largest : low + span * static_cast<double>(k + 1) / static_cast<double>(classes);
+  }
+  for (const double radius : packing.radius) {
+    const double place = span > 0 ? (radius - low) / span * static_cast<double>(classes) : 0;
+    SizeClass& one = all[at(std::min(classes - 1, static_cast<Index>(place)))];
+    ++one.grains;
+    one.area += pi * radius * radius;
+  }
+  return all;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd generate: packings out of generators and cases, and what it refuses.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+using namespace nscdd::testing;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+// The lines that are no remarks.
+std::string without_remarks(const std::string& text) { return text.substr(text.find("\nx,y,radius") + 1); }
+
+}  // namespace
+
+TEST_CASE("generate: a generator at its defaults, with settings, and to standard output") {
+  const Session session;
+  CHECK(answer(session, "generate strip -o strip.csv") == "");
+  CHECK(read_table(without_remarks(session.read("strip.csv"))).rows.size() == 4);
+  answer(session, "generate deposit --set packing.grains=50 --set packing.seed=3 -o bed.csv");
+  const std::string printed =
+      answer(session, "generate deposit --set packing.grains=50 --set packing.seed=3 -o -");
+  CHECK(read_table(without_remarks(printed)).rows.size() == 50);
+  CHECK(without_remarks(printed) == without_remarks(session.read("bed.csv")));
+  CHECK(printed.rfind("# program: nscdd ", 0) == 0);
+  for (const std::string& part :
+       Texts{"#   GSL ", "# command_line: nscdd generate deposit", "#   grains = 50\n", "#   seed = 3\n",
+             "#   distribution = \"uniform\"\n"}) {
+    CAPTURE(part);
+    CHECK(contains(printed, part));
+  }
+  CHECK(content_of(session.folder.path()).size() == 2);
+}
+
+TEST_CASE("generate: a case by name and by file, masses where it has them") {
+  const Session session;
+  answer(session, "generate disks12 -o disks.csv");
+  const CsvTable disks = read_table(without_remarks(session.read("disks.csv")));
+  REQUIRE(disks.rows.size() == 12);
+  CHECK(disks.number(11, "mass") == 1);
+  session.file("own.toml",
+               "[packing]\ngenerator = \"hexagonal\"\ncolumns = 5\nrows = 4\nvacancies = 0.25\n"
+               "[partition]\ngrid = [1, 1]\n");
+  const CsvTable own = read_table(without_remarks(answer(session, "generate own.toml -o -")));
+  CHECK(own.rows.size() == 15);
+  CHECK(own.columns == Texts{"x", "y", "radius"});
+  const CsvTable heavy =
+      read_table(without_remarks(answer(session, "generate own.toml --set masses.density=4 -o -")));
+  CHECK(heavy.number(0, "mass") > 3.14);
+}
+
+TEST_CASE("generate: equal commands give equal bytes, and seeds differ") {
+  const Session first, second;
+  for (const std::string& name : Texts{"a.csv", "a.h5", "a.hdf5"}) {
+    const std::string line = "generate deposit --set packing.grains=200 -o " + name;
+    answer(first, line);
+    answer(second, line);
+    CHECK(first.read(name) == second.read(name));
+  }
+  answer(first, "generate deposit --set packing.grains=200 --set packing.seed=2 -o b.csv");
+  CHECK(without_remarks(first.read("b.csv")) != without_remarks(first.read("a.csv")));
+}
+
+TEST_CASE("generate: CSV and HDF5 are the same packing wherever one is read") {
+  const Session session;
+  answer(session, "generate deposit --set packing.grains=60 -o bed.csv");
+  answer(session, "generate deposit --set packing.grains=60 -o bed.h5");
+  const std::string options = " --subdomains 2x1 --epsilon 0,1 --csv -";
+  CHECK(answer(session, "sweep bed.csv" + options) == answer(session, "sweep bed.h5" + options));
+  answer(session, "generate bed.h5 -o again.csv");
+  CHECK(without_remarks(session.read("again.csv")) == without_remarks(session.read("bed.csv")));
+  session.file("cases/bed.toml", "[packing]\nfile = \"../bed.h5\"\n[partition]\ngrid = [2, 1]\n");
+  CHECK(answer(session, "sweep cases/bed.toml --epsilon 0,1 --csv -") ==
+        answer(session, "sweep bed.h5" + options));
+  CHECK(answer(session, "inspect bed.h5") == answer(session, "inspect bed.csv"));
+}
+
+TEST_CASE("generate: the known cases of disorder are there, and their active sets work") {
+  const Session session;
+  for (const std::string& name : Texts{"deposit", "vacancies"}) {
+    CAPTURE(name);
+    const CsvTable row = table(session, "sweep " + name + " --contacts active --epsilon 0 --eta 1");
+    CHECK(row.text(0, "converged") == "true");
+    CHECK(row.number(0, "active_contacts") > 0);
+  }
+}
+
+TEST_CASE("generate: what makes no packing is refused") {
+  const Session session;
+  session.file("bad.toml",
+               "[packing]\ngenerator = \"deposit\"\ndistribution = \"gauss\"\n[partition]\ngrid = [1, 1]\n");
+  check_refused(session, "generate", {"SPEC"});
+  check_refused(session, "generate deposit", {"--output"});
+  check_refused(session, "generate deposit strip -o a.csv", {"strip"});
+  check_refused(session, "generate heap -o a.csv", {"heap", "disks4"});
+  check_refused(session, "generate bad.toml -o a.csv",
+                {"bad.toml:3: packing.distribution", "lognormal", "gauss"});
+  const auto setting = [&](const std::string& text, std::initializer_list<std::string> parts) {
+    check_refused(session, "generate deposit -o a.csv --set " + text, parts);
+    check_refused(session, "generate deposit -o a.h5 --set " + text, parts);
+  };
+  setting("packing.grains", {"KEY=VALUE", "packing.grains"});
+  setting("packing.grains=0", {"packing.grains"});
+  setting("packing.grains=1e3", {"packing.grains", "integer"});
+  setting("packing.grains=100000000", {"packing.grains", "10000000"});
+  setting("packing.columns=3", {"packing.columns", "packing.distribution"});
+  setting("packing.radius_min=-1", {"packing.radius_min", "-1"});
+  setting("packing.radius_min=0.3", {"packing.radius_min", "radius_max"});
+  setting("packing.width=0.3", {"packing.width"});
+  setting("packing.width=1e9", {"packing.width"});
+  setting("packing.seed=-1", {"packing.seed"});
+  setting("packing.distribution=gauss", {"packing.distribution", "two_sizes"});
+  setting("partition.grid=2,2", {"--set", "packing.KEY"});
+  check_refused(session, "generate hexagonal -o a.csv --set packing.vacancies=1", {"packing.vacancies"});
+  check_refused(session, "generate hexagonal -o a.csv --set packing.disorder=-0.1", {"packing.disorder"});
+}
+
+TEST_CASE("generate: an output that is no packing file, exists, or cannot be written is refused") {
+  const Session session;
+  for (const std::string& name : Texts{"a.txt", "a", "a.h5.gz", "a.CSV"})
+    check_refused(session, "generate strip -o " + name, {name, ".csv", ".h5"});
+  session.file("old.csv", "precious");
+  session.file("old.h5", "precious");
+  check_refused(session, "generate strip -o old.csv", {"old.csv: exists already", "--force"});
+  check_refused(session, "generate strip -o old.h5", {"old.h5: exists already", "--force"});
+  check_refused(session, "generate deposit --set packing.width=0.1 --force -o old.h5", {"packing.width"});
+  check_refused(session, "generate strip -o missing/a.csv", {"missing"});
+  fs::create_directory(session.folder / "folder.csv");
+  check_refused(session, "generate strip --force -o folder.csv", {"folder.csv"});
+  fs::create_symlink("/dev/full", session.folder / "full.csv");
+  fs::create_symlink("/dev/full", session.folder / "full.h5");
+  check_refused(session, "generate strip -o full.csv", {"full.csv", "No space left"});
+  check_refused(session, "generate strip -o full.h5", {"full.h5", "No space left"});
+  answer(session, "generate strip --force -o old.csv");
+  CHECK(read_table(without_remarks(session.read("old.csv"))).rows.size() == 4);
+}
+
+TEST_CASE("generate: a disk that fills up leaves nothing behind") {
+  const Session session;
+  RunOptions options;
+  options.largest_file = 100'000;
+  for (const std::string& name : Texts{"big.csv", "big.h5"})
+    check_refused(session, "generate strip --set packing.grains=100000 -o " + name, {name}, options);
+}
+
+TEST_CASE("generate: a killed run leaves what was there") {
+  const Session session;
+  session.file("bed.h5", "precious");
+  RunOptions options;
+  options.kill_when = [&] { return session.has("bed.h5.partial"); };
+  const Outcome outcome =
+      session.run(words("generate deposit --set packing.grains=3000000 -o bed.h5 --force"), options);
+  CHECK(outcome.exit_code == 128 + 9);
+  CHECK(session.read("bed.h5") == "precious");
+  check_refused(session, "generate strip -o bed.h5", {"bed.h5"});
+  answer(session, "generate strip -o bed.h5 --force");
+  CHECK(content_of(session.folder.path()).size() == 1);
+}
+
+TEST_CASE("generate: a progress bar where standard error is a terminal") {
+  const Session session;
+  RunOptions options;
+  options.on_terminal = true;
+  const Outcome outcome =
+      session.run(words("generate deposit --set packing.grains=1000000 -o bed.h5"), options);
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "generate ["));
+  CHECK(outcome.standard_output == "");
+}
+
+TEST_CASE("packing file: HDF5 that is none is refused wherever a packing is read") {
+  const Session session;
+  session.file("text.h5", "x,y,radius\n0,0,1\n");
+  session.file("own.toml", "[packing]\nfile = \"text.h5\"\n[partition]\ngrid = [1, 1]\n");
+  answer(session, "sweep disks4 --epsilon 1 --csv a.csv --hdf5 sweep.h5");
+  for (const std::string& verb :
+       Texts{"inspect ", "network ", "generate -o b.csv ", "sweep --epsilon 1 --csv - "}) {
+    check_refused(session, verb + "text.h5", {"text.h5", "HDF5"});
+    check_refused(session, verb + "sweep.h5", {"sweep.h5", "'packing'"});
+    check_refused(session, verb + "own.toml", {"own.toml:2: packing.file", "text.h5", "HDF5"});
+    check_refused(session, verb + "missing.h5", {"missing.h5"});
+  }
+}
+
+TEST_CASE("inspect: geometry of four disks known by hand, and the sizes as a table") {
+  const Session session;
+  session.file("square.csv", "x,y,radius\n0,0,1\n2,0,1\n0,2,1\n2,2,1\n9,1,0.5\n");
+  const std::string report = answer(session, "inspect square.csv --histogram sizes.csv");
+  // four unit disks and one of radius 1/2 in a box 10.5 x 4
+  CHECK(contains(report, "\nsolid fraction       0.317899 "));  // 4.25 pi / 42
+  CHECK(contains(report, "\nrattlers             1 "));
+  CHECK(contains(report, "without them  2\n"));
+  CHECK(contains(report, "  4  ########################################\n"));
+  const CsvTable sizes = read_table(session.read("sizes.csv"));
+  REQUIRE(sizes.rows.size() == 10);
+  CHECK(sizes.text(0, "grains") == "1");
+  CHECK(sizes.text(9, "grains") == "4");
+  CHECK(sizes.number(0, "radius_from") == 0.5);
+  CHECK(sizes.number(9, "radius_to") == 1);
+  CHECK(sizes.number(9, "number_fraction") == 0.8);
+  CHECK(sizes.number(9, "area_fraction") > 0.94);
+  check_refused(session, "inspect square.csv --histogram sizes.csv",
+                {"sizes.csv: exists already", "--force"});
+  check_refused(session, "inspect square.csv --histogram -", {"--histogram"});
+  answer(session, "inspect square.csv --histogram sizes.csv --force");
+}
+
+TEST_CASE("inspect: ranks of a large network only where asked for") {
+  const Session session;
+  const std::string lattice = "inspect hexagonal --set packing.columns=190 --set packing.rows=190";
+  const std::string without = answer(session, lattice);
+  CHECK(contains(without, "not computed, nor ranks (more than 100000 contacts; --ranks asks for them)"));
+  const std::string with = answer(session, lattice + " --ranks");
+  CHECK(!contains(with, "not computed"));
+  const auto whole = [](const std::string& report) {
+    const auto start = report.find("\nwhole ") + 7;
+    return words(report.substr(start, report.find('\n', start) - start));
+  };
+  CHECK(whole(without) == Texts{"36100", "107541", "-", "-", "-"});
+  CHECK(whole(with) == Texts{"36100", "107541", "72197", "3", "35344"});
+}

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Generators of packings: exact tangencies, sizes as they should be distributed, equal seeds equal bytes.
+#include <nscdd/core/error.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/drop_and_roll.hpp>
+#include <nscdd/packing/generator.hpp>
+#include <nscdd/packing/statistics.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+using namespace nscdd;
+
+namespace {
+
+bool same(const Packing& a, const Packing& b) { return a.x == b.x && a.y == b.y && a.radius == b.radius; }
+
+double right_end(const Packing& p) {
+  double right = 0;
+  for (Index i = 0; i < p.size(); ++i) right = std::max(right, p.x[at(i)] + p.radius[at(i)]);
+  return right;
+}
+
+// Where a grain is held: horizontal places of what touches it, and whether the floor does.
+struct Support {
+  bool floor = false, left = false, right = false;
+};
+
+// Every grain that its predecessors, walls and floor hold, by the contacts of the packing alone.
+std::vector<Support> supports(const Packing& p, const ContactNetwork& network, double width) {
+  std::vector<Support> all(at(p.size()));
+  for (const Contact& contact : network.contacts) {
+    // grains are numbered as they fell: the later one rests on the earlier
+    const double from_centre = -contact.normal[0];
+    if (from_centre <= 0) all[at(contact.b)].left = true;
+    if (from_centre >= 0) all[at(contact.b)].right = true;
+  }
+  for (Index i = 0; i < p.size(); ++i) {
+    const double r = p.radius[at(i)];
+    all[at(i)].floor = p.y[at(i)] == r;
+    all[at(i)].left = all[at(i)].left || p.x[at(i)] == r;
+    all[at(i)].right = all[at(i)].right || p.x[at(i)] == width - r;
+  }
+  return all;
+}
+
+// Checks a deposit in a box of that width: nothing overlaps or leaves the box, everything is held.
+void check_deposit(const Deposit& deposit, double width) {
+  const Packing p = generate(deposit);
+  REQUIRE(p.size() == deposit.grains);
+  check(p);
+  const ContactNetwork network = detect_contacts(p, {.tolerance = 1e-9, .overlap_tolerance = 1e-7});
+  double scale = 0, deepest = 0;
+  for (Index i = 0; i < p.size(); ++i) {
+    const double r = p.radius[at(i)];
+    if (p.y[at(i)] < r || p.x[at(i)] < r || p.x[at(i)] > width - r) FAIL("grain ", i, " is not in the box");
+    scale = std::max({scale, p.x[at(i)], p.y[at(i)]});
+  }
+  for (const Contact& contact : network.contacts) deepest = std::min(deepest, contact.gap);
+  CHECK(deepest >= -1e-15 * scale);  // a few roundings of coordinates
+  const std::vector<Support> held = supports(p, network, width);
+  for (Index i = 0; i < p.size(); ++i)
+    if (!held[at(i)].floor && !(held[at(i)].left && held[at(i)].right)) FAIL("grain ", i, " is not held");
+}
+
+// Largest distance between the distribution function of the sample and the one given.
+double kolmogorov_distance(std::vector<double> sample, const std::function<double(double)>& cumulative) {
+  std::sort(sample.begin(), sample.end());
+  const double n = static_cast<double>(sample.size());
+  double distance = 0;
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    const double f = cumulative(sample[i]);
+    distance = std::max(
+        {distance, std::abs(f - static_cast<double>(i) / n), std::abs(f - static_cast<double>(i + 1) / n)});
+  }
+  return distance;
+}
+
+std::vector<double> sizes_of(const SizeDistribution& sizes, std::uint64_t seed, Index n) {
+  const auto radius = radius_quantile(sizes);
+  RandomStream random(seed);
+  std::vector<double> sample(at(n));
+  for (double& r : sample) r = radius(random.uniform());
+  return sample;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+
+double normal_cumulative(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+
+// Limits of the Kolmogorov distance of n numbers: exceeded once in 10^4.
+double kolmogorov_limit(Index n) { return 2.23 / std::sqrt(static_cast<double>(n)); }
+
+}  // namespace
+
+TEST_CASE("drop and roll: a disk falls onto another along a line") {
+  CHECK(*fall_onto({0, 1, 1}, 0, 1) == 3);
+  CHECK(*fall_onto({0, 1, 2}, 3, 3) == 5);  // 3-4-5
+  CHECK(*fall_onto({0, 1, 2}, -3, 3) == 5);
+  CHECK_FALSE(fall_onto({0, 1, 1}, 2, 1));
+  CHECK_FALSE(fall_onto({0, 1, 1}, -7, 1));
+}
+
+TEST_CASE("drop and roll: a disk rolls into the gap between two, from either side") {
+  const Disk left{0, 1, 1}, right{3, 1, 1};
+  const double height = 1 + std::sqrt(4 - 2.25);
+  const Point from_left = *roll_against(left, right, 1, Side::right);
+  CHECK(from_left[0] == doctest::Approx(1.5));
+  CHECK(from_left[1] == doctest::Approx(height));
+  const Point from_right = *roll_against(right, left, 1, Side::left);
+  CHECK(from_right[0] == doctest::Approx(1.5));
+  CHECK(from_right[1] == doctest::Approx(height));
+  CHECK_FALSE(roll_against(left, {4.1, 1, 1}, 1, Side::right));
+}
+
+TEST_CASE("drop and roll: grains come to rest on the floor, at a wall, in a gap, and roll past a top") {
+  Heap heap(10, 1, 10);
+  const Disk first = heap.settle(5, 1);
+  CHECK(first.x == 5);
+  CHECK(first.y == 1);
+  heap.add(first);
+  const Disk second = heap.settle(6, 1);  // rolls right over the first, down to the floor
+  CHECK(second.x == 7);
+  CHECK(second.y == 1);
+  heap.add(second);
+  const Disk third = heap.settle(6.9, 1);  // rolls left over the second
+  CHECK(third.x == doctest::Approx(6));
+  CHECK(third.y == doctest::Approx(1 + std::sqrt(3)));
+  heap.add(third);
+  const Disk fourth = heap.settle(6.1, 1);  // over the third, over the second, to the floor
+  CHECK(fourth.x == doctest::Approx(9));
+  CHECK(fourth.y == 1);
+  heap.add(fourth);
+  const Disk small = heap.settle(9.75, 0.25);  // over the fourth, into the corner at the wall
+  CHECK(small.x == 9.75);
+  CHECK(small.y == doctest::Approx(1 + std::sqrt(1.25 * 1.25 - 0.75 * 0.75)));
+}
+
+TEST_CASE("deposit: no overlap, every grain held on both sides or on the floor") {
+  const auto one = [](Index grains, double width, const SizeDistribution& sizes, Index seed) {
+    check_deposit({.grains = grains, .width = width, .sizes = sizes, .seed = seed}, width);
+  };
+  for (const Index seed : {1, 2, 3}) {
+    CAPTURE(seed);
+    one(3000, 12, {}, seed);
+    one(3000, 12, {.radius_min = 0.1, .radius_max = 0.1}, seed);
+    one(2000, 10, {.distribution = "uniform_volume", .radius_min = 0.02, .radius_max = 1}, seed);
+    one(2000, 10, {.distribution = "two_sizes", .radius_min = 0.05, .radius_max = 0.5}, seed);
+    one(2000, 10, {.distribution = "lognormal", .radius_min = 0.05, .radius_max = 0.8, .sigma = 0.6}, seed);
+    one(500, 1, {.radius_min = 0.5, .radius_max = 0.5}, seed);    // a column
+    one(500, 1.7, {.radius_min = 0.4, .radius_max = 0.5}, seed);  // a staircase
+    one(500, 8, {.radius_min = 0.5, .radius_max = 0.5}, seed);    // a box of exactly 8 diameters
+    one(500, 5000, {}, seed);                                     // grains far apart
+  }
+}
+
+TEST_CASE("deposit: the same for sizes and boxes at random, sizes up to 1 : 10^4, boxes of whole diameters") {
+  RandomStream random(5);
+  for (int trial = 0; trial < 1000; ++trial) {
+    CAPTURE(trial);
+    Deposit deposit{.grains = 1 + random.below(300), .seed = trial};
+    const double ratios[] = {1, 1.0000001, 2, 3, std::pow(10.0, 4 * random.uniform())};
+    deposit.sizes.radius_min = 0.5;
+    deposit.sizes.radius_max = 0.5 * ratios[random.below(5)];
+    const char* names[] = {"uniform", "uniform_volume", "two_sizes", "lognormal"};
+    deposit.sizes.distribution = names[random.below(4)];
+    const double whole = static_cast<double>(1 + random.below(12));
+    const double widths[] = {whole, whole * std::numbers::sqrt2, whole + random.uniform()};
+    deposit.width = 2 * deposit.sizes.radius_max * widths[random.below(3)];
+    check_deposit(deposit, deposit.width);
+  }
+}
+
+TEST_CASE("drop and roll: a small disk between a small one and a huge one touches both") {
+  const Disk huge{0, 5000, 5000}, small{5000.4, 4999, 0.5};
+  const Point c = *roll_against(huge, small, 0.5, Side::right);
+  CHECK(std::abs(std::hypot(c[0] - huge.x, c[1] - huge.y) - 5000.5) < 2e-12);
+  CHECK(std::abs(std::hypot(c[0] - small.x, c[1] - small.y) - 1) < 2e-12);
+  CHECK(c[1] > small.y);
+}
+
+TEST_CASE("deposit: a hundred thousand grains") {
+  const Packing p = generate(Deposit{.grains = 100'000});
+  const ContactNetwork network = detect_contacts(p);
+  // Two contacts per grain, fewer only along floor and walls.
+  const double coordination = 2.0 * static_cast<double>(network.size()) / 1e5;
+  CHECK(coordination > 3.97);
+  CHECK(coordination < 4.0);
+  const SolidFraction found = solid_fraction(p);
+  CHECK(found.middle > found.box);
+  double top = 0;
+  for (const double y : p.y) top = std::max(top, y);
+  CHECK(std::abs(top / right_end(p) - 1) < 0.05);  // about as high as wide
+}
+
+TEST_CASE("deposit: equal sizes fill as much as beds of this kind are known to") {
+  // about 0.82 after complete restructuring: Meakin & Jullien, J. Physique 48 (1987) 1651
+  const Packing p = generate(Deposit{.grains = 200'000, .sizes = {.radius_min = 0.5, .radius_max = 0.5}});
+  CHECK(std::abs(solid_fraction(p).middle - 0.818) < 0.008);
+}
+
+TEST_CASE("deposit: equal seeds give equal bytes, others do not, sizes do not depend on the box") {
+  const Packing p = generate(Deposit{.grains = 500, .seed = 7});
+  CHECK(same(p, generate(Deposit{.grains = 500, .seed = 7})));
+  CHECK(same(p, generate(Generator{Deposit{.grains = 500, .seed = 7}})));
+  CHECK_FALSE(same(p, generate(Deposit{.grains = 500, .seed = 8})));
+  const Packing wide = generate(Deposit{.grains = 500, .width = 30, .seed = 7});
+  CHECK(wide.radius == p.radius);
+  CHECK(wide.x != p.x);
+}
+
+TEST_CASE("deposit: a monitor follows, and may stop it") {
+  Index last = -1;
+  const Packing p = generate(Deposit{.grains = 5000}, [&](Index done, Index total) {
+    CHECK(done > last);
+    CHECK(total == 5000);
+    last = done;
+    return done < 2000;
+  });
+  CHECK(p.size() == last);
+  CHECK(p.size() < 5000);
+}
+
+TEST_CASE("deposit: a box that cannot hold its grains is refused") {
+  CHECK_THROWS_WITH_AS(generate(Deposit{.width = 0.39}), doctest::Contains("packing.width"), Error);
+  CHECK_THROWS_WITH_AS(generate(Deposit{.width = 2e6}), doctest::Contains("10^7 radius_min"), Error);
+  CHECK(generate(Deposit{.grains = 1}).size() == 1);
+  CHECK(generate(Deposit{.grains = 3, .width = 0.4}).size() == 3);
+}
+
+TEST_CASE("sizes: mean and distribution are those of the closed forms") {
+  constexpr Index n = 200'000;
+  const double a = 0.1, b = 0.3;
+  SUBCASE("uniform") {
+    const auto sample = sizes_of({.radius_min = a, .radius_max = b}, 3, n);
+    CHECK(std::abs(mean(sample) - 0.5 * (a + b)) < 4 * (b - a) / std::sqrt(12.0 * n));
+    CHECK(kolmogorov_distance(sample, [&](double r) { return (r - a) / (b - a); }) < kolmogorov_limit(n));
+  }
+  SUBCASE("uniform by volume") {
+    const auto sample = sizes_of({.distribution = "uniform_volume", .radius_min = a, .radius_max = b}, 4, n);
+    // density c / r^2 with 1/c = 1/a - 1/b: E r = c ln(b/a), E r^2 = c (b - a) = a b
+    const double c = 1 / (1 / a - 1 / b), expected = c * std::log(b / a);
+    CHECK(std::abs(mean(sample) - expected) < 4 * std::sqrt((a * b - expected * expected) / n));
+    CHECK(kolmogorov_distance(sample, [&](double r) { return c * (1 / a - 1 / r); }) < kolmogorov_limit(n));
+    // what the name says: the lower and the upper half of the sizes hold the same area
+    double lower = 0, all = 0;
+    for (const double r : sample) {
+      all += r * r;
+      if (r < 0.5 * (a + b)) lower += r * r;
+    }
+    CHECK(lower / all == doctest::Approx(0.5).epsilon(0.01));
+  }
+  SUBCASE("two sizes") {
+    const auto sample = sizes_of(
+        {.distribution = "two_sizes", .radius_min = a, .radius_max = b, .fraction_large = 0.3}, 5, n);
+    const auto large = static_cast<double>(std::count(sample.begin(), sample.end(), b));
+    CHECK(std::abs(large - 0.3 * n) < 4 * std::sqrt(0.3 * 0.7 * n));
+    CHECK(std::count(sample.begin(), sample.end(), a) + static_cast<Index>(large) == n);
+    for (const auto& [fraction, size] : {std::pair{0.0, a}, {1.0, b}}) {
+      const auto pure = sizes_of(
+          {.distribution = "two_sizes", .radius_min = a, .radius_max = b, .fraction_large = fraction}, 5,
+          100);
+      CHECK(std::count(pure.begin(), pure.end(), size) == 100);
+    }
+  }
+  SUBCASE("truncated lognormal: around the median, and in either tail") {
+    for (const auto& law : {std::pair{0.18, 0.4}, {0.02, 0.15}, {2.0, 0.2}}) {
+      const double median = law.first, sigma = law.second;
+      CAPTURE(median);
+      const auto sample = sizes_of(
+          {.distribution = "lognormal", .radius_min = a, .radius_max = b, .median = median, .sigma = sigma},
+          6, n);
+      CHECK(*std::min_element(sample.begin(), sample.end()) >= a);
+      CHECK(*std::max_element(sample.begin(), sample.end()) <= b);
+      // mirrored so that the tail is the lower one, where erfc keeps its digits
+      const double sign = median < a ? -1 : 1;
+      const auto z = [&](double r) { return sign * std::log(r / median) / sigma; };
+      const double low = normal_cumulative(z(a)), high = normal_cumulative(z(b));
+      CHECK(kolmogorov_distance(sample, [&](double r) {
+              return (normal_cumulative(z(r)) - low) / (high - low);
+            }) < kolmogorov_limit(n));
+    }
+    // E r = median exp(sigma^2/2) where nothing is cut off
+    const auto whole = sizes_of(
+        {.distribution = "lognormal", .radius_min = 1e-9, .radius_max = 1e9, .median = 0.2, .sigma = 0.4}, 7,
+        n);
+    const double expected = 0.2 * std::exp(0.08);
+    CHECK(std::abs(mean(whole) - expected) < 4 * expected * std::sqrt(std::expm1(0.16) / n));
+  }
+}
+
+TEST_CASE("sizes: one size where the bounds are equal, the geometric mean as default median") {
+  for (const char* name : {"uniform", "uniform_volume", "two_sizes", "lognormal"}) {
+    CAPTURE(name);
+    const auto radius = radius_quantile({.distribution = name, .radius_min = 0.3, .radius_max = 0.3});
+    for (const double u : {0.0, 0.4, 0.999999}) CHECK(radius(u) == 0.3);
+  }
+  CHECK(radius_quantile({.distribution = "lognormal", .radius_min = 0.1, .radius_max = 0.4})(0.5) ==
+        doctest::Approx(0.2));
+}
+
+TEST_CASE("sizes: what makes no distribution is refused") {
+  const auto refused = [](const SizeDistribution& sizes, const char* part) {
+    CHECK_THROWS_WITH_AS(radius_quantile(sizes), doctest::Contains(part), Error);
+    CHECK_THROWS_AS(generate(Deposit{.sizes = sizes}), Error);
+  };
+  refused({.distribution = "gauss"}, "\"uniform\", \"uniform_volume\", \"two_sizes\", \"lognormal\"");
+  refused({.distribution = ""}, "packing.distribution");
+  refused({.radius_min = 0.3, .radius_max = 0.2}, "packing.radius_min: expected at most radius_max = 0.2");
+  refused({.radius_min = 0}, "packing.radius_min");
+  refused({.radius_max = infinity}, "packing.radius_max");
+  refused({.fraction_large = 1.5}, "packing.fraction_large");
+  refused({.distribution = "lognormal", .sigma = 0}, "packing.sigma");
+  refused({.distribution = "lognormal", .median = 1e9, .sigma = 0.01}, "packing.median");
+}
+
+TEST_CASE("hexagonal lattice: without defects as ever") {
+  const Packing p = generate(HexagonalLattice{.columns = 3, .rows = 2, .radius = 0.5, .seed = 99});
+  CHECK(p.x == std::vector<double>{0, 1, 2, 0.5, 1.5, 2.5});
+  CHECK(p.y == std::vector<double>{0, 0, 0, std::numbers::sqrt3 * 0.5, std::numbers::sqrt3 * 0.5,
+                                   std::numbers::sqrt3 * 0.5});
+  CHECK(p.radius == std::vector<double>(6, 0.5));
+}
+
+TEST_CASE("hexagonal lattice: as many vacancies as asked, nested, seeded") {
+  const auto lattice = [](double vacancies, Index seed) {
+    return generate(HexagonalLattice{.columns = 20, .rows = 15, .vacancies = vacancies, .seed = seed});
+  };
+  CHECK(lattice(0.1, 1).size() == 270);
+  CHECK(lattice(0.333, 1).size() == 200);
+  CHECK(lattice(0.99, 1).size() == 3);
+  CHECK(generate(HexagonalLattice{.columns = 1, .rows = 1, .vacancies = 0.99}).size() == 1);
+  CHECK(same(lattice(0.2, 5), lattice(0.2, 5)));
+  CHECK_FALSE(same(lattice(0.2, 5), lattice(0.2, 6)));
+  const Packing few = lattice(0.1, 1), many = lattice(0.4, 1), full = lattice(0, 1);
+  const auto sites = [](const Packing& p) {
+    std::vector<std::pair<double, double>> all;
+    for (Index i = 0; i < p.size(); ++i) all.emplace_back(p.y[at(i)], p.x[at(i)]);
+    return all;  // rows upwards, columns to the right: sorted
+  };
+  const auto some = sites(few), fewer = sites(many), every = sites(full);
+  CHECK(std::includes(some.begin(), some.end(), fewer.begin(), fewer.end()));
+  CHECK(std::includes(every.begin(), every.end(), some.begin(), some.end()));
+}
+
+TEST_CASE("hexagonal lattice: size disorder parts neighbours, and a tolerance keeps the network") {
+  const HexagonalLattice lattice{.columns = 30, .rows = 30, .radius = 0.5, .disorder = 0.1};
+  const Packing p = generate(lattice), full = generate(HexagonalLattice{.columns = 30, .rows = 30});
+  CHECK(p.x == full.x);
+  CHECK(p.y == full.y);
+  const auto [low, high] = std::minmax_element(p.radius.begin(), p.radius.end());
+  CHECK(*low >= 0.45);
+  CHECK(*high <= 0.5);
+  CHECK(std::abs(mean(p.radius) - 0.475) < 4 * 0.05 / std::sqrt(12.0 * 900));
+  const Index links = detect_contacts(full).size();
+  CHECK(detect_contacts(p).size() < links / 100);
+  CHECK(detect_contacts(p, {.tolerance = 2 * 0.1 / (1 - 0.1)}).size() == links);
+  const Index thinned = detect_contacts(p, {.tolerance = 0.1}).size();
+  CHECK(thinned > links / 4);
+  CHECK(thinned < links);
+  // the sizes of the sites that stay do not depend on the vacancies
+  HexagonalLattice holes = lattice;
+  holes.vacancies = 0.5;
+  const Packing sparse = generate(holes);
+  CHECK(sparse.size() == 450);
+  for (Index i = 0; i < sparse.size(); ++i)
+    CHECK(std::find(p.radius.begin(), p.radius.end(), sparse.radius[at(i)]) != p.radius.end());
+}

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Packings in files: every double comes back bit for bit, and files that hold no packing are refused.
+#include "../support/run_program.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/packing_file.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/packing/generator.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+
+using namespace nscdd;
+
+namespace {
+
+// Doubles that are hard to print: of any exponent that a packing may have, the smallest, negative zero.
+Packing hard_numbers(bool masses) {
+  RandomStream random(11);
+  Packing p;
+  const auto any = [&] { return (1 + random.uniform()) * std::pow(10.0, 180 * random.uniform() - 90); };
+  for (int i = 0; i < 2000; ++i) {
+    p.x.push_back(i % 2 == 0 ? any() : -any());
+    p.y.push_back(random.uniform());
+    p.radius.push_back(any());
+    if (masses) p.mass.push_back(any());
+  }
+  p.x[0] = -0.0;
+  p.y[0] = 5e-324;
+  p.radius[0] = 2.2250738585072014e-308;
+  p.x[1] = 0.1 + 0.2;
+  p.radius[1] = 1e100;
+  return p;
+}
+
+std::vector<std::uint64_t> bits(const std::vector<double>& values) {
+  std::vector<std::uint64_t> all;
+  for (const double value : values) all.push_back(std::bit_cast<std::uint64_t>(value));
+  return all;
+}
+
+std::string written(const Packing& packing, const std::string& name, const Provenance& provenance = {}) {
+  const testing::TemporaryFolder folder;
+  const std::string path = (folder / name).string();
+  OutputFile file(path, false);
+  write_packing(file, *packing_format(path), packing, provenance);
+  file.finish();
+  return read_text(path);
+}
+
+Packing read_back(const std::string& content, const std::string& name) {
+  const testing::TemporaryFolder folder;
+  testing::write_file(folder / name, content);
+  return read_packing((folder / name).string());
+}
+
+// The bytes of an HDF5 file with these columns in the group.
+std::string file_of(const std::string& group,
+                    const std::vector<std::pair<std::string, std::vector<double>>>& columns) {
+  std::vector<NumberColumn> all;
+  for (const auto& [name, values] : columns) all.push_back({{name, "m", "a column"}, values});
+  return to_hdf5({}, group, all);
+}
+
+void refused(const std::string& bytes, const std::string& part) {
+  CAPTURE(part);
+  CHECK_THROWS_WITH_AS(packing_from_hdf5(bytes, "p.h5"), doctest::Contains(part.c_str()), Error);
+}
+
+}  // namespace
+
+TEST_CASE("packing file: written and read back, every double is the same") {
+  for (const bool masses : {false, true})
+    for (const char* name : {"p.csv", "p.h5", "p.hdf5"}) {
+      CAPTURE(name);
+      const Packing p = hard_numbers(masses);
+      const Packing back = read_back(written(p, name, {{"program", "a\nb"}}), name);
+      CHECK(bits(back.x) == bits(p.x));
+      CHECK(bits(back.y) == bits(p.y));
+      CHECK(bits(back.radius) == bits(p.radius));
+      CHECK(bits(back.mass) == bits(p.mass));
+    }
+}
+
+TEST_CASE("packing file: equal packings give equal bytes, and say where they come from") {
+  const Packing p = generate(Deposit{.grains = 300});
+  const Provenance origin{{"program", "nscdd 1"}, {"cases", "[packing]\nseed = 7\n"}};
+  for (const char* name : {"p.csv", "p.h5"}) CHECK(written(p, name, origin) == written(p, name, origin));
+  CHECK(written(p, "p.csv", origin)
+            .rfind("# program: nscdd 1\n# cases:\n#   [packing]\n#   seed = 7\nx,y,radius\n", 0) == 0);
+  CHECK(written(p, "p.h5", origin).find("seed = 7") != std::string::npos);
+}
+
+TEST_CASE("packing file: formats by the ending of the name") {
+  CHECK(packing_format("a/b.csv") == PackingFormat::csv);
+  CHECK(packing_format("b.h5") == PackingFormat::hdf5);
+  CHECK(packing_format("b.tar.hdf5") == PackingFormat::hdf5);
+  for (const char* name : {"b", "b.txt", "b.H5", ".h5", "h5", "b.csv/c"}) CHECK_FALSE(packing_format(name));
+}
+
+TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
+  const std::vector<double> two{1, 2}, three{1, 2, 3};
+  refused("", "p.h5: expected an HDF5 file");
+  refused("x,y,radius\n1,2,3\n", "p.h5: expected an HDF5 file");
+  const std::string good = file_of("packing", {{"x", two}, {"y", two}, {"radius", two}});
+  CHECK(packing_from_hdf5(good, "p.h5").size() == 2);
+  refused(good.substr(0, good.size() / 2), "p.h5: expected an HDF5 file");
+  refused(file_of("sweep", {{"x", two}}), "p.h5: expected a group 'packing', met none");
+  refused(file_of("packing", {{"x", two}, {"y", two}}),
+          "p.h5: packing: expected a dataset 'radius', met none");
+  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),
+          "p.h5: packing/colour: expected datasets x, y, radius and optionally mass");
+  refused(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}),
+          "p.h5: packing/y: expected 2 numbers as in x, met 3");
+  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", {1, 0}}}),
+          "p.h5: packing/radius: grain 1: expected a finite number > 0");
+  refused(file_of("packing", {{"x", {0, not_a_number}}, {"y", two}, {"radius", two}}),
+          "p.h5: packing/x: grain 1: expected a finite number");
+  refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"mass", {1, -1}}}),
+          "p.h5: packing/mass: grain 1");
+  refused(file_of("packing", {{"x", {}}, {"y", {}}, {"radius", {}}}), "p.h5: expected at least one grain");
+  // a table of texts under the right name
+  const Table texts{{{"x", "", "texts"}}, {{std::string("one")}, {std::string("two")}}};
+  refused(to_hdf5({}, {{"packing", texts}}),
+          "p.h5: packing/x: expected a one-dimensional dataset of numbers");
+}
+
+TEST_CASE("packing file: integers of an HDF5 file are numbers") {
+  const Table table{{{"x", "m", ""}, {"y", "m", ""}, {"radius", "m", ""}},
+                    {{std::int64_t{3}, 0.5, std::int64_t{1}}}};
+  const Packing p = packing_from_hdf5(to_hdf5({}, {{"packing", table}}), "p.h5");
+  CHECK(p.x == std::vector<double>{3});
+  CHECK(p.radius == std::vector<double>{1});
+}
+
+TEST_CASE("case file: a text with choices takes those alone, with file and line") {
+  std::string value = "lognormal";
+  const Field field{.description = "", .choices = "uniform lognormal"};
+  check_bounds(value, field, "key");
+  for (const char* wrong : {"", "uni", "uniform lognormal", "uniforms", "Uniform"}) {
+    value = wrong;
+    CHECK_THROWS_WITH_AS(
+        check_bounds(value, field, "c.toml:3: packing.distribution"),
+        doctest::Contains("c.toml:3: packing.distribution: expected one of \"uniform\", \"lognormal\""),
+        Error);
+  }
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Solid fraction, rattlers and size classes of packings small enough to know by hand.
+#include "../support/problems.hpp"
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/packing/generator.hpp>
+#include <nscdd/packing/statistics.hpp>
+#include <nscdd/study/inspection.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+using namespace nscdd;
+using std::numbers::pi;
+
+TEST_CASE("statistics: the part of a disk in a corner, against known parts and counted points") {
+  CHECK(disk_corner_area(0, 0) == doctest::Approx(pi / 4));
+  CHECK(disk_corner_area(0, 1) == doctest::Approx(pi / 2));
+  CHECK(disk_corner_area(2, 9) == doctest::Approx(pi));
+  CHECK(disk_corner_area(-1, 3) == 0);
+  CHECK(disk_corner_area(-0.8, -0.7) == 0);
+  RandomStream random(1);
+  for (const auto& [a, b] :
+       {std::pair{0.3, 0.4}, {-0.3, 0.4}, {-0.3, -0.6}, {0.9, 0.8}, {-0.8, 0.9}, {0.9, -0.8}}) {
+    constexpr int n = 200'000;
+    int inside = 0;
+    for (int i = 0; i < n; ++i) {
+      const double x = 2 * random.uniform() - 1, y = 2 * random.uniform() - 1;
+      if (x * x + y * y <= 1 && x <= a && y <= b) ++inside;
+    }
+    const double share = disk_corner_area(a, b) / 4;
+    CHECK(std::abs(static_cast<double>(inside) / n - share) < 4 * std::sqrt(share * (1 - share) / n));
+    CHECK(disk_corner_area(a, b) == doctest::Approx(disk_corner_area(b, a)));
+  }
+}
+
+TEST_CASE("statistics: solid fractions known by hand") {
+  const SolidFraction disk = solid_fraction({{3.0}, {-7.0}, {2.0}, {}});
+  CHECK(disk.box == doctest::Approx(pi / 4));
+  CHECK(disk.middle == doctest::Approx(1));  // the square of half the side lies in the disk
+  // 2 x 2 disks on a square lattice: the middle square cuts a quarter out of each
+  const SolidFraction square = solid_fraction({{0, 2, 0, 2}, {0, 0, 2, 2}, {1, 1, 1, 1}, {}});
+  CHECK(square.box == doctest::Approx(pi / 4));
+  CHECK(square.middle == doctest::Approx(pi / 4));
+  // two disks side by side in a box 4 x 2, its middle 2 x 1: each gives 0 <= x <= 1, |y| <= 1/2
+  const SolidFraction pair = solid_fraction({{0, 2}, {0, 0}, {1, 1}, {}});
+  CHECK(pair.box == doctest::Approx(pi / 4));
+  CHECK(pair.middle == doctest::Approx(std::sqrt(3) / 4 + pi / 6));
+  // a large lattice comes near pi / (2 sqrt 3), and its middle nearer
+  const double limit = pi / (2 * std::numbers::sqrt3);
+  const SolidFraction lattice = solid_fraction(generate(HexagonalLattice{.columns = 200, .rows = 200}));
+  CHECK(std::abs(lattice.middle - limit) < 0.002);
+  CHECK(std::abs(lattice.middle - limit) < std::abs(lattice.box - limit));
+}
+
+TEST_CASE("statistics: rattlers are what no closed loop of contacts holds") {
+  // a triangle 0 1 2, a chain 3 4 hanging from it, 5 alone
+  const Packing p{{0, 2, 1, 4, 6, 20}, {0, 0, std::numbers::sqrt3, 0, 0, 0}, {1, 1, 1, 1, 1, 1}, {}};
+  CHECK(rattlers(detect_contacts(p)) == std::vector<char>{0, 0, 0, 1, 1, 1});
+  CHECK(rattlers(detect_contacts({{0, 2, 4}, {0, 0, 0}, {1, 1, 1}, {}})) == std::vector<char>{1, 1, 1});
+  CHECK(rattlers(detect_contacts(generate(TriangularStrip{.grains = 8}))) == std::vector<char>(8, 0));
+  Case one;
+  one.packing = PackingFile{"triangle and chain", p};
+  const Inspection found = inspect(build(one));
+  CHECK(found.rattlers == 3);
+  CHECK(found.coordination_number == doctest::Approx(10.0 / 6));
+  CHECK(found.coordination_without_rattlers == doctest::Approx(2));
+  one.packing = PackingFile{"row", {{0, 2}, {0, 0}, {1, 1}, {}}};
+  CHECK(std::isnan(inspect(build(one)).coordination_without_rattlers));
+}
+
+TEST_CASE("statistics: size classes") {
+  const Packing p{{0, 10, 20, 30}, {0, 0, 0, 0}, {1, 1.5, 2, 2}, {}};
+  const auto classes = size_histogram(p, 4);
+  REQUIRE(classes.size() == 4);
+  CHECK(classes[0].from == 1);
+  CHECK(classes[1].from == classes[0].to);
+  CHECK(classes[3].to == 2);
+  CHECK(classes[0].grains == 1);
+  CHECK(classes[1].grains == 0);
+  CHECK(classes[2].grains == 1);
+  CHECK(classes[3].grains == 2);
+  CHECK(classes[3].area == doctest::Approx(8 * pi));
+  const auto equal = size_histogram(generate(HexagonalLattice{}));
+  REQUIRE(equal.size() == 1);
+  CHECK(equal[0].grains == 64);
+}
+
+TEST_CASE("inspection: ranks are left out above the size asked for, counts are not") {
+  const Model model = build(testing::strip(12));
+  const Inspection with = inspect(model), without = inspect(model, {.ranks_up_to = 20});
+  CHECK(with.ranks);
+  CHECK_FALSE(without.ranks);
+  CHECK(without.whole.grains == with.whole.grains);
+  CHECK(without.whole.contacts == with.whole.contacts);
+  CHECK(without.whole.rank == 0);
+  CHECK(without.interface_dofs == with.interface_dofs);
+  CHECK(inspect(model, {.ranks_up_to = 21}).ranks);
+}
