@@ -13,10 +13,29 @@ void SpectralCommandOptions::declare(CLI::App& command, const std::string& defau
                   "unilateral (carrying in the frictionless unilateral problem)")
       ->check(CLI::IsMember({"all", "active", "unilateral"}))
       ->capture_default_str();
-  command.add_option("--solver", solver, "auto, dense, or arpack")
-      ->check(CLI::IsMember({"auto", "dense", "arpack"}))
+  command
+      .add_option(
+          "--solver", solver,
+          "auto (dense for small interfaces, else shift-invert), dense, arpack (matrix-free Lanczos), or "
+          "shift-invert")
+      ->check(CLI::IsMember(spectral_solver_names()))
       ->capture_default_str();
   command.add_option("--residual-tolerance", tolerance, "largest residual that counts as converged")
+      ->capture_default_str();
+}
+
+void SpectralCommandOptions::declare_ends(CLI::App& command) {
+  command.add_flag("--certify", certify,
+                   "prove by inertia counts that no eigenvalue was missed; adds columns with the intervals");
+  command
+      .add_option("--eigenvalues", eigenvalues,
+                  "eigenvalues at each end of the spectrum; more than one adds columns")
+      ->capture_default_str();
+}
+
+void declare_threads(CLI::App& command, Index& threads) {
+  command.add_option("--threads", threads, "threads at the most, 0 for all; results do not depend on it")
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
 }
 
@@ -29,8 +48,10 @@ SpectralOptions SpectralCommandOptions::spectral() const {
                "--residual-tolerance");
   SpectralOptions options;
   options.tolerance = tolerance;
-  if (solver == "dense") options.solver = SpectralSolver::dense;
-  if (solver == "arpack") options.solver = SpectralSolver::arpack;
+  options.solver = spectral_solver(solver).value_or(SpectralSolver::automatic);  // no other name is admitted
+  options.certify = certify;
+  check_bounds(eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
+  options.eigenvalues = eigenvalues;
   return options;
 }
 

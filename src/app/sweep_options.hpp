@@ -14,10 +14,16 @@ struct SpectralCommandOptions {
   std::string contacts;
   std::string solver = "auto";
   double tolerance = SpectralOptions{}.tolerance;
+  bool certify = false;
+  Index eigenvalues = 1;
 
   void declare(CLI::App& command, const std::string& default_contacts);
+  void declare_ends(CLI::App& command);  ///< --certify and --eigenvalues
   ContactSet contact_set() const;
   SpectralOptions spectral() const;
 };
+
+/// Declares --threads.
+void declare_threads(CLI::App& command, Index& threads);
 
 }  // namespace nscdd::app

@@ -10,6 +10,7 @@
 #include <nscdd/io/hdf5.hpp>
 #include <nscdd/io/output_file.hpp>
 #include <nscdd/io/resumable_table.hpp>
+#include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/sweep.hpp>
 #include <nscdd/study/values.hpp>
 
@@ -26,6 +27,7 @@ struct Options {
   SpectralCommandOptions spectral;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
   bool force = false, resume = false;
+  Index threads = 0;
   MemoryLimit memory;
   Context context;
 };
@@ -45,8 +47,9 @@ SweepParameters parameters(const Options& options) {
 Index work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
                    Interruption& interruption, const RowSink& sink) {
   Index failed = 0;
+  const std::size_t converged = Table{sweep_columns(), {}}.column("converged");
   csv.replay([&](const Row& row) {
-    if (!std::get<bool>(row.back())) ++failed;
+    if (!std::get<bool>(row[converged])) ++failed;
     sink(row);
   });
   Progress progress(work.name, csv.kept());
@@ -65,13 +68,14 @@ int run(const Options& options) {
   work.cases = {options.one.resolve()};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (nothing_to_resume(options.csv, options.hdf5, how)) return 0;
+  const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
     note(fmt::format(
         "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
         model.name, model.partition.subdomains));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
-  Table table{sweep_columns(), {}};
+  Table table{sweep_columns(work.sweep.spectral), {}};
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
   ResumableTable csv(options.csv, work, how);
@@ -104,6 +108,8 @@ std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
                   "SPEC of the flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
       ->capture_default_str();
   options->spectral.declare(command, "all");
+  options->spectral.declare_ends(command);
+  declare_threads(command, options->threads);
   command
       .add_option("--relaxation", options->relaxation,
                   "SPEC of omega in F <- F + omega (F' - F), or 'optimal'")

@@ -98,11 +98,10 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (!chosen) section.fail("contacts", "\"all\", \"active\" or \"unilateral\"", "\"" + contacts + "\"");
   table.sweep.contacts = *chosen;
   section.read("solver", solver);
-  if (solver != "auto" && solver != "dense" && solver != "arpack")
-    section.fail("solver", "\"auto\", \"dense\" or \"arpack\"", "\"" + solver + "\"");
-  table.sweep.spectral.solver = solver == "auto"    ? SpectralSolver::automatic
-                                : solver == "dense" ? SpectralSolver::dense
-                                                    : SpectralSolver::arpack;
+  if (!spectral_solver(solver))
+    section.fail("solver", "\"auto\", \"dense\", \"arpack\" or \"shift-invert\"", "\"" + solver + "\"");
+  table.sweep.spectral.solver = *spectral_solver(solver);
+  section.read("certify", table.sweep.spectral.certify);
   Index seed = 1;
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));

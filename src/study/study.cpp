@@ -14,7 +14,7 @@ namespace {
 std::vector<Column> observable_columns(const StudyTable& table) {
   switch (table.observable) {
     case Observable::spectral_radius:
-      return sweep_columns();
+      return sweep_columns(table.sweep.spectral);
     case Observable::optimum:
       return optimum_columns();
     case Observable::observed_rate:

@@ -21,6 +21,13 @@ double optimal_relaxation(const SpectralRadius& plain) {
   return 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max);
 }
 
+// Eigenvalues in the certified interval, or else those found that agree with the first within the tolerance.
+Index multiplicity(const std::vector<double>& values, Index within, double tolerance) {
+  if (within > 0) return within;
+  return std::count_if(values.begin(), values.end(),
+                       [&](double mu) { return std::abs(mu - values[0]) <= tolerance; });
+}
+
 // Operators of one family; the last one made is kept, which serves the inner loop of a sweep.
 class OperatorStore {
  public:
@@ -35,22 +42,64 @@ class OperatorStore {
   std::optional<InterfaceOperator> current_;
 };
 
-Row exact_cells(const InterfaceOperator& preconditioner, const InterfaceOperator& system,
-                const std::optional<double>& relaxation, const SpectralOptions& options) {
-  Contraction b{preconditioner, system, relaxation.value_or(1.0)};
-  SpectralRadius radius = spectral_radius(b, options);
-  if (!relaxation && radius.solver != "none") {
-    b.relaxation = optimal_relaxation(radius);
-    radius = spectral_radius(b, options);
+// Cells of `end_columns`.
+Row end_cells(const SpectralRadius& radius, const SpectralOptions& options) {
+  Row row;
+  if (options.certify)
+    append(row, {radius.certified, radius.interval_min[0], radius.interval_min[1], radius.interval_max[0],
+                 radius.interval_max[1]});
+  if (options.certify || options.eigenvalues > 1)
+    append(row, {integer(multiplicity(radius.low, radius.within_min, options.tolerance)),
+                 integer(multiplicity(radius.high, radius.within_max, options.tolerance))});
+  if (options.eigenvalues > 1)
+    for (const auto& values : {radius.low, radius.high})
+      for (Index k = 0; k < options.eigenvalues; ++k)
+        row.emplace_back(k < count(values) ? values[at(k)] : not_a_number);
+  return row;
+}
+
+// Spectra at omega = 1 of one sweep. Neighbours start from each other in blocks of fixed places, so that a
+// sweep that starts at any row can start its block again and go on with the same bits.
+class Spectra {
+ public:
+  static constexpr Index block = 8;
+
+  Spectra(const Decomposition& stage_one, const Decomposition& stage_two, const SpectralOptions& options)
+      : preconditioners_(stage_two), systems_(stage_one), options_(options) {}
+
+  // `number`: of the pair (epsilon, eta) along the sweep
+  const SpectralRadius& at(double epsilon, double eta, Index number) {
+    if (number == number_) return current_;
+    if (number % block == 0) forget();
+    current_ = spectral_radius({preconditioners_.at(eta), systems_.at(epsilon)}, options_, &memory_);
+    number_ = number;
+    return current_;
   }
+  const InterfaceOperator& preconditioner(double eta) { return preconditioners_.at(eta); }
+
+ private:
+  void forget() { memory_.visited.clear(); }
+
+  OperatorStore preconditioners_, systems_;
+  SpectralOptions options_;
+  SpectralMemory memory_;
+  SpectralRadius current_;
+  Index number_ = -1;
+};
+
+Row exact_cells(const SpectralRadius& plain, const std::optional<double>& relaxation,
+                const SpectralOptions& options) {
+  const bool computed = plain.solver != "none";
+  const double omega = relaxation.value_or(computed ? optimal_relaxation(plain) : 1.0);
+  const SpectralRadius radius = relaxed(plain, omega, options.tolerance);
   // Where the ends are equal and opposite (optimal relaxation) rounding must not choose between them.
   const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
   const double dominant = low_end ? radius.eigenvalue_min : radius.eigenvalue_max;
   Row row;
-  append(row, {b.relaxation, infinity, radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
-               integer(radius.unit_multiplicity), radius.subdominant, dominant,
-               radius.solver == "none" ? not_a_number : 0.0, std::string(radius.solver),
-               integer(radius.applications), radius.residual, radius.converged});
+  append(row, {omega, infinity, radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
+               integer(radius.unit_multiplicity), radius.subdominant, dominant, computed ? 0.0 : not_a_number,
+               std::string(radius.solver), integer(radius.applications), radius.residual, radius.converged});
+  for (const Cell& cell : end_cells(radius, options)) row.push_back(cell);
   return row;
 }
 
@@ -64,6 +113,9 @@ Row inexact_cells(const Decomposition& stage_one, const InterfaceOperator& preco
                integer(radius.unit_multiplicity), radius.subdominant, radius.dominant.real(),
                radius.dominant.imag(), std::string(radius.solver), integer(radius.applications),
                radius.residual, radius.converged});
+  SpectralRadius unknown;
+  unknown.solver = "none";
+  for (const Cell& cell : end_cells(unknown, options)) row.push_back(cell);
   return row;
 }
 
@@ -127,7 +179,30 @@ std::vector<Column> point_columns() {
   return columns;
 }
 
-std::vector<Column> sweep_columns() {
+std::vector<Column> end_columns(const SpectralOptions& options) {
+  std::vector<Column> columns;
+  if (options.certify)
+    columns = {
+        {"certified", "", "inertia counts prove that no eigenvalue lies outside the two intervals"},
+        {"low_from", "1", "interval that holds the low end of the spectrum (unit eigenvalues apart)"},
+        {"low_to", "1", "its upper bound"},
+        {"high_from", "1", "interval that holds the high end of the spectrum (unit eigenvalues apart)"},
+        {"high_to", "1", "its upper bound"}};
+  if (options.certify || options.eigenvalues > 1) {
+    columns.push_back(
+        {"low_multiplicity", "1", "eigenvalues within the interval (else: found) at the low end"});
+    columns.push_back(
+        {"high_multiplicity", "1", "eigenvalues within the interval (else: found) at the high end"});
+  }
+  if (options.eigenvalues > 1)
+    for (const std::string end : {"low", "high"})
+      for (Index k = 1; k <= options.eigenvalues; ++k)
+        columns.push_back({fmt::format("eigenvalue_{}_{}", end, k), "1",
+                           fmt::format("number {} from the {} end, unit eigenvalues apart", k, end)});
+  return columns;
+}
+
+std::vector<Column> sweep_columns(const SpectralOptions& options) {
   std::vector<Column> columns = point_columns();
   const std::vector<Column> more{
       {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator"},
@@ -137,12 +212,14 @@ std::vector<Column> sweep_columns() {
       {"subdominant_radius", "1", "largest modulus among the other eigenvalues"},
       {"dominant_real", "1", "real part of the eigenvalue of largest modulus"},
       {"dominant_imaginary", "1", "its imaginary part, of a pair the positive one"},
-      {"solver", "", "dense, arpack, or none for an empty interface"},
+      {"solver", "", "dense, arpack, shift-invert, or none for an empty interface"},
       {"applications", "1", "operator applications, 0 where matrices were assembled"},
       {"residual", "1",
        "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)"},
       {"converged", "1", "the solver converged and the residual is within the tolerance"}};
   columns.insert(columns.end(), more.begin(), more.end());
+  const std::vector<Column> ends = end_columns(options);
+  columns.insert(columns.end(), ends.begin(), ends.end());
   return columns;
 }
 
@@ -157,19 +234,27 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
             *sweeps));
   const Selection selection = select(model, parameters.contacts);
   const Row head = case_cells(model, selection, parameters.contacts);
-  OperatorStore preconditioners(model.parts), systems(selection.stage_one);
+  const SpectralOptions& options = parameters.spectral;
+  // The same decomposition where the contacts are the same: P and S then share what does not depend on them.
+  Spectra spectra(parameters.contacts == ContactSet::all ? model.parts : selection.stage_one, model.parts,
+                  options);
   const Index total = point_count(parameters);
+  const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
+  const Index replayed = Spectra::block * per_pair;
+  const bool warm =
+      options.solver == SpectralSolver::shift_invert ||
+      (options.solver == SpectralSolver::automatic && model.parts.interface_size() > options.dense_limit);
   Index failed = 0;
   const std::size_t converged_column = sweep_columns().size() - 1;
-  for (Index number = first; number < total; ++number) {
+  for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
     const auto [epsilon, eta, relaxation, sweeps] = sweep_point(parameters, number);
-    const InterfaceOperator& preconditioner = preconditioners.at(eta);
+    if (number < first && sweeps) continue;
     Row row = head;
     append(row, {epsilon, eta});
-    const Row cells = sweeps
-                          ? inexact_cells(selection.stage_one, preconditioner, epsilon, *sweeps, *relaxation,
-                                          parameters.spectral)
-                          : exact_cells(preconditioner, systems.at(epsilon), relaxation, parameters.spectral);
+    const Row cells = sweeps ? inexact_cells(selection.stage_one, spectra.preconditioner(eta), epsilon,
+                                             *sweeps, *relaxation, options)
+                             : exact_cells(spectra.at(epsilon, eta, number / per_pair), relaxation, options);
+    if (number < first) continue;
     row.insert(row.end(), cells.begin(), cells.end());
     if (!selection.certain) row[converged_column] = false;  // the radius of an uncertain set of contacts
     if (!std::get<bool>(row[converged_column])) ++failed;

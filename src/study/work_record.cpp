@@ -72,14 +72,12 @@ std::string options_text(const StudyTable& table) {
 
 // Every member of SpectralOptions.
 std::string effort_text(const SpectralOptions& options) {
-  const char* solver = options.solver == SpectralSolver::dense    ? "dense"
-                       : options.solver == SpectralSolver::arpack ? "arpack"
-                                                                  : "auto";
   return fmt::format(
       "solver = {}\ndense_limit = {}\ntolerance = {}\nbasis = {}\nmaximum_restarts = {}\n"
-      "arpack_tolerance = {}\n",
-      solver, options.dense_limit, options.tolerance, options.arpack.basis, options.arpack.maximum_restarts,
-      options.arpack.tolerance);
+      "arpack_tolerance = {}\ncertify = {}\neigenvalues = {}\n",
+      spectral_solver_names()[static_cast<std::size_t>(options.solver)], options.dense_limit,
+      options.tolerance, options.arpack.basis, options.arpack.maximum_restarts, options.arpack.tolerance,
+      options.certify, options.eigenvalues);
 }
 
 // First line in which two texts differ.

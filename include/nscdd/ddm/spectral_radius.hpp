@@ -8,6 +8,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +20,19 @@ enum class SpectralSolver {
   arpack,        ///< both ends by Lanczos on P^-1 S and S^-1 P, matrix-free (ARPACK)
   shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them (ARPACK)
 };
+
+/// Name of each solver as options, studies and records have it, in the order of the enumeration.
+inline std::vector<std::string> spectral_solver_names() {
+  return {"auto", "dense", "arpack", "shift-invert"};
+}
+
+/// The solver of that name, if there is one.
+inline std::optional<SpectralSolver> spectral_solver(std::string_view name) {
+  const std::vector<std::string> names = spectral_solver_names();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return static_cast<SpectralSolver>(i);
+  return std::nullopt;
+}
 
 struct SpectralOptions {
   SpectralSolver solver = SpectralSolver::automatic;

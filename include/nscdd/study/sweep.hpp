@@ -53,8 +53,9 @@ Row case_cells(const Model& model, const Selection& selection, ContactSet contac
 /// The same followed by the coordinates of a point of a sweep: epsilon, eta, relaxation, sweeps.
 std::vector<Column> point_columns();
 
-/// Columns of a sweep, described in docs/formats.md.
-std::vector<Column> sweep_columns();
+/// Columns of a sweep, described in docs/formats.md; certificates and further eigenvalues add theirs at the
+/// end.
+std::vector<Column> sweep_columns(const SpectralOptions& options = {});
 
 /// Takes the rows of a table as they come.
 using RowSink = std::function<void(const Row&)>;
