@@ -19,13 +19,15 @@ namespace {
 using namespace nscdd::app;
 
 // Every verb of the program.
-constexpr std::array<Verb, 7> verbs{{
+constexpr std::array<Verb, 8> verbs{{
     {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV",
      declare_sweep},
     {"run", "run a study: its tables as CSV and HDF5", declare_run},
     {"network", "contact network of a case: links, impulses, active contacts, as CSV", declare_network},
     {"inspect", "counts, interface, ranks, rigid modes and hyperstaticity of a case", declare_inspect},
     {"optimum", "best flexibility eta of the enriched algorithm for a case", declare_optimum},
+    {"modes", "where the iteration is slow: impulses and velocities of the slowest mode, as CSV",
+     declare_modes},
     {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
     {"list", "known cases, studies, generators, partitioners and observables", declare_list},
 }};

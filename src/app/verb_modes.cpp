@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case_options.hpp"
+#include "memory_limit.hpp"
+#include "progress.hpp"
+#include "sweep_options.hpp"
+#include "verbs.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/linalg/threads.hpp>
+#include <nscdd/study/mode_tables.hpp>
+#include <nscdd/study/values.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace nscdd::app {
+namespace {
+
+constexpr std::size_t interfaces_shown = 8;
+
+struct Options {
+  CaseOptions one;
+  SpectralCommandOptions spectral;
+  std::string epsilon, eta = "inf", end = "slowest", output;
+  bool force = false;
+  Index threads = 0;
+  MemoryLimit memory;
+};
+
+double one_of(const std::vector<double>& values, const std::string& option, const std::string& text) {
+  if (values.size() == 1) return values.front();
+  throw Error(fmt::format("{}: expected one number, a mode belongs to one operator, met '{}'", option, text));
+}
+
+ModeParameters parameters(const Options& options) {
+  ModeParameters result;
+  result.epsilon = one_of(parse_epsilon(options.epsilon), "--epsilon", options.epsilon);
+  result.eta = one_of(parse_eta(options.eta), "--eta", options.eta);
+  result.contacts = options.spectral.contact_set();
+  result.side = spectrum_side(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
+  result.spectral = options.spectral.spectral();
+  return result;
+}
+
+// The same work as one row of a sweep.
+SweepParameters as_sweep(const ModeParameters& parameters) {
+  SweepParameters sweep;
+  sweep.epsilon = {parameters.epsilon};
+  sweep.eta = {parameters.eta};
+  sweep.contacts = parameters.contacts;
+  sweep.spectral = parameters.spectral;
+  return sweep;
+}
+
+void print_spectrum(const Model& model, const ModeParameters& parameters, const Mode& mode) {
+  fmt::print("case                 {}\n", model.name);
+  fmt::print("interface unknowns   {}{}\n", model.parts.interface_size(),
+             model.parts.interface_size() == 0 ? " (empty interface)" : "");
+  fmt::print("epsilon              {} 1/kg\n", field_text(parameters.epsilon));
+  fmt::print("eta                  {} 1/kg\n", field_text(parameters.eta));
+  fmt::print("contacts of Stage 1  {}\n", to_string(parameters.contacts));
+  fmt::print("spectral radius      {}\n", field_text(mode.spectrum.value));
+  if (mode.spectrum.unit_multiplicity > 0)
+    fmt::print("  without {} unit eigenvalue(s)  {}\n", mode.spectrum.unit_multiplicity,
+               field_text(mode.spectrum.subdominant));
+  fmt::print("solver               {}\n", mode.spectrum.solver);
+}
+
+void print_mode(const Model& model, const Mode& mode, double tolerance) {
+  fmt::print("mode                 {} end\n", to_string(mode.side));
+  fmt::print("  eigenvalue         {}\n", field_text(mode.eigenvalue));
+  const bool multiple = std::abs(mode.next - mode.eigenvalue) <= std::max(tolerance, mode.residual);
+  fmt::print("  next inwards       {}{}\n", std::isnan(mode.next) ? "not computed" : field_text(mode.next),
+             multiple ? " (the same within the tolerance: the mode is one of several)" : "");
+  fmt::print("  residual           {:.3g}\n", mode.residual);
+  fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode), model.parts.gluing.size());
+  fmt::print("{:<14}{:>7}{:>12}\n", "subdomains", "rows", "share");
+  const std::vector<InterfaceShare> shares = shares_by_interface(model.parts, mode);
+  double rest = 0;
+  Index rest_rows = 0;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    if (k < interfaces_shown) {
+      fmt::print("{:<14}{:>7}{:>10.2f} %\n", fmt::format("{} | {}", shares[k].first, shares[k].second),
+                 shares[k].rows, 100 * shares[k].share);
+    } else {
+      rest += shares[k].share;
+      rest_rows += shares[k].rows;
+    }
+  }
+  if (rest_rows > 0) fmt::print("{:<14}{:>7}{:>10.2f} %\n", "others", rest_rows, 100 * rest);
+}
+
+void tell_doubts(const Mode& mode) {
+  if (!mode.found()) {
+    note(mode.spectrum.solver == "none" ? "the interface is empty: there is no mode, the tables have no rows"
+         : mode.spectrum.converged
+             ? "every eigenvalue is the same: there is no mode of its own, the tables have no rows"
+             : "the solver did not converge: there is no mode, the tables have no rows");
+    return;
+  }
+  if (!mode.converged) note("the mode did not converge: see its residual");
+  if (!mode.spectrum.converged)
+    note("the ends of the spectrum did not converge: a slower mode may be missed");
+}
+
+int run(const Options& options) {
+  if (options.output.empty() || options.output == "-" || options.output.back() == '/')
+    throw Error(fmt::format(
+        "--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output));
+  const ModeParameters wanted = parameters(options);
+  const Case one = options.one.resolve();
+  // Both are opened before the work, and named after it: a run that fails leaves neither.
+  CsvWriter impulses(options.output + "-impulses.csv", options.force, mode_impulse_columns());
+  CsvWriter velocities(options.output + "-velocities.csv", options.force, mode_velocity_columns());
+  const ThreadLimit limit(options.threads);
+  const Model model = build(one);
+  options.memory.require(
+      {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
+  const Mode mode = interface_mode(model, wanted);
+  impulses.write_header();
+  velocities.write_header();
+  mode_impulse_rows(model, wanted, mode, [&](const Row& row) { impulses.write(row); });
+  mode_velocity_rows(model, mode, [&](const Row& row) { velocities.write(row); });
+  impulses.finish();
+  velocities.finish();
+  print_spectrum(model, wanted, mode);
+  if (mode.found()) print_mode(model, mode, wanted.spectral.tolerance);
+  tell_doubts(mode);
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_modes(CLI::App& command, const Context&) {
+  auto options = std::make_shared<Options>();
+  options->one.declare(command);
+  command
+      .add_option("--epsilon", options->epsilon, "flexibility of the linear law, 1/kg; 0 is the rigid limit")
+      ->required();
+  command.add_option("--eta", options->eta, "flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
+      ->capture_default_str();
+  options->spectral.declare(command, "all");
+  command
+      .add_option("--end", options->end,
+                  "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
+      ->check(CLI::IsMember({"slowest", "low", "high"}))
+      ->capture_default_str();
+  command
+      .add_option("--output", options->output,
+                  "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv")
+      ->required();
+  command.add_flag("--force", options->force, "replace existing outputs");
+  declare_threads(command, options->threads);
+  options->memory.declare(command);
+  command.footer(
+      "The mode is the error that the iteration is left with in the end: interface impulses F with\n"
+      "B F = (eigenvalue) F, and the velocities that Stage 1 answers them with. Draw it with\n"
+      "  plots/modes.py PREFIX mode.svg\n"
+      "Examples:\n"
+      "  nscdd modes hexagonal --epsilon 1e-3 --output slow\n"
+      "  nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low");
+  return [options] { return run(*options); };
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd modes: tables and report, refusals, and the picture drawn from the tables.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+
+using namespace nscdd::testing;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("modes: the slowest mode of 4 disks has the radius of the sweep") {
+  const Session session;
+  const std::string report = answer(session, "modes disks4 --epsilon 0 --output slow");
+  CHECK(content_of(session.folder.path()).size() == 2);  // no .partial either
+  const CsvTable impulses = read_table(session.read("slow-impulses.csv"));
+  const CsvTable velocities = read_table(session.read("slow-velocities.csv"));
+  REQUIRE(impulses.rows.size() == 2);
+  REQUIRE(velocities.rows.size() == 6);
+  double share = 0;
+  for (std::size_t row = 0; row < 2; ++row) {
+    CHECK(std::abs(impulses.number(row, "eigenvalue") - (29 + std::sqrt(57.0)) / 56) < 1e-13);
+    CHECK(impulses.text(row, "end") == "high");
+    CHECK(impulses.number(row, "epsilon") == 0);
+    CHECK(impulses.number(row, "eta") == INFINITY);
+    CHECK(impulses.number(row, "subdomain_first") == 0);
+    CHECK(impulses.number(row, "subdomain_second") == 1);
+    share += impulses.number(row, "share");
+    // P = 4 per gluing row of unit grains split in two, so the share is 4 |F_k|^2, and the jump - 4 lambda
+    // F_k
+    const double fx = impulses.number(row, "impulse_x"), fy = impulses.number(row, "impulse_y");
+    CHECK(std::abs(4 * (fx * fx + fy * fy) - impulses.number(row, "share")) < 1e-14);
+    const double lambda = 1 - impulses.number(row, "eigenvalue");
+    CHECK(std::abs(impulses.number(row, "jump_x") + 4 * lambda * fx) < 1e-13);
+    CHECK(std::abs(impulses.number(row, "jump_y") + 4 * lambda * fy) < 1e-13);
+  }
+  CHECK(std::abs(share - 1) < 1e-14);
+  CHECK(contains(report, "high end"));
+  CHECK(contains(report, "0 | 1"));
+  CHECK(contains(report, "100.00 %"));
+}
+
+TEST_CASE("modes: both ends can be asked for, and equal commands give equal bytes") {
+  const Session session;
+  for (const std::string& end : Texts{"low", "high"}) {
+    const std::string line = "modes hexagonal --epsilon 0.1 --eta 0.01 --end " + end + " --output ";
+    CHECK(answer(session, line + "a" + end) == answer(session, line + "b" + end));
+    for (const std::string& table : Texts{"-impulses.csv", "-velocities.csv"})
+      CHECK(session.read("a" + end + table) == session.read("b" + end + table));
+    CHECK(read_table(session.read("a" + end + "-impulses.csv")).text(0, "end") == end);
+  }
+  answer(session, "modes hexagonal --epsilon 0.1 --eta 0.01 --output slow");  // it diverges at the low end
+  CHECK(session.read("slow-impulses.csv") == session.read("alow-impulses.csv"));
+}
+
+TEST_CASE("modes: usage that makes no sense") {
+  const Session session;
+  session.file("mine.csv", row_of_three());
+  check_refused(session, "modes disks4 --output a", {"--epsilon"});
+  check_refused(session, "modes disks4 --epsilon 1", {"--output"});
+  check_refused(session, "modes disks4 --epsilon 1 --output a --end fastest",
+                {"--end", "slowest", "fastest"});
+  check_refused(session, "modes disks4 --epsilon 0,1 --output a", {"--epsilon", "one number", "0,1"});
+  check_refused(session, "modes disks4 --epsilon 1 --eta 1:10:3 --output a", {"--eta", "one number"});
+  check_refused(session, "modes disks4 --epsilon -1 --output a", {"epsilon", ">= 0"});
+  check_refused(session, "modes disks4 --epsilon 1 --eta 0 --output a", {"eta", "> 0"});
+  for (const std::string& prefix : Texts{"-", "", "folder/"})
+    check_refused(session, {"modes", "disks4", "--epsilon", "1", "--output", prefix}, {"--output", "prefix"});
+  check_refused(session, "modes disks4 --epsilon 1 --output nowhere/a", {"nowhere"});
+  check_refused(session, "modes mine.csv --epsilon 1 --contacts active --output a", {"prescribed"});
+  check_refused(session, "modes hexagonal --epsilon 1 --output a --memory-limit 1e-9", {"memory"});
+}
+
+TEST_CASE("modes: existing tables are refused, and replaced on demand") {
+  for (const std::string& name : Texts{"a-impulses.csv", "a-velocities.csv"}) {
+    const Session session;
+    session.file(name, "precious");
+    check_refused(session, "modes disks4 --epsilon 1 --output a", {name, "exists already", "--force"});
+    answer(session, "modes disks4 --epsilon 1 --output a --force");
+    CHECK(session.read(name).rfind("case,", 0) == 0);
+  }
+}
+
+TEST_CASE("modes: an empty interface has none, said and tabled") {
+  const Session session;
+  const Outcome outcome = session.run(words("modes disks4 --subdomains 1x1 --epsilon 1 --output a"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "the interface is empty"));
+  CHECK(contains(outcome.standard_output, "empty interface"));
+  CHECK(read_table(session.read("a-impulses.csv")).rows.empty());
+  CHECK(read_table(session.read("a-velocities.csv")).rows.empty());
+}
