@@ -10,12 +10,13 @@ import style
 from figures_2_3_4 import sector_angles, unit
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection, PatchCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.patches import Wedge
 
 WIDTH, TALLEST = 140.0, 190.0  # mm
 ABOVE, BELOW, EDGE = 7.0, 14.5, 2.0  # mm: heading; colour bar and key; around the packing
-MAP = "YlOrBr"                 # light to dark, in grey as well
+# Light to dark, in grey as well, but not so dark that the arrows are lost.
+MAP = ListedColormap(style.plt.get_cmap("YlOrBr")(np.linspace(0, 0.8, 256)))
 ARROW = "#1f5f99"
 CELLS = 28                     # across, over which velocities are averaged
 SHORTEST = 0.04                # of the arrows, as a part of the longest
@@ -228,11 +229,15 @@ def main():
     parser.add_argument("output", metavar="OUTPUT", help="picture to write, .svg, .png or .pdf")
     parser.add_argument("--zoom", type=float, default=1, metavar="FACTOR",
                         help="show a part so many times narrower, around the strongest impulse (1)")
+    parser.add_argument("--dpi", type=int, default=200, metavar="DPI", help="of .png, and of images in the others (200)")
     options = parser.parse_args()
     if not 1 <= options.zoom < np.inf:
         parser.error(f"--zoom: expected a number >= 1, met {options.zoom}")
     if os.path.splitext(options.output)[1][1:] not in style.FORMATS:
         parser.error(f"OUTPUT: '{options.output}' ends in none of {', '.join(style.FORMATS)}")
+    if not 20 <= options.dpi <= 2000:
+        parser.error(f"--dpi: expected a number in 20 ... 2000, met {options.dpi}")
+    style.plt.rcParams["savefig.dpi"] = options.dpi
     try:
         for path in draw(options.prefix, options.output, options.zoom):
             print(path)

@@ -70,41 +70,61 @@ void print_spectrum(const Model& model, const ModeParameters& parameters, const 
   fmt::print("solver               {}\n", mode.spectrum.solver);
 }
 
-void print_mode(const Model& model, const Mode& mode, double tolerance) {
+void print_end(const Mode& mode, const SpectralOptions& options) {
+  const bool low = mode.side == SpectrumSide::low;
   fmt::print("mode                 {} end\n", to_string(mode.side));
   fmt::print("  eigenvalue         {}\n", field_text(mode.eigenvalue));
-  const bool multiple = std::abs(mode.next - mode.eigenvalue) <= std::max(tolerance, mode.residual);
-  fmt::print("  next inwards       {}{}\n", std::isnan(mode.next) ? "not computed" : field_text(mode.next),
-             multiple ? " (the same within the tolerance: the mode is one of several)" : "");
+  const std::vector<double>& values = low ? mode.spectrum.low : mode.spectrum.high;
+  for (Index k = 1; k < std::max<Index>(options.eigenvalues, 2); ++k)
+    fmt::print("  next inwards       {}\n", k < count(values) ? field_text(values[at(k)]) : "not computed");
+  if (std::abs(mode.next - mode.eigenvalue) <= std::max(options.tolerance, mode.residual))
+    fmt::print("    the same within the tolerance: the mode is one of several\n");
+  if (options.certify) {
+    const auto& interval = low ? mode.spectrum.interval_min : mode.spectrum.interval_max;
+    fmt::print("  certified          {}\n",
+               mode.spectrum.certified
+                   ? fmt::format("{} eigenvalue(s) in [{}, {}], none further out",
+                                 low ? mode.spectrum.within_min : mode.spectrum.within_max,
+                                 field_text(interval[0]), field_text(interval[1]))
+                   : "no");
+  }
   fmt::print("  residual           {:.3g}\n", mode.residual);
+}
+
+void print_share(const std::string& name, const InterfaceShare& pair) {
+  const double percent = 100 * pair.share;
+  fmt::print("{:<14}{:>7}{:>10.2f} %\n", name, pair.rows, std::abs(percent) < 0.005 ? 0.0 : percent);
+}
+
+void print_shares(const Model& model, const Mode& mode) {
   fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode), model.parts.gluing.size());
   fmt::print("{:<14}{:>7}{:>12}\n", "subdomains", "rows", "share");
   const std::vector<InterfaceShare> shares = shares_by_interface(model.parts, mode);
-  double rest = 0;
-  Index rest_rows = 0;
+  InterfaceShare rest;
   for (std::size_t k = 0; k < shares.size(); ++k) {
     if (k < interfaces_shown) {
-      fmt::print("{:<14}{:>7}{:>10.2f} %\n", fmt::format("{} | {}", shares[k].first, shares[k].second),
-                 shares[k].rows, 100 * shares[k].share);
+      print_share(fmt::format("{} | {}", shares[k].first, shares[k].second), shares[k]);
     } else {
-      rest += shares[k].share;
-      rest_rows += shares[k].rows;
+      rest.rows += shares[k].rows;
+      rest.share += shares[k].share;
     }
   }
-  if (rest_rows > 0) fmt::print("{:<14}{:>7}{:>10.2f} %\n", "others", rest_rows, 100 * rest);
+  if (rest.rows > 0) print_share("others", rest);
 }
 
-void tell_doubts(const Mode& mode) {
-  if (!mode.found()) {
-    note(mode.spectrum.solver == "none" ? "the interface is empty: there is no mode, the tables have no rows"
-         : mode.spectrum.converged
-             ? "every eigenvalue is the same: there is no mode of its own, the tables have no rows"
-             : "the solver did not converge: there is no mode, the tables have no rows");
-    return;
+void tell_doubts(const Mode& mode, double epsilon) {
+  if (mode.spectrum.solver == "none") {
+    note("the interface is empty: there is no mode, the tables have no rows");
+  } else if (!mode.found() && mode.spectrum.converged) {
+    note("every eigenvalue is the same: there is no mode of its own, the tables have no rows");
+  } else if (!mode.found()) {
+    note(fmt::format("the solver did not converge: there is no mode, the tables have no rows{}",
+                     epsilon == 0 ? "; in the rigid limit --solver dense may find one" : ""));
+  } else if (!mode.converged) {
+    note("the mode did not converge: see its residual");
+  } else if (!mode.spectrum.converged) {
+    note("the ends of the spectrum did not converge: a mode further out may be missed");
   }
-  if (!mode.converged) note("the mode did not converge: see its residual");
-  if (!mode.spectrum.converged)
-    note("the ends of the spectrum did not converge: a slower mode may be missed");
 }
 
 int run(const Options& options) {
@@ -128,8 +148,11 @@ int run(const Options& options) {
   impulses.finish();
   velocities.finish();
   print_spectrum(model, wanted, mode);
-  if (mode.found()) print_mode(model, mode, wanted.spectral.tolerance);
-  tell_doubts(mode);
+  if (mode.found()) {
+    print_end(mode, wanted.spectral);
+    print_shares(model, mode);
+  }
+  tell_doubts(mode, wanted.epsilon);
   return 0;
 }
 
@@ -149,6 +172,10 @@ std::function<int()> declare_modes(CLI::App& command, const Context&) {
                   "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
       ->check(CLI::IsMember({"slowest", "low", "high"}))
       ->capture_default_str();
+  command.add_option("--eigenvalues", options->spectral.eigenvalues, "eigenvalues to print at that end")
+      ->capture_default_str();
+  command.add_flag("--certify", options->spectral.certify,
+                   "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
   command
       .add_option("--output", options->output,
                   "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv")

@@ -61,6 +61,30 @@ TEST_CASE("modes: both ends can be asked for, and equal commands give equal byte
   CHECK(session.read("slow-impulses.csv") == session.read("alow-impulses.csv"));
 }
 
+TEST_CASE("modes: several eigenvalues of the end, certified") {
+  const Session session;
+  const std::string report = answer(session, "modes disks8 --epsilon 1 --eigenvalues 3 --certify --output a");
+  const CsvTable swept = table(session, "sweep disks8 --epsilon 1 --eigenvalues 3 --certify");
+  for (const std::string& column : Texts{"eigenvalue_high_2", "eigenvalue_high_3"})
+    CHECK(contains(report, "  next inwards       " + swept.text(0, column) + "\n"));
+  CHECK(contains(report, "certified          1 eigenvalue(s) in [" + swept.text(0, "high_from")));
+  // two copies of each of two grains: no fifth eigenvalue
+  CHECK(contains(answer(session, "modes disks8 --epsilon 1 --eigenvalues 5 --output b"), "not computed"));
+}
+
+TEST_CASE("modes: B = 0 and a solver that fails are said, with tables that have no rows") {
+  const Session session;
+  Outcome outcome =
+      session.run(words("modes hexagonal --epsilon 0.3 --eta 0.3 --solver shift-invert --output a"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "every eigenvalue is the same"));
+  CHECK(read_table(session.read("a-impulses.csv")).rows.empty());
+  // dense: any vector is a mode, and it is said that there are others
+  CHECK(contains(answer(session, "modes hexagonal --epsilon 0.3 --eta 0.3 --solver dense --output b"),
+                 "one of several"));
+  CHECK(!read_table(session.read("b-impulses.csv")).rows.empty());
+}
+
 TEST_CASE("modes: usage that makes no sense") {
   const Session session;
   session.file("mine.csv", row_of_three());
@@ -75,6 +99,8 @@ TEST_CASE("modes: usage that makes no sense") {
   for (const std::string& prefix : Texts{"-", "", "folder/"})
     check_refused(session, {"modes", "disks4", "--epsilon", "1", "--output", prefix}, {"--output", "prefix"});
   check_refused(session, "modes disks4 --epsilon 1 --output nowhere/a", {"nowhere"});
+  check_refused(session, "modes disks4 --epsilon 1 --output a --eigenvalues 0", {"--eigenvalues", ">= 1"});
+  check_refused(session, "modes disks4 --epsilon 1 --output a --solver guess", {"--solver", "guess"});
   check_refused(session, "modes mine.csv --epsilon 1 --contacts active --output a", {"prescribed"});
   check_refused(session, "modes hexagonal --epsilon 1 --output a --memory-limit 1e-9", {"memory"});
 }

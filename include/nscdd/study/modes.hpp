@@ -46,8 +46,9 @@ struct Mode {
   SpectralRadius spectrum;
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;        ///< mu
-  double next = not_a_number;              ///< the eigenvalue inwards of it; NaN where unknown
-  double residual = not_a_number;          ///< ||S F - lambda P F||_{P^-1} of the vectors given here
+  /// The eigenvalue inwards of it; NaN where unknown: known where the solver is dense or was asked for two.
+  double next = not_a_number;
+  double residual = not_a_number;  ///< ||S F - lambda P F||_{P^-1} of the vectors given here
   /// `residual` is within the tolerance and the contacts are certain: this is a mode of the operator. That no
   /// other lies further out is for `spectrum.converged` to say.
   bool converged = true;
