@@ -229,7 +229,8 @@ def main():
     parser.add_argument("output", metavar="OUTPUT", help="picture to write, .svg, .png or .pdf")
     parser.add_argument("--zoom", type=float, default=1, metavar="FACTOR",
                         help="show a part so many times narrower, around the strongest impulse (1)")
-    parser.add_argument("--dpi", type=int, default=200, metavar="DPI", help="of .png, and of images in the others (200)")
+    parser.add_argument("--dpi", type=int, default=200, metavar="DPI",
+                        help="of .png, and of images in the others (200)")
     options = parser.parse_args()
     if not 1 <= options.zoom < np.inf:
         parser.error(f"--zoom: expected a number >= 1, met {options.zoom}")

@@ -115,6 +115,14 @@ TEST_CASE("modes: existing tables are refused, and replaced on demand") {
   }
 }
 
+TEST_CASE("modes: a disk that fills up leaves nothing half-written") {
+  for (const std::string& table : Texts{"-impulses.csv", "-velocities.csv"}) {
+    const Session session;
+    std::filesystem::create_symlink("/dev/full", session.folder / ("a" + table));
+    check_refused(session, "modes disks4 --epsilon 1 --output a", {"a" + table, "No space left"});
+  }
+}
+
 TEST_CASE("modes: an empty interface has none, said and tabled") {
   const Session session;
   const Outcome outcome = session.run(words("modes disks4 --subdomains 1x1 --epsilon 1 --output a"));
