@@ -22,7 +22,7 @@ class EndSearch {
       if (!pencil) break;
       if (beyond(*pencil) < 0) {  // among the eigenvalues of the kernel
         outer_ = pencil->shift();
-        shift = inner_ > *outer_ ? std::sqrt(inner_ * *outer_) : 16 * *outer_;
+        shift = inner_ > *outer_ ? std::sqrt(inner_ * *outer_) : 16 * *outer_;  // eigenvalues span decades
         continue;
       }
       if (beyond(*pencil) > 0) {
@@ -62,17 +62,18 @@ class EndSearch {
 
   // Further out than a shift that has eigenvalues beyond it.
   double step_out(double shift) const {
-    if (outer_) return 0.5 * (shift + *outer_);
+    if (outer_) return std::sqrt(shift * *outer_);
     return end_ == SpectrumEnd::smallest ? shift / 16 : shift * 4;
   }
 
-  std::optional<ShiftedPencil> factorise(double shift) {
+  // `side`: where to step, inwards (1) or outwards (-1), from a shift that will not do.
+  std::optional<ShiftedPencil> factorise(double shift, double side = -1) {
     for (int attempt = 0; attempt < 5; ++attempt) {
       ++result_.factorisations;
       ShiftedPencil pencil = family_.at(point_.epsilon, point_.eta, shift);
       if (pencil.reliable()) return pencil;
-      // A little outwards: near enough to serve, far enough to leave the accident that spoilt this one.
-      shift -= inward(1e-6 * std::pow(10.0, attempt) * shift);
+      // Near enough to serve, far enough to leave the accident that spoilt this one.
+      shift += side * inward(0.3 * options_.tolerance * std::pow(10.0, attempt));
     }
     return std::nullopt;
   }
@@ -105,6 +106,7 @@ class EndSearch {
       found.values[k] = shift + 1 / nu;
       const double safe = std::abs(nu) - bound;  // |1/nu - 1/nu*| for |nu - nu*| <= bound
       residual = std::max(residual, safe > 0 ? bound / (std::abs(nu) * safe) : infinity);
+      residual = std::max(residual, pencil.inexactness() / std::abs(nu));
     }
     result_.values = found.values;
     result_.vectors = found.vectors;
@@ -125,7 +127,7 @@ class EndSearch {
     const double value = result_.values[0];
     const double margin = std::max(options_.tolerance, 2 * result_.residual);
     const std::optional<ShiftedPencil> out = factorise(std::max(value - inward(margin), 0.5 * value));
-    const std::optional<ShiftedPencil> in = factorise(value + inward(margin));
+    const std::optional<ShiftedPencil> in = factorise(value + inward(margin), 1);
     if (!out || !in) return true;  // converged, not certified
     if (beyond(*out) > 0) {
       inner_ = out->shift();

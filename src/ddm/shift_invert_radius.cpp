@@ -1,9 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "spectrum_ends.hpp"
 #include <nscdd/ddm/pencil_end.hpp>
+#include <nscdd/linalg/range_projector.hpp>
+#include <nscdd/linalg/threads.hpp>
+
+#include <array>
 
 namespace nscdd {
 namespace {
+
+// Smallest epsilon of the rigid limit over the natural one: below, M is lost in the digits of K/epsilon.
+// In units of the natural flexibility 1/mass; below, M would lose digits beside K/epsilon.
+constexpr double augmented_below = 1e-5;
+constexpr double rigid_zero = 1e-8;  // eigenvalues lambda of the rigid limit below this count as zero
+// Error of lambda for each unit of natural over actual flexibility, from the digits of M lost beside K/epsilon:
+// several times the largest seen against dense spectra (tests/laws).
+constexpr double rounding = 4e-16;
+
+double natural_flexibility(const Contraction& b) { return 0.25 * b.system.scale().mean(); }  // 1/mass
 
 // Ends of the spectrum of (S, P), lambda = 1 - mu.
 struct Ends {
@@ -77,8 +91,10 @@ void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends
 
 Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
                SpectralMemory& memory) {
-  if (!memory.family || !memory.family->serves(b)) {
-    memory.family.emplace(b);
+  const SystemForm form =
+      point.epsilon < augmented_below * natural_flexibility(b) ? SystemForm::augmented : SystemForm::condensed;
+  if (!memory.family || !memory.family->serves(b, form)) {
+    memory.family.emplace(b, form);
     memory.visited.clear();
   }
   const bool line = !memory.visited.empty() && ((memory.visited.back().eta == point.eta) !=
@@ -99,7 +115,7 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
   return ends;
 }
 
-SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity,
+SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, Index unit_multiplicity,
                       const SpectralOptions& options) {
   SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert");
   result.solver = "shift-invert";
@@ -113,6 +129,8 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
   result.residual = std::max(ends.smallest.residual, ends.largest.residual);
+  const double natural = natural_flexibility(b);
+  if (epsilon >= augmented_below * natural) result.residual += rounding * natural / epsilon;
   result.converged = ends.smallest.converged && ends.largest.converged &&
                      accurate(result, options.tolerance) && b.rows() > 0;
   result.certified = ends.smallest.certified && ends.largest.certified;
@@ -120,6 +138,35 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   result.interval_max = {1.0 - ends.smallest.inside, 1.0 - ends.smallest.outside};
   result.within_min = ends.largest.within;
   result.within_max = ends.smallest.within;
+  return result;
+}
+
+// The rigid limit knows the range of each H_E only: contacts that depend on the others of their subdomain are left
+// out (sparse rank-revealing QR), and what stays is regular at epsilon = 0.
+Decomposition without_dependent_contacts(const Decomposition& parts) {
+  std::vector<char> kept(at(parts.contacts), 0);
+  for_each_in_parallel(count(parts.subdomains), [&](Index e) {
+    const Subdomain& subdomain = parts.subdomains[at(e)];
+    for (const Index c : independent_columns(subdomain.h)) kept[at(subdomain.contacts[at(c)])] = 1;
+  });
+  return restrict_contacts(parts, kept);
+}
+
+// Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each; the inertia
+// just above 0 counts them.
+SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, const EndOptions& end_options) {
+  const Contraction regular{
+      b.preconditioner, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), b.relaxation};
+  SpectralMemory memory;
+  memory.family.emplace(regular, SystemForm::augmented);
+  PencilPoint point = known_bounds(b, 0);
+  const ShiftedPencil zero = memory.family->at(0, point.eta, rigid_zero);
+  if (!zero.regular()) return not_converged("shift-invert");
+  point.kernel = zero.below();
+  if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
+  SpectralRadius result =
+      report(b, find_ends(regular, point, end_options, memory), 0, point.kernel, options);
+  ++result.factorisations;
   return result;
 }
 
@@ -144,8 +191,9 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
     return no_error_left(b.rows());
   EndOptions end_options{
       .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
+  if (epsilon == 0) return rigid_radius(b, options, end_options);
   const PencilPoint point = known_bounds(b, epsilon);
-  return report(b, find_ends(b, point, end_options, memory), 0, options);
+  return report(b, find_ends(b, point, end_options, memory), epsilon, 0, options);
 }
 
 }  // namespace nscdd

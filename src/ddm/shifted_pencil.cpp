@@ -9,29 +9,52 @@
 namespace nscdd {
 namespace {
 
-constexpr double largest_backward_error = 1e-8;
-
 struct Entry {
   int row, column;
   double inertia, stiffness;
 };
 
+// M_E on the diagonal and A_E in the interface rows.
+void add_inertia_and_gluing(std::vector<Entry>& entries, const Subdomain& subdomain, Index first, Index interface) {
+  for (Index i = 0; i < subdomain.inertia.size(); ++i)
+    entries.push_back({static_cast<int>(first + i), static_cast<int>(first + i), subdomain.inertia[i], 0});
+  for (Index j = 0; j < subdomain.inertia.size(); ++j)
+    for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
+      entries.push_back({static_cast<int>(interface + e.row()), static_cast<int>(first + j), e.value(), 0});
+}
+
 // Lower triangle of the block of one decomposition: M_E and K_E = H_E H_E^T, and A_E in the interface rows.
-void add_block(std::vector<Entry>& entries, const Decomposition& parts, Index first, Index interface) {
+void add_condensed(std::vector<Entry>& entries, const Decomposition& parts, Index first, Index interface) {
   for (const Subdomain& subdomain : parts.subdomains) {
     const Index n = subdomain.inertia.size();
-    for (Index i = 0; i < n; ++i)
-      entries.push_back({static_cast<int>(first + i), static_cast<int>(first + i), subdomain.inertia[i], 0});
+    add_inertia_and_gluing(entries, subdomain, first, interface);
     const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
     for (Index j = 0; j < n; ++j)
       for (SparseMatrix::InnerIterator e(stiffness, j); e; ++e)
         if (e.row() >= j)
           entries.push_back({static_cast<int>(first + e.row()), static_cast<int>(first + j), 0, e.value()});
-    for (Index j = 0; j < n; ++j)
-      for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
-        entries.push_back({static_cast<int>(interface + e.row()), static_cast<int>(first + j), e.value(), 0});
     first += n;
   }
+}
+
+// The same with the contact impulses behind all grains: H_E^T in their rows, -1 to be multiplied by epsilon.
+void add_augmented(std::vector<Entry>& entries, const Decomposition& parts, Index first_impulse, Index interface) {
+  Index first = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    add_inertia_and_gluing(entries, subdomain, first, interface);
+    for (Index c = 0; c < subdomain.h.cols(); ++c, ++first_impulse) {
+      entries.push_back({static_cast<int>(first_impulse), static_cast<int>(first_impulse), 0, -1});
+      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e)
+        entries.push_back({static_cast<int>(first_impulse), static_cast<int>(first + e.row()), e.value(), 0});
+    }
+    first += subdomain.inertia.size();
+  }
+}
+
+Index total_contacts(const Decomposition& parts) {
+  Index n = 0;
+  for (const Subdomain& subdomain : parts.subdomains) n += subdomain.h.cols();
+  return n;
 }
 
 Index total_dofs(const Decomposition& parts) {
@@ -51,16 +74,20 @@ SparseMatrix generic_preconditioner(const Decomposition& parts) {  // X
 
 class ShiftedPencilFamily::Preparation {
  public:
-  explicit Preparation(const Contraction& b)
-      : contraction(b),
-        generic(std::isinf(b.preconditioner.eta())),
-        system_size(total_dofs(b.system.parts())) {
+  Preparation(const Contraction& b, SystemForm system_form)
+      : contraction(b), form(system_form), generic(std::isinf(b.preconditioner.eta())) {
     const Decomposition& system = b.system.parts();
     const Decomposition& preconditioner = b.preconditioner.parts();
+    grain_rows = total_dofs(system);
+    system_size = grain_rows + (form == SystemForm::augmented ? total_contacts(system) : 0);
     interface = system_size + (generic ? 0 : total_dofs(preconditioner));
     const Index size = interface + system.interface_size();
     std::vector<Entry> entries;
-    add_block(entries, system, 0, interface);
+    if (form == SystemForm::augmented) {
+      add_augmented(entries, system, grain_rows, interface);
+    } else {
+      add_condensed(entries, system, 0, interface);
+    }
     if (generic) {
       const SparseMatrix x = generic_preconditioner(preconditioner);
       for (Index j = 0; j < x.outerSize(); ++j)
@@ -69,7 +96,7 @@ class ShiftedPencilFamily::Preparation {
             entries.push_back(
                 {static_cast<int>(interface + e.row()), static_cast<int>(interface + j), e.value(), 0});
     } else {
-      add_block(entries, preconditioner, system_size, interface);
+      add_condensed(entries, preconditioner, system_size, interface);
     }
     assemble(entries, size);
     analysis.emplace(inertia, grain_groups(size));
@@ -98,6 +125,8 @@ class ShiftedPencilFamily::Preparation {
     const auto add = [&](Index g) { grain.insert(grain.end(), nscdd::at(d), g); };
     for (const Subdomain& subdomain : system.subdomains)
       for (const Index g : subdomain.grains) add(g);
+    const Index impulses = form == SystemForm::augmented ? total_contacts(system) : 0;
+    grain.insert(grain.end(), nscdd::at(impulses), -1);  // with the later of their grains
     if (!generic)
       for (const Subdomain& subdomain : contraction.preconditioner.parts().subdomains)
         for (const Index g : subdomain.grains) add(g);
@@ -105,6 +134,7 @@ class ShiftedPencilFamily::Preparation {
     std::vector<Index> number(system.multiplicity.size(), -1);
     Index next = 0;
     for (Index& g : grain) {
+      if (g < 0) continue;
       Index& n = number[nscdd::at(g)];
       if (n < 0) n = next++;
       g = n;
@@ -121,7 +151,7 @@ class ShiftedPencilFamily::Preparation {
         const bool gluing = sum.innerIndexPtr()[p] >= interface && j < interface;
         if (gluing) continue;
         if (j < system_size) {
-          value[p] += k[p] / epsilon;
+          value[p] += form == SystemForm::augmented ? k[p] * epsilon : k[p] / epsilon;
         } else if (j < interface) {
           value[p] = -(value[p] + k[p] / eta) / sigma;
         } else {
@@ -132,8 +162,10 @@ class ShiftedPencilFamily::Preparation {
   }
 
   Contraction contraction;  // keeps the decompositions alive
+  SystemForm form;
   bool generic;
-  Index system_size = 0;
+  Index grain_rows = 0;   // of the grains of S, before those of its contact impulses
+  Index system_size = 0;  // of the block of S
   Index interface = 0;  // first interface row
   SparseMatrix inertia,
       stiffness;  // lower triangles of one pattern: coefficients of 1 and of 1/epsilon, 1/eta
@@ -148,14 +180,20 @@ class ShiftedPencil::Implementation {
     const SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
     factor.emplace(*preparation->analysis, matrix);
     if (!factor->regular()) return;
-    const Vector right = Vector::Ones(matrix.rows());
-    reliable = backward_error(matrix, factor->solve(right), right) < largest_backward_error;
+    const Index size = matrix.rows() - preparation->interface;
+    Vector right = Vector::Zero(matrix.rows());
+    right.tail(size).setOnes();  // as all that will be solved for
+    const Vector x = factor->solve(right);
+    const Vector correction = factor->solve(symmetric_residual(matrix, x, right));
+    inexactness = correction.tail(size).norm() / x.tail(size).norm();
+    if (!std::isfinite(inexactness)) inexactness = infinity;
   }
 
   Index below() const {
     const Index interface_size = preparation->inertia.rows() - preparation->interface;
     const Index preconditioner_size = preparation->interface - preparation->system_size;
-    return preconditioner_size + interface_size - factor->negative_eigenvalues();
+    const Index impulses = preparation->system_size - preparation->grain_rows;
+    return impulses + preconditioner_size + interface_size - factor->negative_eigenvalues();
   }
 
   Vector solve(const Vector& g) const {
@@ -167,24 +205,25 @@ class ShiftedPencil::Implementation {
   std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation;
   double shift;
   std::optional<SymmetricFactor> factor;
-  bool reliable = false;
+  double inexactness = infinity;
 };
 
 ShiftedPencil::ShiftedPencil(std::shared_ptr<const Implementation> implementation)
     : implementation_(std::move(implementation)) {}
-bool ShiftedPencil::reliable() const { return implementation_->reliable; }
+bool ShiftedPencil::regular() const { return implementation_->factor->regular(); }
+double ShiftedPencil::inexactness() const { return implementation_->inexactness; }
 double ShiftedPencil::shift() const { return implementation_->shift; }
 Index ShiftedPencil::below() const { return implementation_->below(); }
 Vector ShiftedPencil::solve(const Vector& g) const { return implementation_->solve(g); }
 
-ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b)
-    : preparation_(std::make_shared<const Preparation>(b)) {}
+ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form)
+    : preparation_(std::make_shared<const Preparation>(b, form)) {}
 
-bool ShiftedPencilFamily::serves(const Contraction& b) const {
+bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form) const {
   const Contraction& own = preparation_->contraction;
   return &b.system.parts() == &own.system.parts() &&
          &b.preconditioner.parts() == &own.preconditioner.parts() &&
-         std::isinf(b.preconditioner.eta()) == preparation_->generic;
+         std::isinf(b.preconditioner.eta()) == preparation_->generic && form == preparation_->form;
 }
 
 ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma) const {

@@ -37,6 +37,24 @@ Vector RangeProjector::apply(const Vector& x) const {
   return factorisation.matrixQ() * coordinates;
 }
 
+std::vector<Index> independent_columns(const SparseMatrix& a, double tolerance) {
+  const RangeProjector::Implementation qr(a, tolerance);
+  std::vector<Index> columns;
+  if (qr.rank == 0) return columns;
+  const SparseMatrix r = qr.factorisation.matrixR();
+  const auto& order = qr.factorisation.colsPermutation().indices();
+  for (Index j = 0; j < r.cols() && count(columns) < qr.rank; ++j) {
+    const auto next_row = static_cast<int>(columns.size());
+    for (SparseMatrix::InnerIterator e(r, j); e; ++e)
+      if (e.row() == next_row && e.value() != 0) {
+        columns.push_back(order[j]);
+        break;
+      }
+  }
+  std::sort(columns.begin(), columns.end());
+  return columns;
+}
+
 Index sparse_rank(const SparseMatrix& a, double tolerance) { return RangeProjector(a, tolerance).rank(); }
 
 }  // namespace nscdd

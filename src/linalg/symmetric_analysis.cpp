@@ -18,15 +18,31 @@ struct GroupGraph {
   std::vector<int> start, neighbours;
 };
 
-GroupGraph group_graph(const SparseMatrix& pattern, const std::vector<Index>& group, Index groups) {
-  std::vector<std::vector<int>> lists(at(groups));
+// Groups that each row without one of its own touches, in the order of these rows.
+std::vector<std::vector<Index>> touched_groups(const SparseMatrix& pattern, const std::vector<Index>& group) {
+  std::vector<std::vector<Index>> touched(group.size());
   for (Index j = 0; j < pattern.outerSize(); ++j)
     for (SparseMatrix::InnerIterator e(pattern, j); e; ++e) {
-      const Index a = group[at(e.row())], b = group[at(j)];
-      if (a == b) continue;
-      lists[at(a)].push_back(static_cast<int>(b));
-      lists[at(b)].push_back(static_cast<int>(a));
+      if (group[at(e.row())] < 0 && group[at(j)] >= 0) touched[at(e.row())].push_back(group[at(j)]);
+      if (group[at(j)] < 0 && group[at(e.row())] >= 0) touched[at(j)].push_back(group[at(e.row())]);
     }
+  return touched;
+}
+
+GroupGraph group_graph(const SparseMatrix& pattern, const std::vector<Index>& group,
+                       const std::vector<std::vector<Index>>& touched, Index groups) {
+  std::vector<std::vector<int>> lists(at(groups));
+  const auto connect = [&](Index a, Index b) {
+    if (a == b) return;
+    lists[at(a)].push_back(static_cast<int>(b));
+    lists[at(b)].push_back(static_cast<int>(a));
+  };
+  for (Index j = 0; j < pattern.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(pattern, j); e; ++e)
+      if (group[at(e.row())] >= 0 && group[at(j)] >= 0) connect(group[at(e.row())], group[at(j)]);
+  for (const std::vector<Index>& together : touched)
+    for (std::size_t i = 0; i < together.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) connect(together[i], together[j]);
   GroupGraph graph{{0}, {}};
   for (auto& list : lists) {
     std::sort(list.begin(), list.end());
@@ -150,17 +166,16 @@ double elimination_flops(const Front& front) {  // sum over the pivots of (rows 
 }  // namespace
 
 SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern,
-                                                  const std::vector<Index>& group,
+                                                  const std::vector<Index>& group_or_none,
                                                   const std::vector<char>& last)
     : size(pattern.rows()) {
+  std::vector<Index> group = group_or_none;
   const Index groups = size == 0 ? 0 : *std::max_element(group.begin(), group.end()) + 1;
   std::vector<int> weight(at(groups), 0);
-  for (const Index g : group) ++weight[at(g)];
-  std::vector<int> first_member(at(groups) + 1, 0), members(at(size));
-  for (Index g = 0; g < groups; ++g) first_member[at(g) + 1] = first_member[at(g)] + weight[at(g)];
-  std::vector<int> next(first_member.begin(), first_member.end() - 1);
-  for (Index i = 0; i < size; ++i) members[at(next[at(group[at(i)])]++)] = static_cast<int>(i);
-  const GroupGraph graph = group_graph(pattern, group, groups);
+  for (const Index g : group)
+    if (g >= 0) ++weight[at(g)];
+  const std::vector<std::vector<Index>> touched = touched_groups(pattern, group);
+  const GroupGraph graph = group_graph(pattern, group, touched, groups);
   const Supernodes nodes(graph, dissection_with_last(graph, weight, last));
 
   std::vector<Index> front_of(at(groups)), position_of(at(groups));  // of a position; of a group
@@ -169,6 +184,16 @@ SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern,
       front_of[at(k)] = s;
       position_of[at(nodes.group(k))] = k;
     }
+  for (std::size_t i = 0; i < group.size(); ++i)
+    if (group[i] < 0)
+      group[i] = *std::max_element(touched[i].begin(), touched[i].end(), [&](Index a, Index b) {
+        return position_of[at(a)] < position_of[at(b)];
+      });
+  std::vector<int> first_member(at(groups) + 1, 0), members(at(size));
+  for (const Index g : group) ++first_member[at(g) + 1];
+  std::partial_sum(first_member.begin(), first_member.end(), first_member.begin());
+  std::vector<int> next(first_member.begin(), first_member.end() - 1);
+  for (Index i = 0; i < size; ++i) members[at(next[at(group[at(i)])]++)] = static_cast<int>(i);
   // Fronts by rows of the matrix, and where the rows of a child lie among those of its parent.
   fronts.resize(at(nodes.size()));
   std::vector<Index> place(at(groups), 0);  // of a group (by position) in the front at hand

@@ -383,17 +383,19 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   return implementation_->inverse_block(rows);
 }
 
-double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b) {
-  Vector residual = b, size = b.cwiseAbs();
+Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b) {
+  Vector residual = b;
   for (Index j = 0; j < lower.outerSize(); ++j)
     for (SparseMatrix::InnerIterator e(lower, j); e; ++e) {
-      const Index i = e.row();
-      residual[i] -= e.value() * x[j];
-      size[i] += std::abs(e.value() * x[j]);
-      if (i == j) continue;
-      residual[j] -= e.value() * x[i];
-      size[j] += std::abs(e.value() * x[i]);
+      residual[e.row()] -= e.value() * x[j];
+      if (e.row() != j) residual[j] -= e.value() * x[e.row()];
     }
+  return residual;
+}
+
+double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b) {
+  const Vector residual = symmetric_residual(lower, x, b);
+  const Vector size = -symmetric_residual(lower.cwiseAbs(), x.cwiseAbs(), -b.cwiseAbs());  // |A| |x| + |b|
   double worst = 0;
   for (Index i = 0; i < b.size(); ++i)
     if (size[i] > 0) worst = std::max(worst, std::abs(residual[i]) / size[i]);

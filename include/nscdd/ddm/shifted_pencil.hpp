@@ -8,6 +8,12 @@
 
 namespace nscdd {
 
+/// How a ShiftedPencil holds the subdomains of S.
+enum class SystemForm {
+  condensed,  ///< M_E + K_E/epsilon
+  augmented,  ///< with the contact impulses, for epsilon near 0
+};
+
 /// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
 /// factorisation of the saddle-point matrix
 ///     [ M_E + K_E/epsilon                          A_E^T ]
@@ -17,11 +23,21 @@ namespace nscdd {
 /// whose Schur complement on the interface is sigma P - S. Hence (Sylvester, Haynsworth) it has as many
 /// negative eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below
 /// sigma.
+///
+/// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the contact
+/// impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as contacts.
 class ShiftedPencil {
  public:
-  /// False where the factorisation met a zero pivot or lost more than `lost_digits` allows: sigma is then too
-  /// near an eigenvalue of a part of the packing, and one a little to the side serves as well.
-  bool reliable() const;
+  bool regular() const;  ///< false where a pivot was exactly zero; nothing else may then be asked
+
+  /// ||d|| / ||x|| on the interface, d the correction of one step of iterative refinement of a solution x: how far
+  /// the factors are from exact. With A + E = L D L^T it estimates the size of (A + E)^-1 E, and while that is below
+  /// 1 no eigenvalue changes sign on the way from A to A + E, so that the count below holds for A itself.
+  double inexactness() const;
+
+  /// Whether the inexactness is small enough for counts and solutions to be used. Where it is not, sigma is too near
+  /// an eigenvalue, of the pencil or of a part of the packing, and one a little to the side serves as well.
+  bool reliable() const { return regular() && inexactness() < 1e-3; }
 
   double shift() const;
   Index below() const;  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
@@ -40,10 +56,10 @@ class ShiftedPencil {
 class ShiftedPencilFamily {
  public:
   /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.
-  explicit ShiftedPencilFamily(const Contraction& b);
+  explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed);
 
-  /// Whether the family was made for the decompositions and the kind of eta of `b`.
-  bool serves(const Contraction& b) const;
+  /// Whether the family was made for the decompositions, the kind of eta of `b`, and this form.
+  bool serves(const Contraction& b, SystemForm form = SystemForm::condensed) const;
 
   /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma > 0.
   ShiftedPencil at(double epsilon, double eta, double sigma) const;

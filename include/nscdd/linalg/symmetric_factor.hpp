@@ -37,8 +37,8 @@ class SymmetricAnalysis {
 /// along the elimination tree; every sum is taken in an order fixed by the analysis, so the bits do not
 /// depend on the number of threads.
 ///
-/// By Sylvester's law of inertia D has as many negative eigenvalues as A (more exactly: as a matrix within
-/// `backward_error()` of A, because pivots are not delayed from front to front).
+/// By Sylvester's law of inertia D has as many negative eigenvalues as A; more exactly, as the matrix whose factors
+/// these are. Pivots are not delayed from front to front, so that matrix should be seen to be near enough.
 class SymmetricFactor {
  public:
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
@@ -55,6 +55,9 @@ class SymmetricFactor {
  private:
   std::shared_ptr<const Implementation> implementation_;
 };
+
+/// b - A x for a symmetric matrix given by its lower triangle.
+Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b);
 
 /// max_i |b - A x|_i / (|A| |x| + |b|)_i for a symmetric matrix given by its lower triangle: the smallest
 /// relative change of the data of which x is the exact solution (Oettli and Prager).
