@@ -106,7 +106,7 @@ class EndSearch {
       found.values[k] = shift + 1 / nu;
       const double safe = std::abs(nu) - bound;  // |1/nu - 1/nu*| for |nu - nu*| <= bound
       residual = std::max(residual, safe > 0 ? bound / (std::abs(nu) * safe) : infinity);
-      residual = std::max(residual, pencil.inexactness() / std::abs(nu));
+      residual = std::max(residual, pencil.solution_error() / std::abs(nu));
     }
     result_.values = found.values;
     result_.vectors = found.vectors;

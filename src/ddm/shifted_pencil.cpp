@@ -9,6 +9,8 @@
 namespace nscdd {
 namespace {
 
+constexpr double refined_above = 1e-10;  // inexactness from which solutions are refined by one step
+
 struct Entry {
   int row, column;
   double inertia, stiffness;
@@ -177,7 +179,7 @@ class ShiftedPencil::Implementation {
   Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> p, double epsilon, double eta,
                  double sigma)
       : preparation(std::move(p)), shift(sigma) {
-    const SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
+    SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
     factor.emplace(*preparation->analysis, matrix);
     if (!factor->regular()) return;
     const Index size = matrix.rows() - preparation->interface;
@@ -187,6 +189,7 @@ class ShiftedPencil::Implementation {
     const Vector correction = factor->solve(symmetric_residual(matrix, x, right));
     inexactness = correction.tail(size).norm() / x.tail(size).norm();
     if (!std::isfinite(inexactness)) inexactness = infinity;
+    if (inexactness > refined_above) refinement = std::move(matrix);
   }
 
   Index below() const {
@@ -199,19 +202,26 @@ class ShiftedPencil::Implementation {
   Vector solve(const Vector& g) const {
     Vector right = Vector::Zero(preparation->inertia.rows());
     right.tail(g.size()) = g;
-    return -factor->solve(right).tail(g.size());
+    Vector x = factor->solve(right);
+    if (refinement) x += factor->solve(symmetric_residual(*refinement, x, right));
+    return -x.tail(g.size());
   }
 
   std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation;
   double shift;
   std::optional<SymmetricFactor> factor;
   double inexactness = infinity;
+  std::optional<SparseMatrix> refinement;  // where solutions want a step of refinement
 };
 
 ShiftedPencil::ShiftedPencil(std::shared_ptr<const Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 bool ShiftedPencil::regular() const { return implementation_->factor->regular(); }
 double ShiftedPencil::inexactness() const { return implementation_->inexactness; }
+double ShiftedPencil::solution_error() const {
+  return implementation_->refinement ? implementation_->inexactness * implementation_->inexactness
+                                     : implementation_->inexactness;
+}
 double ShiftedPencil::shift() const { return implementation_->shift; }
 Index ShiftedPencil::below() const { return implementation_->below(); }
 Vector ShiftedPencil::solve(const Vector& g) const { return implementation_->solve(g); }

@@ -39,6 +39,9 @@ class ShiftedPencil {
   /// an eigenvalue, of the pencil or of a part of the packing, and one a little to the side serves as well.
   bool reliable() const { return regular() && inexactness() < 1e-3; }
 
+  /// The same for what `solve` returns, which is refined by one step where that is worth it.
+  double solution_error() const;
+
   double shift() const;
   Index below() const;  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
 
