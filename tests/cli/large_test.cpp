@@ -33,6 +33,19 @@ TEST_CASE("large: 10^5 grains in 16 strips within 1 GiB") {
   CHECK(result.number(0, "residual") <= 1e-8);
 }
 
+TEST_CASE(
+    "large: a sweep is the same bytes for any number of threads, certificates and eigenvalues included") {
+  const Session session;
+  const std::string line =
+      "sweep " + lattice +
+      "60 --set packing.rows=50 --subdomains 5x3 --epsilon 1e-2:1:3 --eta 0.5,inf --csv - "
+      "--solver shift-invert --certify --eigenvalues 2 --threads ";
+  const std::string one = session.run(words(line + "1")).standard_output;
+  CHECK(read_table(one).rows.size() == 6);
+  for (const std::string threads : {"2", "3", "4", "0"})
+    CHECK(session.run(words(line + threads)).standard_output == one);
+}
+
 TEST_CASE("certify: its columns come last, and hold the ends of the dense solver") {
   const Session session;
   const std::string line =
