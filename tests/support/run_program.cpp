@@ -135,11 +135,16 @@ void follow(pid_t process, Stream& output, Stream& error, const RunOptions& opti
   }
 }
 
-int wait_for(pid_t process) {
+// Exit code and peak memory of a program that has ended.
+Outcome wait_for(pid_t process) {
   int status = 0;
-  while (::waitpid(process, &status, 0) < 0)
-    if (errno != EINTR) refuse("waitpid");
-  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  rusage used{};
+  while (::wait4(process, &status, 0, &used) < 0)
+    if (errno != EINTR) refuse("wait4");
+  Outcome outcome;
+  outcome.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  outcome.peak_memory = static_cast<std::size_t>(used.ru_maxrss) * 1024;  // Linux counts in KiB
+  return outcome;
 }
 
 std::vector<std::string> split(const std::string& line) {
@@ -209,9 +214,11 @@ Outcome run_program(const fs::path& folder, const std::vector<std::string>& argu
   output.theirs.close();
   error.theirs.close();
   follow(process, output, error, options);
-  const int exit_code = wait_for(process);
-  if (exit_code == 127) throw std::runtime_error("cannot start " + words[0]);
-  return {exit_code, output.captured, error.captured};
+  Outcome outcome = wait_for(process);
+  if (outcome.exit_code == 127) throw std::runtime_error("cannot start " + words[0]);
+  outcome.standard_output = output.captured;
+  outcome.standard_error = error.captured;
+  return outcome;
 }
 
 fs::path source_folder() { return environment("NSCDD_SOURCE"); }

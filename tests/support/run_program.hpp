@@ -56,6 +56,7 @@ struct RunOptions {
 struct Outcome {
   int exit_code = 0;  ///< 128 + signal where a signal ended it, as a shell says it
   std::string standard_output, standard_error;
+  std::size_t peak_memory = 0;  ///< bytes resident at most
 };
 
 /// Runs $NSCDD_PROGRAM with these arguments in a folder and waits for it. A run that takes longer than four

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where spectra are hard: many threads at once, clusters at the end, several eigenvalues, stiff contacts on
+// light grains, extreme ratios of flexibilities.
+#include "../support/matrices.hpp"
+#include "../support/problems.hpp"
+#include "../support/spectra.hpp"
+#include <nscdd/ddm/pencil_end.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/linalg/symmetric_factor.hpp>
+#include <nscdd/linalg/threads.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+SpectralOptions shift_invert(Index eigenvalues = 1, bool certify = true) {
+  return {.solver = SpectralSolver::shift_invert, .eigenvalues = eigenvalues, .certify = certify};
+}
+
+std::vector<std::string> rows_of(const Model& model, const SweepParameters& parameters) {
+  std::vector<std::string> rows;
+  sweep(model, parameters, [&](const Row& row) {
+    std::string line;
+    for (const Cell& cell : row) line += to_text(cell) + ",";
+    rows.push_back(line);
+  });
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("elimination orders found in parallel are those found alone") {
+  const SparseMatrix a = shifted_laplacian(30, 31, 0);
+  const std::vector<Index> group = single_rows(a.rows());
+  const double alone = SymmetricAnalysis(a, group).entries();
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    std::vector<double> entries(12);
+    for_each_in_parallel(12, [&](Index k) { entries[at(k)] = SymmetricAnalysis(a, group).entries(); });
+    const bool equal = entries == std::vector<double>(12, alone);
+    CHECK(equal);
+  }
+}
+
+TEST_CASE("interface operators are the same bits whatever the number of threads they were made with") {
+  const Model model = build(lattice_in_grid(4000, {6, 2}));
+  const Vector f = RandomStream(3).normal_vector(model.parts.interface_size());
+  Vector first;
+  for (int repetition = 0; repetition < 10; ++repetition)
+    for (const Index threads : {1, 2, 3, 4}) {
+      const ThreadLimit limit(threads);
+      const Vector again = InterfaceFamily(model.parts).at(0.1).apply(f);
+      if (first.size() == 0) first = again;
+      const bool equal = again == first;
+      CHECK(equal);
+    }
+}
+
+TEST_CASE("sweep table: the same bits for 1 to 4 threads") {
+  const Model model = build(lattice_in_grid(4000, {6, 2}));
+  SweepParameters parameters;
+  parameters.epsilon = {1e-2, 0.1};
+  parameters.eta = {0.5, infinity};
+  parameters.spectral = shift_invert();
+  std::vector<std::string> first;
+  for (const Index threads : {1, 2, 3, 4, 2, 1}) {
+    CAPTURE(threads);
+    const ThreadLimit limit(threads);
+    const std::vector<std::string> rows = rows_of(model, parameters);
+    if (first.empty()) first = rows;
+    CHECK(rows == first);
+  }
+}
+
+TEST_CASE("shift-invert: several eigenvalues at each end") {
+  struct Flexibilities {
+    double epsilon, eta;
+  };
+  for (const Case& one :
+       {random_lattice(22, 12, 10, {4, 4}), deposit(150, {4, 3}), lattice_in_grid(200, {2, 1}),
+        with_unequal_masses(random_lattice(23, 10, 9, {3, 3}), 7)}) {
+    CAPTURE(one.name);
+    const Model model = build(one);
+    const InterfaceFamily family(model.parts);
+    for (const auto& [epsilon, eta] :
+         {Flexibilities{1e-4, infinity}, {1e-2, infinity}, {1.0, infinity}, {1e-2, 0.3}, {3.0, 0.3}}) {
+      CAPTURE(epsilon);
+      CAPTURE(eta);
+      const Contraction b{family.at(eta), family.at(epsilon)};
+      const DenseSpectrum dense(b);
+      const Index n = dense.lambda.size();
+      const SpectralRadius found = spectral_radius(b, shift_invert(5, false));
+      CHECK(found.converged);
+      REQUIRE(found.low.size() == 5);
+      REQUIRE(found.high.size() == 5);
+      for (Index k = 0; k < 5; ++k) {
+        CAPTURE(k);
+        CHECK(std::abs(found.low[at(k)] - (1 - dense.lambda[n - 1 - k])) <= found.residual + 1e-10);
+        CHECK(std::abs(found.high[at(k)] - (1 - dense.lambda[k])) <= found.residual + 1e-10);
+      }
+    }
+  }
+}
+
+TEST_CASE("certificates: a cluster at lambda = 1, stiff contacts and light grains") {
+  const InterfaceFamily family(build(with_unequal_masses(deposit(200, {5, 4}), 8)).parts);
+  const Contraction b{family.at(infinity), family.at(1e-6)};
+  const DenseSpectrum dense(b);
+  const SpectralRadius found = spectral_radius(b, shift_invert());
+  REQUIRE(found.converged);
+  // 8 eigenvalues are 1, the next is 0.99985: no count between the two may be another
+  if (found.certified) CHECK(found.within_min == dense.between(1 - found.interval_min[1], infinity));
+  const ShiftedPencilFamily pencils(b);
+  for (const double distance : {1e-6, 1e-7, 1e-8, 3e-9}) {
+    CAPTURE(distance);
+    const ShiftedPencil pencil = pencils.at(1e-6, infinity, 1 - distance);
+    if (pencil.reliable()) CHECK(pencil.below() == dense.below(1 - distance));
+  }
+}
+
+TEST_CASE("certificates: a shift that must be moved stays on its side of the end") {
+  const InterfaceFamily family(build(deposit(80, {3, 2})).parts);
+  const Contraction b{family.at(0.4), family.at(1e-3)};
+  const PencilEnd found = find_end(ShiftedPencilFamily(b), b.preconditioner, {1e-3, 0.4},
+                                   SpectrumEnd::largest, {}, {}, {.tolerance = 1e-10, .certify = true});
+  REQUIRE(found.converged);
+  CHECK(found.outside > found.values[0]);
+  CHECK(found.inside < found.values[0]);
+  CHECK(found.certified);
+  CHECK(found.within == 4);
+}
+
+TEST_CASE("certificates of the dense solver count every copy of a multiple eigenvalue") {
+  for (const Case& one : packings_up_to(200)) {
+    if (one.name.find("twice") == std::string::npos) continue;
+    const InterfaceFamily family(build(one).parts);
+    const Contraction b{family.at(infinity), family.at(0.1)};
+    for (const SpectralSolver solver : {SpectralSolver::shift_invert, SpectralSolver::dense}) {
+      CAPTURE(spectral_solver_names()[static_cast<std::size_t>(solver)]);
+      const SpectralRadius found = spectral_radius(b, {.solver = solver, .certify = true});
+      CHECK(found.certified);
+      CHECK(found.within_max == 2);
+    }
+  }
+}
+
+TEST_CASE("backward error: a solution that is no number is not exact") {
+  const SymmetricProblem problem = saddle_point(10, 0.5, 0.7, 1);
+  const Vector b = Vector::Ones(problem.lower.rows());
+  CHECK_FALSE(backward_error(problem.lower, Vector::Constant(b.size(), not_a_number), b) < 1);
+  CHECK_FALSE(backward_error(problem.lower, Vector::Constant(b.size(), infinity), b) < 1);
+}
+
+TEST_CASE("equal flexibilities leave no error in a sweep, whichever the solver") {
+  const Model model = build(random_lattice(21, 9, 8, {3, 2}));
+  SweepParameters parameters;
+  parameters.epsilon = parameters.eta = {0.3};
+  const std::size_t column = Table{sweep_columns(), {}}.column("spectral_radius");
+  for (const SpectralSolver solver : {SpectralSolver::dense, SpectralSolver::shift_invert}) {
+    parameters.spectral.solver = solver;
+    CHECK(sweep(model, parameters, [&](const Row& row) { CHECK(std::get<double>(row[column]) < 1e-12); }) ==
+          0);
+  }
+  // as many zeros as asked for
+  const InterfaceFamily family(model.parts);
+  const SpectralRadius none = spectral_radius({family.at(0.3), family.at(0.3)}, shift_invert(5));
+  CHECK(none.low == std::vector<double>(5, 0.0));
+  CHECK(none.high == std::vector<double>(5, 0.0));
+}
+
+TEST_CASE("tolerance is relative to a large radius") {
+  const InterfaceFamily family(build(random_lattice(21, 9, 8, {3, 2})).parts);
+  for (const double eta : {1e-1, 1e-3, 1e-5}) {
+    CAPTURE(eta);
+    const Contraction b{family.at(eta), family.at(100.0)};
+    const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+    const SpectralRadius found = spectral_radius(b, shift_invert());
+    CHECK(dense.converged);
+    CHECK(found.converged);
+    CHECK(found.certified);
+    CHECK(found.value == doctest::Approx(dense.value).epsilon(1e-8));
+    CHECK(found.factorisations < 40);
+  }
+}

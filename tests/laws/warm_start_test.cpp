@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sweeps that pass ends and vectors from point to point: results do not depend on what was remembered, on the
+// row a table starts from.
+#include "../support/problems.hpp"
+#include "../support/spectra.hpp"
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/study/sweep.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+const SpectralOptions shift_invert{.solver = SpectralSolver::shift_invert, .certify = true};
+
+struct Point {
+  double epsilon, eta;
+};
+
+// A line along epsilon, a line along eta, a grid, jumps forth and back, a point twice, generic and enriched
+// mixed.
+std::vector<std::vector<Point>> every_path() {
+  std::vector<Point> along_epsilon, along_eta, grid;
+  for (double exponent = -4; exponent <= 2; exponent += 0.5)
+    along_epsilon.push_back({std::pow(10, exponent), infinity});
+  for (double exponent = -2; exponent <= 2; exponent += 0.4)
+    along_eta.push_back({0.1, 1.03 * std::pow(10, exponent)});
+  for (const double epsilon : {1e-3, 1e-2, 0.1})
+    for (const double eta : {0.05, 0.5, 5.0, 50.0}) grid.push_back({epsilon, eta});
+  const std::vector<Point> jumps{{1e-4, infinity},   {1e2, infinity}, {1e-4, infinity}, {1e-4, infinity},
+                                 {1.0, infinity},    {1.0, 0.3},      {1e-3, 0.3},      {10.0, 0.3},
+                                 {10.0, 40.0},       {10.0, 0.01},    {1e-3, infinity}, {1.1e-3, infinity},
+                                 {1.2e-3, infinity}, {90.0, infinity}};
+  return {along_epsilon, {along_epsilon.rbegin(), along_epsilon.rend()}, along_eta, grid, jumps};
+}
+
+std::vector<std::string> rows_of(const Model& model, const SweepParameters& parameters, Index first = 0) {
+  std::vector<std::string> rows;
+  sweep(
+      model, parameters,
+      [&](const Row& row) {
+        std::string line;
+        for (const Cell& cell : row) line += to_text(cell) + ",";
+        rows.push_back(line);
+      },
+      {}, first);
+  return rows;
+}
+
+SweepParameters two_way_sweep() {
+  SweepParameters parameters;
+  for (double exponent = -3; exponent <= 1; exponent += 1)
+    parameters.epsilon.push_back(std::pow(10, exponent));
+  parameters.eta = {0.02, 0.5, infinity};
+  parameters.relaxation = {1.0, std::nullopt};
+  parameters.spectral = shift_invert;
+  return parameters;
+}
+
+}  // namespace
+
+TEST_CASE("warm starts agree with cold ones within their residuals, whatever the path") {
+  for (const Case& one :
+       {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
+    CAPTURE(one.name);
+    const InterfaceFamily family(build(one).parts);
+    for (const std::vector<Point>& path : every_path()) {
+      SpectralMemory memory;
+      for (const auto& [epsilon, eta] : path) {
+        CAPTURE(epsilon);
+        CAPTURE(eta);
+        const Contraction b{family.at(eta), family.at(epsilon)};
+        const SpectralRadius warm = spectral_radius(b, shift_invert, &memory);
+        const SpectralRadius cold = spectral_radius(b, shift_invert);
+        REQUIRE(warm.converged);
+        REQUIRE(cold.converged);
+        CHECK(warm.certified);
+        const double slack =
+            warm.residual + cold.residual + 1e-15 / epsilon + 1e-12 * std::max(1.0, cold.value);
+        CHECK(std::abs(warm.value - cold.value) <= slack);
+        CHECK(std::abs(warm.eigenvalue_min - cold.eigenvalue_min) <= slack);
+        CHECK(std::abs(warm.eigenvalue_max - cold.eigenvalue_max) <= slack);
+        REQUIRE(memory.visited.size() >= 1);
+        CHECK(memory.visited.size() <= 3);
+        bool same_epsilon = true, same_eta = true;  // points of one line, the newest last
+        for (const SpectralMemory::Visited& point : memory.visited) {
+          same_epsilon = same_epsilon && point.epsilon == epsilon;
+          same_eta = same_eta && point.eta == eta;
+        }
+        CHECK(memory.visited.back().epsilon == epsilon);
+        CHECK(memory.visited.back().eta == eta);
+        const bool one_line = same_epsilon || same_eta;
+        CHECK(one_line);
+      }
+    }
+  }
+}
+
+TEST_CASE("warm starts save work along a fine sweep") {
+  const InterfaceFamily family(build(lattice_in_grid(400, {8, 1})).parts);
+  SpectralMemory memory;
+  Index warm = 0, cold = 0;
+  for (double exponent = -2; exponent <= 0; exponent += 0.1) {
+    const Contraction b{family.at(infinity), family.at(std::pow(10, exponent))};
+    warm += spectral_radius(b, {.solver = SpectralSolver::shift_invert}, &memory).factorisations;
+    cold += spectral_radius(b, {.solver = SpectralSolver::shift_invert}).factorisations;
+  }
+  CHECK(warm < 0.7 * static_cast<double>(cold));
+}
+
+TEST_CASE("a memory used for another packing, or another set of contacts, is not believed") {
+  SpectralMemory memory;
+  for (const Case& one :
+       {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), random_lattice(22, 9, 8, {3, 2})}) {
+    const Model model = build(one);
+    const InterfaceFamily all(model.parts);
+    std::vector<char> active(at(model.problem.contacts()), 1);
+    for (std::size_t k = 0; k < active.size(); k += 3) active[k] = 0;
+    const InterfaceFamily some(restrict_contacts(model.parts, active));
+    for (const InterfaceFamily* system : {&all, &some, &all})
+      for (const double epsilon : {0.01, 0.02, 0.04}) {
+        const Contraction b{all.at(infinity), system->at(epsilon)};
+        const SpectralRadius found = spectral_radius(b, shift_invert, &memory);
+        const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+        REQUIRE(found.converged);
+        CHECK(std::abs(found.value - dense.value) <= found.residual + 1e-11);
+      }
+  }
+}
+
+TEST_CASE("sweep table: the same bits from whichever row it starts") {
+  const Model model = build(random_lattice(21, 9, 8, {3, 2}));
+  const SweepParameters parameters = two_way_sweep();
+  const std::vector<std::string> all = rows_of(model, parameters);
+  REQUIRE(count(all) == point_count(parameters));
+  for (const Index first : {1, 2, 5, 14, 15, 16, 17, 18, 31, 32, 35, 36}) {
+    CAPTURE(first);
+    CHECK(rows_of(model, parameters, first) == std::vector<std::string>(all.begin() + first, all.end()));
+  }
+}
+
+TEST_CASE("sweep table: the same bits with inexact rows in between, and with restricted contacts") {
+  Case one = random_lattice(21, 9, 8, {3, 2});
+  one.prescribed = {{0, {1.0, 0.5}}};
+  const Model model = build(one);
+  SweepParameters parameters;
+  parameters.epsilon = {1e-2, 3e-2, 1e-1, 0.3, 1.0};
+  parameters.eta = {0.5, 0.7, infinity};
+  parameters.gauss_seidel_sweeps = {2, std::nullopt};
+  parameters.contacts = ContactSet::active;
+  parameters.spectral = shift_invert;
+  const std::vector<std::string> all = rows_of(model, parameters);
+  for (const Index first : {1, 2, 7, 15, 16, 17, 18, 29})
+    CHECK(rows_of(model, parameters, first) == std::vector<std::string>(all.begin() + first, all.end()));
+}
+
+TEST_CASE("sweep table: automatic, dense and shift-invert agree in every row") {
+  const Model model = build(deposit(150, {4, 3}));
+  SweepParameters parameters = two_way_sweep();
+  std::vector<double> radii;
+  const auto collect = [&](SpectralSolver solver) {
+    parameters.spectral.solver = solver;
+    radii.clear();
+    const std::size_t column = Table{sweep_columns(), {}}.column("spectral_radius");
+    CHECK(sweep(model, parameters, [&](const Row& row) { radii.push_back(std::get<double>(row[column])); }) ==
+          0);
+    return radii;
+  };
+  const std::vector<double> dense = collect(SpectralSolver::dense),
+                            automatic = collect(SpectralSolver::automatic),
+                            shifted = collect(SpectralSolver::shift_invert);
+  CHECK(automatic == dense);
+  REQUIRE(shifted.size() == dense.size());
+  for (std::size_t k = 0; k < dense.size(); ++k)
+    CHECK(std::abs(shifted[k] - dense[k]) <= 1e-8 * std::max(1.0, dense[k]));
+}

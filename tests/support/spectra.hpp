@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/contraction.hpp>
+#include <nscdd/study/case.hpp>
+
+#include <vector>
+
+namespace nscdd::testing {
+
+/// The pencil (S, P) of a contraction operator from the dense interface operators, both scaled by
+/// diag(X_inf)^-1/2, and all its eigenvalues by a solver that the library does not use (Eigen).
+struct DenseSpectrum {
+  explicit DenseSpectrum(const Contraction& b);
+  Matrix s, p;
+  Vector root;    ///< the scaling, diag(X_inf)^-1/2
+  Vector lambda;  ///< of P^-1 S, ascending
+
+  Index below(double sigma) const { return (lambda.array() < sigma).count(); }
+  Index between(double from, double to) const;        ///< [from, to]
+  Vector solve(const Vector& g, double sigma) const;  ///< (S - sigma P)^-1 g
+};
+
+/// N disks of a hexagonal lattice of about as many rows as columns are wide, unit masses, cut by a grid.
+Case lattice_in_grid(Index grains, std::array<Index, 2> grid);
+
+/// A random deposit, cut by a grid or (parts > 0) by METIS.
+Case deposit(Index grains, std::array<Index, 2> grid, Index parts = 0);
+
+/// The packing with masses from 1e-2 to 1e2 kg, drawn at random.
+Case with_unequal_masses(Case one, std::uint64_t seed);
+
+/// Packings of every kind with up to about `largest` interface unknowns: strips, grids with cross points,
+/// METIS parts, deposits, vacancies, masses of ratio 1e4, two copies side by side (every eigenvalue double).
+std::vector<Case> packings_up_to(Index largest);
+
+}  // namespace nscdd::testing

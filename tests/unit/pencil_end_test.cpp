@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The search for one end of the spectrum: whatever it is told to start from, and what it says when stopped.
+#include "../support/problems.hpp"
+#include "../support/spectra.hpp"
+#include <nscdd/ddm/pencil_end.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/linalg/random.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+struct Problem {
+  Problem(const Case& one, double epsilon, double eta)
+      : family(build(one).parts),
+        b{family.at(eta), family.at(epsilon)},
+        dense(b),
+        pencils(b),
+        point{epsilon, eta} {}
+  PencilEnd find(SpectrumEnd end, const EndOptions& options = {}, const std::optional<EndGuess>& guess = {},
+                 const Vector& start = {}) const {
+    return find_end(pencils, b.preconditioner, point, end, guess, start, options);
+  }
+  double expected(SpectrumEnd end) const {
+    return end == SpectrumEnd::smallest ? dense.lambda[0] : dense.lambda[dense.lambda.size() - 1];
+  }
+  InterfaceFamily family;
+  Contraction b;
+  DenseSpectrum dense;
+  ShiftedPencilFamily pencils;
+  PencilPoint point;
+};
+
+const std::vector<SpectrumEnd> both_ends{SpectrumEnd::smallest, SpectrumEnd::largest};
+
+std::vector<Problem> some_problems() {
+  std::vector<Problem> all;
+  all.emplace_back(random_lattice(2, 8, 6, {3, 2}), 0.05, infinity);
+  all.emplace_back(random_lattice(3, 8, 9, {2, 3}), 1.0, 0.2);
+  all.emplace_back(deposit(80, {3, 2}), 1e-3, 0.4);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("pencil end: without bounds, with loose bounds, with exact ones") {
+  for (Problem& problem : some_problems())
+    for (const auto& [low, high] :
+         {std::pair{0.0, infinity},
+          {problem.dense.lambda[0] / 7, 1e3},
+          {problem.expected(SpectrumEnd::smallest), problem.expected(SpectrumEnd::largest)}}) {
+      problem.point.low = low;
+      problem.point.high = high;
+      for (const SpectrumEnd end : both_ends) {
+        const PencilEnd found = problem.find(end, {.certify = true});
+        REQUIRE(found.converged);
+        CHECK(found.certified);
+        CHECK(found.residual <= 1e-8);
+        CHECK(std::abs(found.values[0] - problem.expected(end)) <= found.residual + 1e-12);
+        CHECK(found.within >= 1);
+        CHECK(found.factorisations >= 3);
+        CHECK(found.solves > 0);
+      }
+    }
+}
+
+TEST_CASE("pencil end: a guess helps or does no harm, however wrong") {
+  for (const Problem& problem : some_problems())
+    for (const SpectrumEnd end : both_ends) {
+      const double truth = problem.expected(end);
+      const double middle = problem.dense.lambda[problem.dense.lambda.size() / 2];
+      const std::vector<EndGuess> guesses{{truth, 0},           {truth, 1e-6},     {truth * 1.01, 1e-6},
+                                          {truth * 0.99, 1e-6}, {middle, 0},       {middle, 1e-3},
+                                          {truth * 50, 0.1},    {truth / 50, 0.1}, {truth, 1e3 * truth},
+                                          {1e-6 * truth, 0},    {1e6 * truth, 0}};
+      for (const EndGuess& guess : guesses) {
+        CAPTURE(guess.value);
+        CAPTURE(guess.uncertainty);
+        const PencilEnd found = problem.find(end, {.certify = true}, guess);
+        REQUIRE(found.converged);
+        CHECK(found.certified);
+        CHECK(std::abs(found.values[0] - truth) <= found.residual + 1e-12);
+      }
+      const PencilEnd cold = problem.find(end);
+      CHECK(problem.find(end, {}, EndGuess{truth, 1e-7}, cold.vectors.col(0)).factorisations <=
+            cold.factorisations);
+    }
+}
+
+TEST_CASE("pencil end: a start vector helps or does no harm, even an eigenvector of the other end") {
+  for (const Problem& problem : some_problems())
+    for (const SpectrumEnd end : both_ends) {
+      const SpectrumEnd other = end == SpectrumEnd::smallest ? SpectrumEnd::largest : SpectrumEnd::smallest;
+      const Index n = problem.b.rows();
+      for (const Vector& start :
+           {Vector(problem.find(other).vectors.col(0)), Vector(RandomStream(3).normal_vector(n)),
+            Vector(Vector::Unit(n, 0)), Vector(Vector::Zero(n)), Vector(Vector::Ones(2))}) {
+        const PencilEnd found = problem.find(end, {.certify = true}, {}, start);
+        REQUIRE(found.converged);
+        CHECK(found.certified);
+        CHECK(std::abs(found.values[0] - problem.expected(end)) <= found.residual + 1e-12);
+      }
+    }
+}
+
+TEST_CASE("pencil end: the tolerance asked for is met, loose or tight") {
+  for (const Problem& problem : some_problems())
+    for (const SpectrumEnd end : both_ends)
+      for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-9}) {
+        CAPTURE(tolerance);
+        const PencilEnd found = problem.find(end, {.tolerance = tolerance, .certify = true});
+        REQUIRE(found.converged);
+        CHECK(found.residual <= tolerance);
+        CHECK(std::abs(found.values[0] - problem.expected(end)) <= found.residual + 1e-12);
+        REQUIRE(found.certified);
+        const double from = std::min(found.outside, found.inside), to = std::max(found.outside, found.inside);
+        CHECK(from <= problem.expected(end));
+        CHECK(to >= problem.expected(end));
+        CHECK(to - from <= 20 * tolerance);
+        CHECK(found.within == problem.dense.between(from, to));
+      }
+}
+
+TEST_CASE("pencil end: out of factorisations is marked, and what was found stays within its residual") {
+  int marked = 0;
+  for (const Problem& problem : some_problems())
+    for (const SpectrumEnd end : both_ends) {
+      for (const Index allowed : {1, 2}) {
+        const PencilEnd few = problem.find(end, {.maximum_factorisations = allowed});
+        CHECK(few.factorisations <= allowed);
+        CHECK(few.converged == (few.residual <= 1e-8));
+        if (few.values.size() > 0)
+          CHECK((problem.dense.lambda.array() - few.values[0]).abs().minCoeff() <= few.residual + 1e-12);
+        if (!few.converged) ++marked;
+        const PencilEnd proved = problem.find(end, {.certify = true, .maximum_factorisations = allowed});
+        CHECK(proved.factorisations <= allowed + 2);  // the two counts come on top
+        if (!proved.converged) CHECK_FALSE(proved.certified);
+      }
+      const PencilEnd none = problem.find(end, {.maximum_factorisations = 0});
+      CHECK_FALSE(none.converged);
+      CHECK(none.values.size() == 0);
+    }
+  CHECK(marked > 0);
+}
+
+TEST_CASE("relaxed: the same spectrum under another omega as computed with it") {
+  const InterfaceFamily family(build(random_lattice(2, 8, 6, {3, 2})).parts);
+  for (const SpectralSolver solver :
+       {SpectralSolver::dense, SpectralSolver::arpack, SpectralSolver::shift_invert})
+    for (const double epsilon : {0.0, 0.05, 3.0})
+      for (const double eta : {0.3, infinity})
+        for (const double omega : {0.2, 1.0, 1.6, 4.0}) {
+          if (epsilon == 0 && solver == SpectralSolver::shift_invert) continue;
+          CAPTURE(epsilon);
+          CAPTURE(eta);
+          CAPTURE(omega);
+          const SpectralOptions options{.solver = solver, .certify = true};
+          const SpectralRadius direct = spectral_radius({family.at(eta), family.at(epsilon), omega}, options);
+          const SpectralRadius plain = spectral_radius({family.at(eta), family.at(epsilon)}, options);
+          const SpectralRadius after = relaxed(plain, omega, options.tolerance);
+          CHECK(after.value == direct.value);
+          CHECK(after.converged == direct.converged);
+          CHECK(after.residual == omega * plain.residual);
+          CHECK(after.unit_multiplicity == plain.unit_multiplicity);
+          CHECK(after.subdominant_min ==
+                doctest::Approx(1 - omega * (1 - plain.subdominant_min)).epsilon(1e-14));
+          CHECK(after.subdominant_max ==
+                doctest::Approx(1 - omega * (1 - plain.subdominant_max)).epsilon(1e-14));
+          if (plain.unit_multiplicity > 0) CHECK(after.eigenvalue_max >= 1);
+          REQUIRE(after.low.size() == plain.low.size());
+          for (std::size_t k = 0; k < plain.low.size(); ++k)
+            CHECK(after.low[k] == doctest::Approx(1 - omega * (1 - plain.low[k])).epsilon(1e-14));
+          CHECK(after.certified == plain.certified);
+          if (plain.certified)
+            CHECK(after.interval_max[1] ==
+                  doctest::Approx(1 - omega * (1 - plain.interval_max[1])).epsilon(1e-14));
+        }
+}
+
+TEST_CASE("relaxed: an empty interface and a search without result stay what they are") {
+  CHECK(relaxed(SpectralRadius{}, 0.5, 1e-8).solver == "none");
+  SpectralRadius failed;
+  failed.solver = "shift-invert";
+  failed.converged = false;
+  failed.value = failed.subdominant = not_a_number;
+  CHECK(std::isnan(relaxed(failed, 0.5, 1e-8).value));
+  CHECK_FALSE(relaxed(failed, 0.5, 1e-8).converged);
+}

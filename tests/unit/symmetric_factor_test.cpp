@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
+#include "../support/matrices.hpp"
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/linalg/symmetric_factor.hpp>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+Index negative_count(const Matrix& a) {
+  return (Eigen::SelfAdjointEigenSolver<Matrix>(a, Eigen::EigenvaluesOnly).eigenvalues().array() < 0).count();
+}
+
+SymmetricFactor factorise(const SymmetricProblem& problem, const std::vector<char>& last = {}) {
+  return {SymmetricAnalysis(problem.lower, problem.group, last), problem.lower};
+}
+
+double largest(const Matrix& a) { return a.cwiseAbs().maxCoeff(); }
+
+// Elimination is backward stable: where rounding leaves a last pivot of its own size instead of none, the
+// solution is that of a regular matrix next to A, and grows to some 1/rounding.
+bool singular_shows(const SymmetricFactor& factor, const SparseMatrix& lower, const Vector& b) {
+  if (!factor.regular()) return true;
+  const Vector x = factor.solve(b);
+  return !(backward_error(lower, x, b) < 1e-3) || largest(x) > 1e10 * largest(b);
+}
+
+// Some rows in no particular order, the first and the last among them.
+std::vector<Index> some_rows(Index n) {
+  std::vector<Index> rows{n - 1};
+  for (Index i = 1; i < n - 1; i += 7) rows.push_back(i);
+  if (n > 1) rows.push_back(0);
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("symmetric factor: inertia, solve and inverse blocks of every shape of matrix") {
+  for (const SymmetricProblem& problem : every_symmetric_problem()) {
+    CAPTURE(problem.name);
+    const Matrix a = full(problem.lower);
+    const Index n = a.rows();
+    CAPTURE(n);
+    const SymmetricAnalysis analysis(problem.lower, problem.group);
+    CHECK(analysis.rows() == n);
+    CHECK(analysis.entries() >= static_cast<double>(problem.lower.nonZeros()));
+    CHECK(analysis.entries() <= static_cast<double>(n * (n + 1) / 2));
+    const SymmetricFactor factor(analysis, problem.lower);
+    REQUIRE(factor.regular());
+    CHECK(factor.negative_eigenvalues() == negative_count(a));
+    const Matrix inverse = a.inverse();
+    for (const std::uint64_t seed : {1, 2}) {
+      const Vector b = RandomStream(seed).normal_vector(n);
+      const Vector x = factor.solve(b);
+      CHECK(backward_error(problem.lower, x, b) < 1e-11);
+      CHECK(largest(x - inverse * b) < 1e-9 * largest(inverse) * largest(b));
+    }
+    const std::vector<Index> rows = some_rows(n);
+    CHECK(largest(factor.inverse_block(rows) - Matrix(inverse(rows, rows))) < 1e-9 * largest(inverse));
+  }
+}
+
+TEST_CASE("symmetric factor: saddle points have the inertia of theory") {
+  // K definite: n positive eigenvalues, and A K^-1 A^T + C definite: as many negative ones as multipliers.
+  for (const double c : {0.0, 1e-3, 2.0})
+    CHECK(factorise(saddle_point(60, 1.0, c, 4)).negative_eigenvalues() == 60);
+}
+
+TEST_CASE("symmetric factor: one analysis serves every matrix of its pattern") {
+  const SymmetricProblem first = saddle_point(50, 0.5, 0.7, 11);
+  const SymmetricAnalysis analysis(first.lower, first.group);
+  for (const double shift : {0.0, 0.4, 1.3, 2.9, 6.0, -3.0}) {
+    CAPTURE(shift);
+    SparseMatrix lower = first.lower;
+    for (Index i = 0; i < lower.rows(); ++i) lower.coeffRef(i, i) -= shift;
+    const SymmetricFactor factor(analysis, lower);
+    REQUIRE(factor.regular());
+    CHECK(factor.negative_eigenvalues() == negative_count(full(lower)));
+    const Vector b = Vector::LinSpaced(lower.rows(), -1, 1);
+    CHECK(backward_error(lower, factor.solve(b), b) < 1e-11);
+  }
+}
+
+TEST_CASE("symmetric factor: results do not depend on how groups are numbered") {
+  const SymmetricProblem one = saddle_point(50, -0.3, 0.0, 12);
+  SymmetricProblem other = one;
+  for (Index& g : other.group) g = (7 * g + 3) % 50;
+  const SymmetricFactor a = factorise(one), b = factorise(other);
+  CHECK(a.negative_eigenvalues() == b.negative_eigenvalues());
+  const Vector right = RandomStream(3).normal_vector(one.lower.rows());
+  CHECK(largest(a.solve(right) - b.solve(right)) < 1e-10 * largest(a.solve(right)));
+}
+
+TEST_CASE("symmetric factor: groups eliminated last, and the inverse on their rows") {
+  for (const SymmetricProblem& problem :
+       {saddle_point(60, 0.5, 0.7, 21), saddle_point(60, -0.3, 0.0, 22),
+        SymmetricProblem{"Laplacian", shifted_laplacian(14, 11, 1.7), single_rows(154)}}) {
+    CAPTURE(problem.name);
+    const Index groups = *std::max_element(problem.group.begin(), problem.group.end()) + 1;
+    for (const Index stride : {1, 2, 9, 1000}) {  // all last, every other one, few, one
+      CAPTURE(stride);
+      std::vector<char> last(at(groups), 0);
+      for (Index g = 0; g < groups; g += stride) last[at(g)] = 1;
+      const SymmetricFactor factor = factorise(problem, last);
+      REQUIRE(factor.regular());
+      const Matrix a = full(problem.lower), inverse = a.inverse();
+      CHECK(factor.negative_eigenvalues() == negative_count(a));
+      std::vector<Index> rows;
+      for (Index i = a.rows() - 1; i >= 0; --i)
+        if (last[at(problem.group[at(i)])]) rows.push_back(i);
+      const Matrix block = factor.inverse_block(rows);
+      CHECK(largest(block - Matrix(inverse(rows, rows))) < 1e-9 * largest(inverse));
+      CHECK(largest(block - block.transpose()) < 1e-9 * largest(inverse));
+      const Vector b = Vector::Ones(a.rows());
+      CHECK(backward_error(problem.lower, factor.solve(b), b) < 1e-11);
+    }
+  }
+}
+
+TEST_CASE("symmetric factor: masses and stiffnesses many decades apart") {
+  // D A D has the inertia of A, whatever the diagonal D.
+  const SymmetricProblem plain = saddle_point(50, 0.5, 0.7, 31);
+  RandomStream random(5);
+  Vector scale(plain.lower.rows());
+  for (double& s : scale) s = std::pow(10.0, 8 * random.uniform() - 4);
+  const SparseMatrix lower = scale.asDiagonal() * plain.lower * scale.asDiagonal();
+  const SymmetricFactor factor(SymmetricAnalysis(lower, plain.group), lower);
+  REQUIRE(factor.regular());
+  CHECK(factor.negative_eigenvalues() == negative_count(full(plain.lower)));
+  const Vector b = scale.cwiseProduct(Vector::Ones(scale.size()));
+  CHECK(backward_error(lower, factor.solve(b), b) < 1e-8);
+}
+
+TEST_CASE("symmetric factor: a singular matrix is reported, or shows in the solution or the backward error") {
+  Matrix row_of_zeros = Vector::LinSpaced(9, 1, 2).asDiagonal();
+  row_of_zeros(4, 4) = 0;
+  CHECK_FALSE(factorise({"", lower_triangle(row_of_zeros), single_rows(9)}).regular());
+  CHECK_FALSE(factorise({"", lower_triangle(Matrix::Zero(1, 1)), {0}}).regular());
+  // A free Laplacian: constants are its kernel.
+  for (const Index n : {6, 50, 300}) {
+    CAPTURE(n);
+    Matrix free = Matrix::Zero(n, n);
+    for (Index i = 0; i + 1 < n; ++i) {
+      free(i, i) += 1;
+      free(i + 1, i + 1) += 1;
+      free(i + 1, i) = -1;
+    }
+    const SparseMatrix lower = lower_triangle(free);
+    const SymmetricFactor factor(SymmetricAnalysis(lower, single_rows(n)), lower);
+    const Vector b = Vector::LinSpaced(n, 0, 1);  // not in the range
+    CHECK(singular_shows(factor, lower, b));
+  }
+  // Two multipliers for one tie.
+  SymmetricProblem twice = saddle_point(20, 1.0, 0.0, 41);
+  const Index n = twice.lower.rows();
+  Matrix more = Matrix::Zero(n + 1, n + 1);
+  more.topLeftCorner(n, n) = full(twice.lower);
+  more.row(n).head(n) = more.row(n - 1).head(n);
+  more.col(n).head(n) = more.col(n - 1).head(n);
+  twice.lower = lower_triangle(more);
+  twice.group.push_back(twice.group.back());
+  const SymmetricFactor factor = factorise(twice);
+  Vector b = Vector::Zero(n + 1);
+  b[n] = 1;  // multipliers n - 1 and n ask for different gaps
+  CHECK(singular_shows(factor, twice.lower, b));
+}
+
+TEST_CASE("symmetric factor: values that are not finite are reported") {
+  SymmetricProblem problem = saddle_point(20, 0.5, 0.7, 51);
+  problem.lower.coeffRef(3, 3) = not_a_number;
+  CHECK_FALSE(factorise(problem).regular());
+}
+
+TEST_CASE("backward error: its definition, entry by entry") {
+  const Matrix a = full(saddle_point(10, 0.5, 0.7, 61).lower);
+  const SparseMatrix lower = lower_triangle(a);
+  const Vector b = RandomStream(1).normal_vector(a.rows()), x = RandomStream(2).normal_vector(a.rows());
+  double expected = 0;
+  for (Index i = 0; i < a.rows(); ++i) {
+    double residual = b[i], size = std::abs(b[i]);
+    for (Index j = 0; j < a.cols(); ++j) {
+      residual -= a(i, j) * x[j];
+      size += std::abs(a(i, j) * x[j]);
+    }
+    expected = std::max(expected, std::abs(residual) / size);
+  }
+  CHECK(backward_error(lower, x, b) == doctest::Approx(expected).epsilon(1e-12));
+  // Data changed by a relative 1e-5 in one entry show as at most that; nothing shows as nothing.
+  const Vector exact = a.fullPivLu().solve(b);
+  Vector changed = b;
+  changed[4] *= 1 + 1e-5;
+  CHECK(backward_error(lower, exact, b) < 1e-13);
+  CHECK(backward_error(lower, exact, changed) <= 1e-5);
+  CHECK(backward_error(lower, exact, changed) > 1e-8);
+  CHECK(backward_error(lower, Vector::Zero(a.rows()), Vector::Zero(a.rows())) == 0);
+  CHECK(backward_error(lower, Vector::Zero(a.rows()), b) == 1);
+}
