@@ -42,9 +42,21 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
   if (unit_multiplicity == n) return all_unit(n, "dense");
-  const PencilEnds ends = unit_multiplicity == 0
-                              ? pencil_ends(difference, p, options.eigenvalues)
-                              : deflated_ends(difference, p, b.system.kernel().kernel, options.eigenvalues);
+  const auto ends_of = [&](Index wanted) {
+    return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
+                                  : deflated_ends(difference, p, b.system.kernel().kernel, wanted);
+  };
+  const Index most = n - unit_multiplicity;
+  Index wanted = std::min(options.eigenvalues, most);
+  PencilEnds ends = ends_of(wanted);
+  const auto margin = [&] {
+    return std::max(ends.residual, 1e-14 * std::max(1.0, ends.high.cwiseAbs().maxCoeff()));
+  };
+  if (options.certify)  // until the multiples of both ends are all in sight
+    while (
+        ends.definite && wanted < most &&
+        (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
+      ends = ends_of(wanted = std::min(2 * wanted, most));
   if (!ends.definite) return not_converged("dense");
   SpectralRadius result;
   result.solver = "dense";
@@ -56,17 +68,18 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.residual = ends.residual;
   result.converged = accurate(result, options.tolerance);
   if (options.certify && result.converged) {  // the values come from Sturm counts, which miss none
-    const double margin = std::max(result.residual, 1e-14 * std::max(1.0, result.value));
     result.certified = true;
-    result.interval_min = {result.subdominant_min - margin, result.subdominant_min + margin};
-    result.interval_max = {result.subdominant_max - margin, result.subdominant_max + margin};
-    const auto within = [&](const std::vector<double>& values) {
-      return std::count_if(values.begin(), values.end(),
-                           [&](double mu) { return std::abs(mu - values[0]) <= margin; });
+    result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
+    result.interval_max = {ends.high[0] - margin(), ends.high[0] + margin()};
+    const auto within = [&](const Vector& values) {
+      return ((values.array() - values[0]).abs() <= margin()).count();
     };
-    result.within_min = within(result.low);
-    result.within_max = within(result.high);
+    result.within_min = within(ends.low);
+    result.within_max = within(ends.high);
   }
+  const Index listed = std::min(options.eigenvalues, most);
+  result.low.resize(at(listed));
+  result.high.resize(at(listed));
   return result;
 }
 

@@ -31,11 +31,14 @@ class EndSearch {
         continue;
       }
       if (!outer_ || inward(pencil->shift() - *outer_) > 0) outer_ = pencil->shift();
-      if (!lanczos(*pencil, start)) break;
+      if (!lanczos(*pencil, start, 1)) break;
       start = result_.vectors.col(0);
       if (result_.residual <= options_.tolerance) {
         result_.converged = true;
-        if (!options_.certify || certify()) break;
+        if (!options_.certify || certify()) {
+          if (options_.eigenvalues > 1) list(start);
+          break;
+        }
         shift = step_out(inner_);  // a closer one lies beyond what was found
         result_.converged = false;
         continue;
@@ -82,7 +85,7 @@ class EndSearch {
     return end_ == SpectrumEnd::smallest ? pencil.below() - point_.kernel : p_.rows() - pencil.below();
   }
 
-  bool lanczos(const ShiftedPencil& pencil, const Vector& start) {
+  bool lanczos(const ShiftedPencil& pencil, const Vector& start, Index wanted) {
     const double shift = pencil.shift();
     // Relative to 1/(lambda - sigma): the distance is known from earlier rounds, or one is left to come.
     ArpackOptions arpack = options_.arpack;
@@ -90,8 +93,9 @@ class EndSearch {
     if (result_.values.size() > 0)
       arpack.tolerance =
           std::max(lanczos_reduction, 0.3 * options_.tolerance / std::abs(result_.values[0] - shift));
-    const Index wanted = std::min(options_.eigenvalues, p_.rows() - 2);
-    arpack.basis = std::max(arpack.basis, 2 * wanted + 4);
+    // A list is asked for once its first value is known: the others lie within about 1 of the shift.
+    if (wanted > 1) arpack.tolerance = 0.1 * options_.tolerance;
+    arpack.basis = std::max(arpack.basis, 2 * wanted + 8);
     const LinearMap p = [this](const Vector& x) -> Vector { return p_.apply(x); };
     const LinearMap solve = [&](const Vector& x) -> Vector { return ++result_.solves, pencil.solve(x); };
     ShiftInvertResult found = shift_invert_lanczos(p_.rows(), solve, p, shift, end_, wanted, arpack, start);
@@ -114,6 +118,21 @@ class EndSearch {
     return true;
   }
 
+  // The eigenvalues next to the end, from a shift far enough to see them all.
+  void list(const Vector& start) {
+    const Index wanted = std::min(options_.eigenvalues, p_.rows() - 2);
+    const double value = result_.values[0];
+    const std::optional<ShiftedPencil> pencil = factorise(value - inward(1e-3 * value));
+    const PencilEnd first = result_;
+    if (pencil && lanczos(*pencil, start, wanted) && result_.values.size() == wanted) {
+      result_.converged = result_.residual <= options_.tolerance;
+    } else {
+      result_.values = first.values;
+      result_.vectors = first.vectors;
+      result_.converged = false;
+    }
+  }
+
   double closer_shift() const {
     const double value = result_.values[0];
     const double step = std::max(2 * result_.residual, 2 * options_.tolerance);
@@ -125,7 +144,7 @@ class EndSearch {
   // Counts just outside and just inside; false where an eigenvalue beyond the first was missed.
   bool certify() {
     const double value = result_.values[0];
-    const double margin = std::max(options_.tolerance, 2 * result_.residual);
+    const double margin = std::max({options_.tolerance, 2 * result_.residual, 4 * point_.rounding});
     const std::optional<ShiftedPencil> out = factorise(std::max(value - inward(margin), 0.5 * value));
     const std::optional<ShiftedPencil> in = factorise(value + inward(margin), 1);
     if (!out || !in) return true;  // converged, not certified

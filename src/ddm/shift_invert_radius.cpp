@@ -10,14 +10,15 @@ namespace nscdd {
 namespace {
 
 // Smallest epsilon of the rigid limit over the natural one: below, M is lost in the digits of K/epsilon.
-// In units of the natural flexibility 1/mass; below, M would lose digits beside K/epsilon.
-constexpr double augmented_below = 1e-5;
 constexpr double rigid_zero = 1e-8;  // eigenvalues lambda of the rigid limit below this count as zero
-// Error of lambda for each unit of natural over actual flexibility, from the digits of M lost beside K/epsilon:
-// several times the largest seen against dense spectra (tests/laws).
+// Error of lambda for each unit of 1 / (mass epsilon), from the digits of M lost beside K/epsilon: several
+// times the largest seen against dense spectra (tests/laws).
 constexpr double rounding = 4e-16;
 
-double natural_flexibility(const Contraction& b) { return 0.25 * b.system.scale().mean(); }  // 1/mass
+double lost_to_rounding(const Contraction& b, double epsilon) {
+  const double lightest = 0.25 * b.system.scale().maxCoeff();  // 1/mass
+  return rounding * (1 + (epsilon > 0 ? lightest / epsilon : 0));
+}
 
 // Ends of the spectrum of (S, P), lambda = 1 - mu.
 struct Ends {
@@ -28,7 +29,8 @@ struct Ends {
 // What is known of the spectrum without computing: with the same contacts, M + K/epsilon lies between
 // (M + K/eta) min(1, eta/epsilon) and (M + K/eta) max(1, eta/epsilon); fewer contacts in S make S larger.
 PencilPoint known_bounds(const Contraction& b, double epsilon) {
-  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta()};
+  PencilPoint point{
+      .epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
   const double ratio = std::isinf(point.eta) ? 0.0 : epsilon / point.eta;
   point.low = std::min(1.0, ratio);
   const bool same = &b.system.parts() == &b.preconditioner.parts();
@@ -91,10 +93,10 @@ void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends
 
 Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
                SpectralMemory& memory) {
-  const SystemForm form =
-      point.epsilon < augmented_below * natural_flexibility(b) ? SystemForm::augmented : SystemForm::condensed;
-  if (!memory.family || !memory.family->serves(b, form)) {
-    memory.family.emplace(b, form);
+  const SystemForm form = point.epsilon == 0 ? SystemForm::augmented : SystemForm::condensed;
+  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(point.eta) ? 1 : 0];
+  if (!family || !family->serves(b, form)) {
+    family.emplace(b, form);
     memory.visited.clear();
   }
   const bool line = !memory.visited.empty() && ((memory.visited.back().eta == point.eta) !=
@@ -107,10 +109,10 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
     return memory.visited.empty() ? Vector{} : memory.visited.back().*vector;
   };
   Ends ends;
-  ends.smallest = find_end(*memory.family, b.preconditioner, point, SpectrumEnd::smallest,
-                           guess(&Visited::smallest), start(&Visited::smallest_vector), options);
-  ends.largest = find_end(*memory.family, b.preconditioner, point, SpectrumEnd::largest,
-                          guess(&Visited::largest), start(&Visited::largest_vector), options);
+  ends.smallest = find_end(*family, b.preconditioner, point, SpectrumEnd::smallest, guess(&Visited::smallest),
+                           start(&Visited::smallest_vector), options);
+  ends.largest = find_end(*family, b.preconditioner, point, SpectrumEnd::largest, guess(&Visited::largest),
+                          start(&Visited::largest_vector), options);
   if (ends.found()) remember(memory, point, ends);
   return ends;
 }
@@ -128,9 +130,7 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
   for (const double lambda : ends.smallest.values) result.high.push_back(1.0 - lambda);
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
-  result.residual = std::max(ends.smallest.residual, ends.largest.residual);
-  const double natural = natural_flexibility(b);
-  if (epsilon >= augmented_below * natural) result.residual += rounding * natural / epsilon;
+  result.residual = std::max(ends.smallest.residual, ends.largest.residual) + lost_to_rounding(b, epsilon);
   result.converged = ends.smallest.converged && ends.largest.converged &&
                      accurate(result, options.tolerance) && b.rows() > 0;
   result.certified = ends.smallest.certified && ends.largest.certified;
@@ -141,8 +141,8 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
   return result;
 }
 
-// The rigid limit knows the range of each H_E only: contacts that depend on the others of their subdomain are left
-// out (sparse rank-revealing QR), and what stays is regular at epsilon = 0.
+// The rigid limit knows the range of each H_E only: contacts that depend on the others of their subdomain are
+// left out (sparse rank-revealing QR), and what stays is regular at epsilon = 0.
 Decomposition without_dependent_contacts(const Decomposition& parts) {
   std::vector<char> kept(at(parts.contacts), 0);
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
@@ -152,30 +152,31 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
-// Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each; the inertia
-// just above 0 counts them.
-SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, const EndOptions& end_options) {
+// Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each; the
+// inertia just above 0 counts them.
+SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
+                            const EndOptions& end_options) {
   const Contraction regular{
       b.preconditioner, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), b.relaxation};
   SpectralMemory memory;
-  memory.family.emplace(regular, SystemForm::augmented);
   PencilPoint point = known_bounds(b, 0);
-  const ShiftedPencil zero = memory.family->at(0, point.eta, rigid_zero);
+  auto& family = memory.families[std::isinf(point.eta) ? 1 : 0];
+  family.emplace(regular, SystemForm::augmented);
+  const ShiftedPencil zero = family->at(0, point.eta, rigid_zero);
   if (!zero.regular()) return not_converged("shift-invert");
   point.kernel = zero.below();
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result =
-      report(b, find_ends(regular, point, end_options, memory), 0, point.kernel, options);
+  SpectralRadius result = report(b, find_ends(regular, point, end_options, memory), 0, point.kernel, options);
   ++result.factorisations;
   return result;
 }
 
 // S = P: every eigenvalue of B is 0, to the last bit.
-SpectralRadius no_error_left(Index size) {
+SpectralRadius no_error_left(Index size, Index wanted) {
   SpectralRadius result;
   result.solver = "shift-invert";
   set_ends(result, 0.0, 0.0, 0);
-  result.low = result.high = {0.0};
+  result.low = result.high = std::vector<double>(at(std::min(size, wanted)), 0.0);
   result.certified = true;
   result.interval_min = result.interval_max = {0.0, 0.0};
   result.within_min = result.within_max = size;
@@ -188,7 +189,7 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
                                    SpectralMemory& memory) {
   const double epsilon = b.system.eta();
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
-    return no_error_left(b.rows());
+    return no_error_left(b.rows(), options.eigenvalues);
   EndOptions end_options{
       .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
   if (epsilon == 0) return rigid_radius(b, options, end_options);

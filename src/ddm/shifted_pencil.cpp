@@ -17,7 +17,8 @@ struct Entry {
 };
 
 // M_E on the diagonal and A_E in the interface rows.
-void add_inertia_and_gluing(std::vector<Entry>& entries, const Subdomain& subdomain, Index first, Index interface) {
+void add_inertia_and_gluing(std::vector<Entry>& entries, const Subdomain& subdomain, Index first,
+                            Index interface) {
   for (Index i = 0; i < subdomain.inertia.size(); ++i)
     entries.push_back({static_cast<int>(first + i), static_cast<int>(first + i), subdomain.inertia[i], 0});
   for (Index j = 0; j < subdomain.inertia.size(); ++j)
@@ -40,7 +41,8 @@ void add_condensed(std::vector<Entry>& entries, const Decomposition& parts, Inde
 }
 
 // The same with the contact impulses behind all grains: H_E^T in their rows, -1 to be multiplied by epsilon.
-void add_augmented(std::vector<Entry>& entries, const Decomposition& parts, Index first_impulse, Index interface) {
+void add_augmented(std::vector<Entry>& entries, const Decomposition& parts, Index first_impulse,
+                   Index interface) {
   Index first = 0;
   for (const Subdomain& subdomain : parts.subdomains) {
     add_inertia_and_gluing(entries, subdomain, first, interface);
@@ -168,7 +170,7 @@ class ShiftedPencilFamily::Preparation {
   bool generic;
   Index grain_rows = 0;   // of the grains of S, before those of its contact impulses
   Index system_size = 0;  // of the block of S
-  Index interface = 0;  // first interface row
+  Index interface = 0;    // first interface row
   SparseMatrix inertia,
       stiffness;  // lower triangles of one pattern: coefficients of 1 and of 1/epsilon, 1/eta
   std::optional<SymmetricAnalysis> analysis;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
+#include <nscdd/linalg/one_metis.hpp>
 #include <nscdd/linalg/sparse_cholesky.hpp>
 
 #include <cholmod.h>
@@ -55,6 +56,7 @@ class CholeskyAnalysis::Implementation {
  public:
   explicit Implementation(const SparseMatrix& pattern) {
     cholmod_sparse a = view(pattern);
+    const auto lock = one_metis_at_a_time();
     factor = cholmod_analyze(&a, &workspace.common);
     require_memory(workspace.common, factor != nullptr);
   }

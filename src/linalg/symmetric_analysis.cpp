@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "symmetric_analysis.hpp"
 
+#include <nscdd/linalg/one_metis.hpp>
+
 #include <cholmod.h>
 #include <metis.h>
 
@@ -62,6 +64,7 @@ std::vector<int> nested_dissection(GroupGraph graph, std::vector<int> weight) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
+  const auto lock = one_metis_at_a_time();
   if (METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.data(), options, order.data(),
                    position.data()) != METIS_OK)
     throw std::bad_alloc();
@@ -186,9 +189,8 @@ SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern,
     }
   for (std::size_t i = 0; i < group.size(); ++i)
     if (group[i] < 0)
-      group[i] = *std::max_element(touched[i].begin(), touched[i].end(), [&](Index a, Index b) {
-        return position_of[at(a)] < position_of[at(b)];
-      });
+      group[i] = *std::max_element(touched[i].begin(), touched[i].end(),
+                                   [&](Index a, Index b) { return position_of[at(a)] < position_of[at(b)]; });
   std::vector<int> first_member(at(groups) + 1, 0), members(at(size));
   for (const Index g : group) ++first_member[at(g) + 1];
   std::partial_sum(first_member.begin(), first_member.end(), first_member.begin());

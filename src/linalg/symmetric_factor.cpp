@@ -394,6 +394,7 @@ Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vect
 }
 
 double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b) {
+  if (!x.allFinite()) return infinity;
   const Vector residual = symmetric_residual(lower, x, b);
   const Vector size = -symmetric_residual(lower.cwiseAbs(), x.cwiseAbs(), -b.cwiseAbs());  // |A| |x| + |b|
   double worst = 0;

@@ -26,11 +26,13 @@ constexpr double inexact_dense_limit = 2500;  // up to which ARPACK may fall bac
 
 // Subdomains and undivided packing at eta and at epsilon, and one more while a flexibility changes.
 constexpr double factors = 5;
-// Entries of a CHOLMOD factor (AMD ordering) over n log2 n: 8.9 for hexagonal lattices of 2 10^4
-// unknowns, 10.6 for 8 10^4.
-constexpr double factor_fill = 11;
-// Geometry, H, A, K and their transposes: 1.7 kB per unknown measured on the same lattices.
-constexpr double model_bytes = 1800;
+constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
+// Fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16 parts, which it
+// meets within 10 %: entries of the factor over n log2 n; how many times more with a finite eta, whose saddle
+// point holds the packing twice; bytes per unknown for matrices and their assembly, and the same ratio of
+// these.
+constexpr double shift_fill = 6.9, shift_fill_finite = 5, shift_bytes = 1400, shift_bytes_finite = 1.5;
+constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
 constexpr double arpack_vectors = 5;  // beside the basis
 
 double square(double x) { return x * x; }
@@ -63,6 +65,12 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
       (options.solver == SpectralSolver::automatic && size <= options.dense_limit))
     return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
   const double unknowns = std::max(numbers_of(model), 2.0);
+  if (options.solver != SpectralSolver::arpack) {
+    const bool finite = std::any_of(parameters.eta.begin(), parameters.eta.end(),
+                                    [](double eta) { return std::isfinite(eta); });
+    return bytes_per_number * shift_fill * (finite ? shift_fill_finite : 1) * unknowns * std::log2(unknowns) +
+           shift_bytes * (finite ? shift_bytes_finite : 1) * unknowns;
+  }
   const double kernel = rigid && n <= rigid_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
   return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +
                              (static_cast<double>(options.arpack.basis) + arpack_vectors) * n);

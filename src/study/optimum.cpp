@@ -26,7 +26,7 @@ class Spectra {
       : family_(parts), system_(std::move(system)), options_(options) {}
 
   Ends at(double eta) {
-    const SpectralRadius radius = spectral_radius({family_.at(eta), system_}, options_);
+    const SpectralRadius radius = spectral_radius({family_.at(eta), system_}, options_, &memory_);
     ++count;
     last_residual_ = radius.residual;
     unit_multiplicity = radius.unit_multiplicity;
@@ -50,6 +50,7 @@ class Spectra {
   InterfaceFamily family_;
   InterfaceOperator system_;
   SpectralOptions options_;
+  SpectralMemory memory_;
   double last_residual_ = 0;
 };
 

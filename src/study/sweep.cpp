@@ -31,7 +31,7 @@ Index multiplicity(const std::vector<double>& values, Index within, double toler
 // Operators of one family; the last one made is kept, which serves the inner loop of a sweep.
 class OperatorStore {
  public:
-  explicit OperatorStore(const Decomposition& parts) : family_(parts) {}
+  explicit OperatorStore(InterfaceFamily family) : family_(std::move(family)) {}
   const InterfaceOperator& at(double eta) {
     if (!current_ || current_->eta() != eta) current_ = family_.at(eta);
     return *current_;
@@ -64,8 +64,8 @@ class Spectra {
  public:
   static constexpr Index block = 8;
 
-  Spectra(const Decomposition& stage_one, const Decomposition& stage_two, const SpectralOptions& options)
-      : preconditioners_(stage_two), systems_(stage_one), options_(options) {}
+  Spectra(InterfaceFamily stage_one, InterfaceFamily stage_two, const SpectralOptions& options)
+      : preconditioners_(std::move(stage_two)), systems_(std::move(stage_one)), options_(options) {}
 
   // `number`: of the pair (epsilon, eta) along the sweep
   const SpectralRadius& at(double epsilon, double eta, Index number) {
@@ -235,9 +235,10 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
   const Selection selection = select(model, parameters.contacts);
   const Row head = case_cells(model, selection, parameters.contacts);
   const SpectralOptions& options = parameters.spectral;
-  // The same decomposition where the contacts are the same: P and S then share what does not depend on them.
-  Spectra spectra(parameters.contacts == ContactSet::all ? model.parts : selection.stage_one, model.parts,
-                  options);
+  // One family where the contacts are the same: P and S then share what does not depend on them.
+  const InterfaceFamily stage_two(model.parts);
+  Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one),
+                  stage_two, options);
   const Index total = point_count(parameters);
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;

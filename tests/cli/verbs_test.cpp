@@ -11,7 +11,8 @@ using namespace nscdd::testing;
 
 namespace {
 
-const std::vector<std::string> verbs{"sweep", "run", "network", "inspect", "optimum", "modes", "generate", "list"};
+const std::vector<std::string> verbs{"sweep",   "run",   "network",  "inspect",
+                                     "optimum", "modes", "generate", "list"};
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;

@@ -15,6 +15,7 @@ struct PencilPoint {
   Index kernel = 0;        ///< eigenvalues at the low end that do not count (the rigid limit's zeros)
   double low = 0;          ///< no other eigenvalue is below; >= 0
   double high = infinity;  ///< no eigenvalue is above
+  double rounding = 0;     ///< what lost digits may move an eigenvalue by: certificates keep away as far
 };
 
 /// Where an end is expected.

@@ -24,19 +24,22 @@ enum class SystemForm {
 /// negative eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below
 /// sigma.
 ///
-/// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the contact
-/// impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as contacts.
+/// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the
+/// contact impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as
+/// contacts.
 class ShiftedPencil {
  public:
   bool regular() const;  ///< false where a pivot was exactly zero; nothing else may then be asked
 
-  /// ||d|| / ||x|| on the interface, d the correction of one step of iterative refinement of a solution x: how far
-  /// the factors are from exact. With A + E = L D L^T it estimates the size of (A + E)^-1 E, and while that is below
-  /// 1 no eigenvalue changes sign on the way from A to A + E, so that the count below holds for A itself.
+  /// ||d|| / ||x|| on the interface, d the correction of one step of iterative refinement of a solution x:
+  /// how far the factors are from exact. With A + E = L D L^T it estimates the size of (A + E)^-1 E, and
+  /// while that is below 1 no eigenvalue changes sign on the way from A to A + E, so that the count below
+  /// holds for A itself.
   double inexactness() const;
 
-  /// Whether the inexactness is small enough for counts and solutions to be used. Where it is not, sigma is too near
-  /// an eigenvalue, of the pencil or of a part of the packing, and one a little to the side serves as well.
+  /// Whether the inexactness is small enough for counts and solutions to be used. Where it is not, sigma is
+  /// too near an eigenvalue, of the pencil or of a part of the packing, and one a little to the side serves
+  /// as well.
   bool reliable() const { return regular() && inexactness() < 1e-3; }
 
   /// The same for what `solve` returns, which is refined by one step where that is worth it.

@@ -81,12 +81,13 @@ struct SpectralMemory {
     double smallest = 0, largest = 0;  ///< lambda
     Vector smallest_vector, largest_vector;
   };
-  std::optional<ShiftedPencilFamily> family;
-  std::vector<Visited> visited;  ///< of one line of the sweep, newest last
+  std::array<std::optional<ShiftedPencilFamily>, 2> families;  ///< for a finite and for the infinite eta
+  std::vector<Visited> visited;                                ///< of one line of the sweep, newest last
 };
 
-/// In the rigid limit shift-invert extrapolates from two small epsilon, the matrix-free solver finds the unit
-/// eigenspace densely (not converged above 4 000 unknowns); both report what they could not reach.
+/// In the rigid limit shift-invert works on the contacts that are independent within their subdomain and
+/// counts the unit eigenvalues by inertia; the matrix-free solver finds the unit eigenspace densely (not
+/// converged above 4 000 unknowns). What they could not reach is reported with converged = false.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectralMemory* memory = nullptr);
 

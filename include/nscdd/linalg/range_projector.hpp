@@ -27,8 +27,9 @@ class RangeProjector {
 /// Rank of a sparse matrix, by the same factorisation and the same tolerance.
 Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
 
-/// Columns of a sparse matrix that are linearly independent and span its range, ascending: those that begin a new
-/// row of the R of its rank-revealing sparse QR.
-std::vector<Index> independent_columns(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
+/// Columns of a sparse matrix that are linearly independent and span its range, ascending: those that begin a
+/// new row of the R of its rank-revealing sparse QR.
+std::vector<Index> independent_columns(const SparseMatrix& a,
+                                       double tolerance = RangeProjector::default_tolerance);
 
 }  // namespace nscdd

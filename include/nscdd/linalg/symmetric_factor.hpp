@@ -37,8 +37,9 @@ class SymmetricAnalysis {
 /// along the elimination tree; every sum is taken in an order fixed by the analysis, so the bits do not
 /// depend on the number of threads.
 ///
-/// By Sylvester's law of inertia D has as many negative eigenvalues as A; more exactly, as the matrix whose factors
-/// these are. Pivots are not delayed from front to front, so that matrix should be seen to be near enough.
+/// By Sylvester's law of inertia D has as many negative eigenvalues as A; more exactly, as the matrix whose
+/// factors these are. Pivots are not delayed from front to front, so that matrix should be seen to be near
+/// enough.
 class SymmetricFactor {
  public:
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
+#include <nscdd/linalg/one_metis.hpp>
 
 #include <fmt/format.h>
 #include <metis.h>
@@ -52,6 +53,7 @@ Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& part
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = static_cast<idx_t>(partitioner.seed);
   std::vector<idx_t> part(at(problem.contacts()));
+  const auto lock = one_metis_at_a_time();
   const int status =
       METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbours.data(), nullptr,
                           nullptr, nullptr, &parts, nullptr, nullptr, options, &cut, part.data());
