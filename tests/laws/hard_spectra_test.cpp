@@ -63,7 +63,7 @@ TEST_CASE("interface operators are the same bits whatever the number of threads 
 }
 
 TEST_CASE("sweep table: the same bits for 1 to 4 threads") {
-  const Model model = build(lattice_in_grid(4000, {6, 2}));
+  const Model model = build(lattice_in_grid(1500, {4, 1}));
   SweepParameters parameters;
   parameters.epsilon = {1e-2, 0.1};
   parameters.eta = {0.5, infinity};
