@@ -170,7 +170,8 @@ TEST_CASE("network: links and grains of the 4 disks") {
 }
 
 TEST_CASE("study: variations become columns, every combination a block of rows") {
-  StudyTable table{.name = "t", .cases = {strip(4), strip(8)}};
+  StudyTable table;
+  table.cases = {strip(4), strip(8)};
   table.vary = {{"packing.radius", {"0.5", "1"}}, {"partition.grid", {"2,1", "3,1"}}};
   table.sweep.epsilon = {0.1, 1};
   const auto columns = study_columns(table);
@@ -190,7 +191,8 @@ TEST_CASE("study: variations become columns, every combination a block of rows")
 }
 
 TEST_CASE("study: parameters that vary together run through their lists at once, outside the other ones") {
-  StudyTable table{.name = "t", .cases = {strip(4)}};
+  StudyTable table;
+  table.cases = {strip(4)};
   table.vary_together = {{"packing.grains", {"4", "8", "12"}}, {"partition.grid", {"2,1", "4,1", "6,1"}}};
   table.vary = {{"packing.radius", {"0.5", "1"}}};
   const auto columns = study_columns(table);
