@@ -48,7 +48,7 @@ def draw(results, output, formats):
     enriched.axhline(EPSILON / ENRICHED, color=style.GREY, linewidth=0.6, zorder=0.5)
     enriched.text(80, 0.097, r"$\varepsilon/\eta$", fontsize=7, ha="right", va="top")
     for axes, letter, text in zip((size, generic, enriched), "abc",
-                                  ("size", "generic", r"enriched, $\eta = 0.1$ 1/kg")):
+                                  ("size", r"generic, $\varepsilon = 10^{-2}$ 1/kg", r"enriched, $\eta = 0.1$ 1/kg")):
         style.panel(axes, letter, text)
     handles = [size.plot([], [], color=colour, linewidth=3)[0] for _, colour in PACKINGS]
     handles += [size.plot([], [], color="black", **look)[0] for _, _, look in CUTS]

@@ -75,7 +75,7 @@ def draw(results, output, formats):
     rigid.text(5.5e3, 0.0205, "slope $-1/2$", fontsize=7)
     rigid.plot(guide, 1.2e-4 * (guide / guide[0])**-1.2, color=style.GREY, linewidth=0.6)
     rigid.text(1.1e3, 2.6e-5, "slope $-1.2$", fontsize=7)
-    texts = ["linear, rigid contacts", r"linear, $\varepsilon = 10^{-2}$ and $10^{-4}$ 1/kg",
+    texts = [r"rigid contacts, $\eta = 0.1$ 1/kg", r"$\eta = 0.1$, $\varepsilon = 10^{-2}$ and $10^{-4}$ 1/kg",
              "nonsmooth, best $\\eta$", r"best $\eta$; dots: diverges below"]
     for axes, letter, text in zip(grid.flat, "abcd", texts):
         style.panel(axes, letter, text)
