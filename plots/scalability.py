@@ -40,6 +40,18 @@ def curves(results, axes, table, epsilon, look):
         axes.plot(style.column(some, "subdomains"), style.iterations(some), linestyle=line, **{**look, **face})
 
 
+def smaller_etas(results, axes):
+    """Strips of rigid lattice at flexibilities below that of the other curves, labelled at their ends."""
+    name = "scalability/lattice-strips-eta.csv"
+    rows = style.read_table(results, name, numbers=COLUMNS)
+    for eta in sorted(set(style.column(rows, "eta"))):
+        some = style.where(rows, eta=eta)
+        count = style.iterations(some)
+        axes.plot(style.column(some, "subdomains"), count, linestyle=ENRICHED_LINE, linewidth=0.7, **LATTICE)
+        axes.annotate(rf"$\eta = 10^{{{np.log10(eta):.0f}}}$", (some[-1]["subdomains"], count[-1]), (4, -2),
+                      textcoords="offset points", fontsize=7, color=LATTICE["color"])
+
+
 def guide(axes, x, start, power, text, place):
     x = np.array(x)
     axes.plot(x, start * (x / x[0])**power, color=style.GREY, linewidth=0.6)
@@ -63,22 +75,22 @@ def draw(results, output, formats):
     (lattice, deposit), (soft, best) = grid
     for table, look in FIXED[:2]:
         curves(results, lattice, table, 0, look)
+    smaller_etas(results, lattice)
     for table, look in [*FIXED[2:], TOTAL[1]]:
         curves(results, deposit, table, 1e-6, look)
     for table, look in [FIXED[0], *FIXED[2:], *TOTAL]:
         curves(results, soft, table, 1e-2, look)
     nonsmooth(results, best)
-    for axes, limits in ((lattice, (10, 1e9)), (deposit, (100, 1e7)), (soft, (10, 1e5)), (best, (10, 1e8))):
-        style.log_axis(axes.xaxis, 1.7, 75)
+    for axes, limits in ((lattice, (1, 1e9)), (deposit, (100, 1e7)), (soft, (10, 1e5)), (best, (10, 1e8))):
+        style.log_axis(axes.xaxis, 1.7, 250 if axes is lattice else 75)
         axes.set_xticks([2, 4, 8, 16, 32, 64], labels=["2", "4", "8", "16", "32", "64"])
         axes.set_xticks([], minor=True)
         style.log_axis(axes.yaxis, *limits)
         axes.set(xlabel="number of subdomains", ylabel="iterations to $10^{-6}$")
     guide(lattice, [8, 32], 4e5, 4, "slope 4", (8.5, 1e7))
-    guide(lattice, [8, 32], 2.8e3, 1, "slope 1", (33, 8e3))
     guide(deposit, [8, 48], 1.3e5, 1.5, "slope 1.5", (8, 5e5))
     guide(best, [8, 48], 3e2, 2, "slope 2", (26, 1.2e3))
-    texts = ["lattice, rigid contacts", r"deposit, $\varepsilon = 10^{-6}$ 1/kg",
+    texts = [r"lattice, rigid contacts ($\eta$ in 1/kg)", r"deposit, $\varepsilon = 10^{-6}$ 1/kg",
              r"both, $\varepsilon = 10^{-2}$ 1/kg", "strip of disks, nonsmooth"]
     for axes, letter, text in zip(grid.flat, "abcd", texts):
         style.panel(axes, letter, text)

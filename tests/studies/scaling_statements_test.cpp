@@ -112,6 +112,16 @@ TEST_CASE(
     CHECK(enriched[i] / generic[i] == doctest::Approx(7.1).epsilon(0.03));
 }
 
+TEST_CASE("scalability: a small enough eta carries across any number of rigid strips") {
+  const Table table = run(begun(table_of("scalability", "lattice-strips-eta"), 4));
+  const std::vector<double> smallest = gaps(table, 1e-6), middle = gaps(table, 1e-4),
+                            largest = gaps(table, 1e-2);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(smallest[i] > 0.97);
+  // where it does not reach it goes like n^-4 as well
+  CHECK(exponent(8, 16, largest[2], largest[3]) == doctest::Approx(-4).epsilon(0.03));
+  CHECK(middle[3] / largest[3] > 80);
+}
+
 TEST_CASE("scalability: with epsilon > 0 the number of subdomains does not matter") {
   StudyTable work = begun(table_of("scalability", "lattice-strips"), 4);
   work.sweep.epsilon = {1e-2};
