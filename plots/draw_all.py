@@ -3,6 +3,7 @@
 """All figures in one process."""
 import sys
 
+import disorder
 import figure_5
 import figure_6
 import figure_7
@@ -10,11 +11,14 @@ import figures_2_3_4
 import inexact_stage_one
 import observed_rate
 import optimal_eta
+import partition
 import relaxation
+import scalability
+import size
 import style
 
 SCRIPTS = [figures_2_3_4, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one,
-           observed_rate]
+           observed_rate, size, scalability, disorder, partition]
 
 if __name__ == "__main__":
     sys.exit(style.run(__doc__, *[script.draw for script in SCRIPTS]))

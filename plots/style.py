@@ -163,6 +163,19 @@ def radii(rows, **values):
     return column(where(rows, **values), "spectral_radius")
 
 
+def iterations(rows, accuracy=1e-6, radius="subdominant_radius"):
+    """Iterations that the radius predicts for a reduction of the error by ACCURACY, ln(accuracy)/ln(rho); inf
+    where rho >= 1. Unit eigenvalues (forces that the rigid networks carry either way) are left out."""
+    rho = column(rows, radius)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(rho < 1, np.log(accuracy) / np.log(rho), np.inf)
+
+
+def slope(x, y):
+    """Exponent of the power law fitted to Y against X by least squares in logarithms."""
+    return np.polyfit(np.log(x), np.log(y), 1)[0]
+
+
 def case_style(disks):
     return {"label": f"{disks} disks", "dash_capstyle": "butt", **STYLES.get(disks, OTHER_STYLE)}
 

@@ -95,7 +95,51 @@ def observed_rate(results):
                f"{sum(r['agree'] for r in own)} of {len(own)} agree")
 
 
-SECTIONS = [networks, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one, observed_rate]
+def exponent(rows, x, **values):
+    """Fitted exponent of 1 - rho (unit eigenvalues left out) against the column X."""
+    some = style.where(rows, **values)
+    return style.slope(style.column(some, x), 1 - style.column(some, "subdominant_radius"))
+
+
+def size(results):
+    for packing in ("lattice", "deposit"):
+        rows = style.read_table(results, f"size/rigid-{packing}.csv",
+                                numbers="grains epsilon eta subdominant_radius")
+        yield ("size", packing, f"rigid: 1 - rho ~ N^{exponent(rows, 'grains', eta=np.inf):.2f} generic, "
+               f"N^{exponent(rows, 'grains', eta=0.1):.2f} enriched (eta 0.1)")
+
+
+def scalability(results):
+    for table, epsilon in (("lattice-strips", 0), ("lattice-grids", 0), ("deposit-grids", 1e-6),
+                           ("lattice-strips", 1e-2), ("deposit-grids", 1e-2)):
+        rows = style.read_table(results, f"scalability/{table}.csv",
+                                numbers="subdomains epsilon eta subdominant_radius")
+        powers = [exponent(rows, "subdomains", epsilon=epsilon, eta=eta) for eta in (np.inf, 0.1)]
+        yield ("scalability", table, f"epsilon {epsilon:g}: 1 - rho ~ n^{powers[0]:.2f} generic, "
+               f"n^{powers[1]:.2f} enriched (eta 0.1)")
+
+
+def disorder(results):
+    for table in ("vacancies", "deposit"):
+        rows = style.read_table(results, f"disorder/{table}.csv", numbers="epsilon eta subdominant_radius")
+        gaps = [1 - style.column(style.where(rows, epsilon=0, eta=eta), "subdominant_radius")
+                for eta in (np.inf, 0.1)]
+        yield ("disorder", table, "rigid: 1 - rho " + ", ".join(
+            f"{gap.min():.2g} to {gap.max():.2g} {text}" for gap, text in zip(gaps, ("generic", "enriched (eta 0.1)"))))
+
+
+def partition(results):
+    for packing in ("lattice", "deposit"):
+        for cut in ("grid", "metis"):
+            rows = style.read_table(results, f"partition/{packing}-{cut}.csv",
+                                    numbers="subdomains interface_dofs epsilon eta subdominant_radius")
+            gap = 1 - style.column(style.where(rows, epsilon=1e-2, eta=np.inf), "subdominant_radius")
+            yield ("partition", f"{packing}, {cut}",
+                   f"epsilon 0.01, generic: 1 - rho {gap.min():.2g} to {gap.max():.2g}")
+
+
+SECTIONS = [networks, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one, observed_rate,
+            size, scalability, disorder, partition]
 
 
 def main():

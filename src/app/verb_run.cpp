@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -26,12 +27,10 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string study, output = "results";
-  bool force = false, check = false, resume = false;
+  bool force = false, check = false, resume = false, large = false;
   MemoryLimit memory;
   Context context;
 };
-
-constexpr double check_tolerance = 1e-8;
 
 std::string baseline_name(const Study& study, std::size_t table) {
   return table == 0 ? "baseline.csv" : "baseline-" + study.tables[table].name + ".csv";
@@ -77,10 +76,28 @@ bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interrup
   return true;
 }
 
+// Leaves out the tables that are run on demand only, which never come first.
+void leave_out_large(Study& study) {
+  std::string names;
+  for (const StudyTable& table : study.tables)
+    if (table.large) names += (names.empty() ? "" : ", ") + table.name;
+  if (names.empty()) return;
+  study.tables.erase(std::remove_if(study.tables.begin(), study.tables.end(),
+                                    [](const StudyTable& table) { return table.large; }),
+                     study.tables.end());
+  note(fmt::format("{}: without {}, which --large adds", study.name, names));
+}
+
+// Large tables may do without one.
+bool has_baseline(const StudyTable& table, const std::string& baseline) {
+  return !table.large || fs::exists(baseline);
+}
+
 // Before hours of work rather than after them.
 void require_baselines(const Study& study, const std::string& folder) {
   for (std::size_t i = 0; i < study.tables.size(); ++i) {
     const std::string baseline = (fs::path(folder) / baseline_name(study, i)).string();
+    if (!has_baseline(study.tables[i], baseline)) continue;
     parse_csv(read_text(baseline), baseline);
   }
 }
@@ -89,8 +106,10 @@ int check_baselines(const Study& study, const std::string& folder, const std::ve
   int exit_code = 0;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string baseline = (fs::path(folder) / baseline_name(study, i)).string();
-    const std::string found =
-        compare(tables[i].table, parse_csv(read_text(baseline), baseline), check_tolerance);
+    const StudyTable& work = study.tables[i];
+    if (!has_baseline(work, baseline)) continue;
+    const std::string found = compare(tables[i].table, parse_csv(read_text(baseline), baseline),
+                                      work.check_tolerance, work.column_tolerance);
     if (found.empty()) continue;
     note(fmt::format("{}/{} differs from {}: {}", study.name, tables[i].name, baseline, found));
     exit_code = 1;
@@ -134,7 +153,8 @@ int nothing_to_do(const Study& study, const Outputs& outputs, const std::string&
 int run(const Options& options) {
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
-  const Study study = read_study(folder);
+  Study study = read_study(folder);
+  if (!options.large) leave_out_large(study);
   if (options.check) require_baselines(study, folder);
   const Outputs outputs = prepare(study, options);
   if (how.resume && !how.force && is_complete(study, outputs))
@@ -174,6 +194,7 @@ std::function<int()> declare_run(CLI::App& command, const Context& context) {
   command.add_option("--output", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5")
       ->capture_default_str();
   command.add_flag("--force", options->force, "replace existing results");
+  command.add_flag("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->resume);
   options->memory.declare(command);
   command.add_flag("--check", options->check,

@@ -54,20 +54,57 @@ Observable read_observable(StrictTable& section) {
   section.fail("observable", "one of " + known, "\"" + name + "\"");
 }
 
-void read_vary(StrictTable& table, StudyTable& result) {
-  StrictTable section = table.section("vary", false);
-  const toml::node* node = table.node("vary");
-  if (node == nullptr) return;
+// The parameters of the table `name`, each value tried on every case.
+std::vector<Variation> read_variations(StrictTable& table, std::string_view name,
+                                       const std::vector<Case>& cases) {
+  StrictTable section = table.section(name, false);
+  const toml::node* node = table.node(name);
+  std::vector<Variation> variations;
+  if (node == nullptr) return variations;
   for (const auto& [key, value] : *node->as_table())
-    result.vary.push_back({std::string(key.str()), list(section, key.str())});
-  for (const Variation& variation : result.vary)
+    variations.push_back({std::string(key.str()), list(section, key.str())});
+  for (const Variation& variation : variations)
     for (const std::string& value : variation.values)
-      for (Case one : result.cases) try {
+      for (Case one : cases) try {
           override_case(one, variation.parameter, value);
         } catch (const Error& error) {
           throw Error(
               fmt::format("{}: {}", section.location(section.node(variation.parameter)), error.what()));
         }
+  return variations;
+}
+
+void read_vary(StrictTable& table, StudyTable& result) {
+  result.vary_together = read_variations(table, "vary_together", result.cases);
+  result.vary = read_variations(table, "vary", result.cases);
+  for (const Variation& variation : result.vary_together)
+    if (variation.values.size() != result.vary_together[0].values.size())
+      table.fail("vary_together",
+                 fmt::format("{} values of '{}', as of '{}'", result.vary_together[0].values.size(),
+                             variation.parameter, result.vary_together[0].parameter),
+                 fmt::format("{}", variation.values.size()));
+  for (const Variation& variation : result.vary)
+    for (const Variation& other : result.vary_together)
+      if (variation.parameter == other.parameter)
+        table.fail("vary", "parameters that are not in 'vary_together'", "'" + variation.parameter + "'");
+}
+
+void read_tolerances(StrictTable& table, StudyTable& result) {
+  const auto checked = [](StrictTable& section, std::string_view key, double& value) {
+    section.read(key, value);
+    check_bounds(value, Field{.description = "", .minimum = 0},
+                 fmt::format("{}: {}", section.location(section.node(key)), section.key_path(key)));
+  };
+  checked(table, "check_tolerance", result.check_tolerance);
+  StrictTable section = table.section("column_tolerance", false);
+  const toml::node* node = table.node("column_tolerance");
+  if (node == nullptr) return;
+  const std::vector<Column> columns = study_columns(result);
+  for (const auto& [key, value] : *node->as_table()) {
+    if (std::none_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == key.str(); }))
+      section.fail(&value, key.str(), "a column of the table", "another name");
+    checked(section, key.str(), result.column_tolerance[std::string(key.str())]);
+  }
 }
 
 StudyTable read_table(StrictTable section, const CaseReader& read) {
@@ -106,6 +143,8 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));
   table.seed = static_cast<std::uint64_t>(seed);
+  section.read("large", table.large);
+  read_tolerances(section, table);
   section.finish();
   return table;
 }
@@ -121,6 +160,8 @@ Study parse_study(std::string_view text, const std::string& file, const CaseRead
   for (const StrictTable& section : root.tables("table")) study.tables.push_back(read_table(section, read));
   root.finish();
   if (study.tables.empty()) throw Error(fmt::format("{}: expected at least one [[table]], met none", file));
+  if (study.tables[0].large)
+    throw Error(fmt::format("{}: expected a first table that is always run, met large = true", file));
   for (const StudyTable& table : study.tables)
     if (std::count_if(study.tables.begin(), study.tables.end(),
                       [&](const StudyTable& other) { return other.name == table.name; }) > 1)

@@ -210,7 +210,8 @@ Table untyped_table(const CsvText& csv) {
   return table;
 }
 
-std::string compare(const Table& table, const CsvText& expected, double tolerance) {
+std::string compare(const Table& table, const CsvText& expected, double tolerance,
+                    const std::map<std::string, double>& column_tolerance) {
   constexpr std::array<std::string_view, 5> not_compared{"applications", "iterations", "spectra", "residual",
                                                          "difference"};
   std::vector<std::string> names;
@@ -221,7 +222,9 @@ std::string compare(const Table& table, const CsvText& expected, double toleranc
   for (std::size_t i = 0; i < table.rows.size(); ++i)
     for (std::size_t j = 0; j < names.size(); ++j) {
       if (std::find(not_compared.begin(), not_compared.end(), names[j]) != not_compared.end()) continue;
-      if (!same_value(table.rows[i][j], expected.rows[i][j], tolerance))
+      const auto own = column_tolerance.find(names[j]);
+      if (!same_value(table.rows[i][j], expected.rows[i][j],
+                      own == column_tolerance.end() ? tolerance : own->second))
         return fmt::format("row {}, column {}: expected {}, met {}", i + 1, names[j], expected.rows[i][j],
                            to_text(table.rows[i][j]));
     }

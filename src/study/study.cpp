@@ -79,7 +79,19 @@ std::vector<Cell> as_cells(const std::vector<std::string>& values) {
   return cells;
 }
 
-// Which of the cases, and which value of each varied parameter.
+// The parameters of both kinds in the order of their columns.
+std::vector<Variation> variations(const StudyTable& table) {
+  std::vector<Variation> all = table.vary_together;
+  all.insert(all.end(), table.vary.begin(), table.vary.end());
+  return all;
+}
+
+// Places in the lists of the parameters that change at once.
+Index places_together(const StudyTable& table) {
+  return table.vary_together.empty() ? 1 : count(table.vary_together[0].values);
+}
+
+// Which of the cases, and which value of each of the `variations`.
 struct Combination {
   Index base = 0;
   std::vector<Index> values;
@@ -89,6 +101,9 @@ Combination combination_of(const StudyTable& table, Index number) {
   Index stride = varied_case_count(table) / count(table.cases);
   Combination combination{number / stride, {}};
   Index rest = number % stride;
+  stride /= places_together(table);
+  combination.values.assign(table.vary_together.size(), rest / stride);
+  rest %= stride;
   for (const Variation& variation : table.vary) {
     stride /= count(variation.values);
     combination.values.push_back(rest / stride);
@@ -99,8 +114,9 @@ Combination combination_of(const StudyTable& table, Index number) {
 
 Row varied_cells(const StudyTable& table, const Combination& combination) {
   Row cells;
-  for (std::size_t i = 0; i < table.vary.size(); ++i)
-    cells.push_back(as_cells(table.vary[i].values)[at(combination.values[i])]);
+  const std::vector<Variation> varied = variations(table);
+  for (std::size_t i = 0; i < varied.size(); ++i)
+    cells.push_back(as_cells(varied[i].values)[at(combination.values[i])]);
   return cells;
 }
 
@@ -109,7 +125,7 @@ Row varied_cells(const StudyTable& table, const Combination& combination) {
 std::vector<Column> study_columns(const StudyTable& table) {
   std::vector<Column> columns = observable_columns(table);
   std::vector<Column> varied;
-  for (const Variation& variation : table.vary)
+  for (const Variation& variation : variations(table))
     varied.push_back({variation.parameter, "", "parameter of the case, varied by the study"});
   columns.insert(columns.begin() + 1, varied.begin(), varied.end());
   return columns;
@@ -128,7 +144,8 @@ std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, I
   const Row varied = varied_cells(table, combination);
   const Index number = row % *rows;
   std::vector<std::pair<std::string, Cell>> cells{{"case", table.cases[at(combination.base)].name}};
-  for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(table.vary[i].parameter, varied[i]);
+  const std::vector<Variation> parameters = variations(table);
+  for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(parameters[i].parameter, varied[i]);
   if (table.observable == Observable::optimum) {
     cells.emplace_back("epsilon", table.sweep.epsilon[at(number)]);
     return cells;
@@ -143,7 +160,7 @@ std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, I
 }
 
 Index varied_case_count(const StudyTable& table) {
-  Index combinations = 1;
+  Index combinations = places_together(table);
   for (const Variation& variation : table.vary) combinations *= count(variation.values);
   return combinations * count(table.cases);
 }
@@ -151,8 +168,9 @@ Index varied_case_count(const StudyTable& table) {
 VariedCase varied_case(const StudyTable& table, Index number) {
   const Combination combination = combination_of(table, number);
   VariedCase varied{table.cases[at(combination.base)], varied_cells(table, combination)};
-  for (std::size_t i = 0; i < table.vary.size(); ++i)
-    override_case(varied.one, table.vary[i].parameter, table.vary[i].values[at(combination.values[i])]);
+  const std::vector<Variation> parameters = variations(table);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    override_case(varied.one, parameters[i].parameter, parameters[i].values[at(combination.values[i])]);
   return varied;
 }
 

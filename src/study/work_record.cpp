@@ -60,13 +60,15 @@ std::string options_text(const StudyTable& table) {
   const SweepParameters& sweep = table.sweep;
   std::string text =
       fmt::format("observable = {}\n", observables[static_cast<std::size_t>(table.observable)].first);
+  for (const Variation& variation : table.vary_together)
+    text += fmt::format("together {} = {}\n", variation.parameter, list_text(variation.values));
   for (const Variation& variation : table.vary)
     text += fmt::format("{} = {}\n", variation.parameter, list_text(variation.values));
   text += fmt::format("epsilon = {}\n", list_text(texts(sweep.epsilon)));
   text += fmt::format("eta = {}\n", list_text(texts(sweep.eta)));
   text += fmt::format("relaxation = {}\n", list_text(texts(sweep.relaxation, "optimal")));
   text += fmt::format("gauss_seidel_sweeps = {}\n", list_text(texts(sweep.gauss_seidel_sweeps, "inf")));
-  text += fmt::format("contacts = {}\n", sweep.contacts == ContactSet::all ? "all" : "active");
+  text += fmt::format("contacts = {}\n", to_string(sweep.contacts));
   return text + fmt::format("seed = {}\n", table.seed);
 }
 

@@ -123,6 +123,41 @@ TEST_CASE("run --check: the last decimals of a radius are rounding") {
   CHECK(session.run(words("run study --check --output second")).exit_code == 0);
 }
 
+TEST_CASE("run --check: tolerances of the study, for all columns or for one") {
+  const Session session;
+  write_study(session);
+  const std::string baseline = session.read("study/baseline.csv");
+  const std::string radius = read_table(baseline).text(1, "spectral_radius");
+  session.file("study/baseline.csv", replaced(baseline, radius, radius.substr(0, 7)));
+  const auto checked = [&](const std::string& line) {
+    session.file("study/study.toml",
+                 replaced(small_study, "eta = [0.3, inf]\n", "eta = [0.3, inf]\n" + line));
+    return session.run(words("run study --check --force --output second")).exit_code;
+  };
+  CHECK(checked("") == 1);
+  CHECK(checked("check_tolerance = 1e-4\n") == 0);
+  CHECK(checked("column_tolerance = { eta = 1e-4 }\n") == 1);
+  CHECK(checked("column_tolerance = { spectral_radius = 1e-4 }\n") == 0);
+  CHECK(checked("check_tolerance = 1e-4\ncolumn_tolerance = { spectral_radius = 1e-9 }\n") == 1);
+}
+
+TEST_CASE("run --large: adds the tables that are marked so, with or without a baseline") {
+  const Session session;
+  write_study(session);
+  session.file("study/study.toml", small_study + "large = true\n");
+  std::filesystem::remove(session.folder / "study/baseline-best.csv");
+  const Outcome small = session.run(words("run study --check --output second"));
+  CHECK(small.exit_code == 0);
+  CHECK(small.standard_error.find("without best, which --large adds") != std::string::npos);
+  CHECK(small.standard_output == "second/study/radius.csv\nsecond/study/study.h5\n");
+  CHECK_FALSE(session.has("second/study/best.csv"));
+  const Outcome large = session.run(words("run study --check --large --output third"));
+  CHECK(large.exit_code == 0);
+  CHECK(session.read("third/study/best.csv") == session.read("first/study/best.csv"));
+  session.file("study/baseline-best.csv", replaced(session.read("first/study/best.csv"), "interior", "none"));
+  CHECK(session.run(words("run study --check --large --output third --force")).exit_code == 1);
+}
+
 TEST_CASE("run --check: exit code 1 where a later table differs") {
   const Session session;
   write_study(session);

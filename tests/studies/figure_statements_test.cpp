@@ -1,39 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Each statement of [ADI12] about Figures 2-7, tested on the tables the figures are drawn from.
+#include "../support/studies.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/study/study.hpp>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <map>
 
 using namespace nscdd;
+using namespace nscdd::testing;
 
 namespace {
-
-std::string source() {
-  const char* folder = std::getenv("NSCDD_SOURCE");
-  REQUIRE(folder != nullptr);
-  return folder;
-}
-
-Study read_study(const std::string& name) {
-  const std::string file = source() + "/studies/" + name + "/study.toml";
-  return parse_study(read_text(file), file,
-                     [](const std::string& one) { return read_case(source() + "/cases/" + one + ".toml"); });
-}
-
-Table run(const StudyTable& definition) {
-  Table table{study_columns(definition), {}};
-  run_table(definition, [&](const Row& row) { table.rows.push_back(row); });
-  return table;
-}
 
 // A curve: radius against one abscissa for one case, with some rows selected.
 std::map<double, double> curve(

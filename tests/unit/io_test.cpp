@@ -142,6 +142,30 @@ TEST_CASE("study file: read, and refused with file, line and key") {
   refused("packing.grains", "packing.rows", "no such parameter in this case");
   refused("name = \"radius\"", "name = \"../radius\"", "study.toml:3: table[0].name");
   refused("title", "titel", "study.toml:1: unknown key 'titel'");
+  const std::string last = "vary = { \"packing.grains\" = [4, 8] }\n";
+  const auto refused_after = [&](const std::string& line, const std::string& part) {
+    refused(last, last + line, part);
+  };
+  refused_after("large = true\n", "a first table that is always run");
+  refused_after("large = 1\n", "study.toml:10: table[0].large: expected true or false");
+  refused_after("check_tolerance = -1\n", "study.toml:10: table[0].check_tolerance: expected");
+  refused_after("column_tolerance = { radius = 1 }\n", "table[0].column_tolerance.radius: expected a column");
+  refused_after("column_tolerance = { residual = \"1\" }\n", "column_tolerance.residual: expected a number");
+  refused_after("vary_together = { \"packing.grains\" = [4, 8] }\n", "that are not in 'vary_together'");
+  refused_after("vary_together = { \"packing.radius\" = [1], \"partition.grid\" = [\"2,1\", \"3,1\"] }\n",
+                "vary_together: expected 1 values of 'partition.grid', as of 'packing.radius', met 2");
+  refused_after("vary_together = { \"packing.rows\" = [1] }\n", "no such parameter in this case");
+  const Study more = parse_one(study +
+                               "check_tolerance = 1e-6\n"
+                               "column_tolerance = { spectral_radius = 1e-4 }\n"
+                               "vary_together = { \"packing.radius\" = [1, 2] }\n"
+                               "[[table]]\nname = \"more\"\ncases = [\"disks4\"]\nlarge = true\n");
+  CHECK(more.tables[0].check_tolerance == 1e-6);
+  CHECK(more.tables[0].column_tolerance.at("spectral_radius") == 1e-4);
+  CHECK(more.tables[0].vary_together[0].values == std::vector<std::string>{"1", "2"});
+  CHECK_FALSE(more.tables[0].large);
+  CHECK(more.tables[1].large);
+  CHECK(more.tables[1].check_tolerance == 1e-8);
   CHECK_THROWS_WITH_AS(parse_one("title = \"none\"\n"), doctest::Contains("at least one [[table]]"), Error);
 }
 

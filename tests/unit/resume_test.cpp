@@ -123,7 +123,9 @@ TEST_CASE("work records: equal for equal work, different for anything that rows 
                                    changed([](StudyTable& t) { t.sweep.relaxation.pop_back(); }),
                                    changed([](StudyTable& t) { t.sweep.gauss_seidel_sweeps = {3}; }),
                                    changed([](StudyTable& t) { t.sweep.contacts = ContactSet::active; }),
+                                   changed([](StudyTable& t) { t.sweep.contacts = ContactSet::unilateral; }),
                                    changed([](StudyTable& t) { t.vary[0].values[1] = "10"; }),
+                                   changed([](StudyTable& t) { std::swap(t.vary, t.vary_together); }),
                                    changed([](StudyTable& t) { t.observable = Observable::optimum; }),
                                    changed([](StudyTable& t) { t.seed = 2; })}) {
     CAPTURE(found);
@@ -137,6 +139,14 @@ TEST_CASE("work records: equal for equal work, different for anything that rows 
     CAPTURE(found);
     CHECK(found.find("solver options differs") != std::string::npos);
   }
+}
+
+TEST_CASE("work records: active and unilateral contacts are different work") {
+  StudyTable active = two_variations(), unilateral = active;
+  active.sweep.contacts = ContactSet::active;
+  unilateral.sweep.contacts = ContactSet::unilateral;
+  CHECK(difference(work_record(active), work_record(unilateral)).find("choice of options") !=
+        std::string::npos);
 }
 
 TEST_CASE("work records: the last of many values counts, and the content of a packing rather than its path") {

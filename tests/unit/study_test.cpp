@@ -171,7 +171,6 @@ TEST_CASE("network: links and grains of the 4 disks") {
 
 TEST_CASE("study: variations become columns, every combination a block of rows") {
   StudyTable table;
-  table.name = "t";
   table.cases = {strip(4), strip(8)};
   table.vary = {{"packing.radius", {"0.5", "1"}}, {"partition.grid", {"2,1", "3,1"}}};
   table.sweep.epsilon = {0.1, 1};
@@ -189,4 +188,29 @@ TEST_CASE("study: variations become columns, every combination a block of rows")
   const std::size_t radius = Table{columns, {}}.column("spectral_radius");
   CHECK(std::get<double>(rows[0][radius]) ==
         doctest::Approx(std::get<double>(rows[4][radius])).epsilon(1e-12));
+}
+
+TEST_CASE("study: parameters that vary together run through their lists at once, outside the other ones") {
+  StudyTable table;
+  table.cases = {strip(4)};
+  table.vary_together = {{"packing.grains", {"4", "8", "12"}}, {"partition.grid", {"2,1", "4,1", "6,1"}}};
+  table.vary = {{"packing.radius", {"0.5", "1"}}};
+  const auto columns = study_columns(table);
+  CHECK(columns[1].name == "packing.grains");
+  CHECK(columns[2].name == "partition.grid");
+  CHECK(columns[3].name == "packing.radius");
+  CHECK(varied_case_count(table) == 6);
+  CHECK(row_count(table) == 6);
+  std::vector<Row> rows;
+  run_table(table, [&](const Row& row) { rows.push_back(row); });
+  REQUIRE(rows.size() == 6);
+  const Table shape{columns, {}};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::int64_t grains = 4 * (static_cast<std::int64_t>(i) / 2 + 1);
+    CHECK(std::get<std::int64_t>(rows[i][shape.column("grains")]) == grains);
+    CHECK(std::get<std::int64_t>(rows[i][shape.column("subdomains")]) == grains / 2);
+    CHECK(std::get<double>(rows[i][shape.column("packing.radius")]) == (i % 2 == 0 ? 0.5 : 1.0));
+    for (const auto& [name, cell] : known_cells(table, static_cast<Index>(i)))
+      CHECK(rows[i][shape.column(name)] == cell);
+  }
 }

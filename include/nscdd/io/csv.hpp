@@ -5,6 +5,7 @@
 #include <nscdd/io/output_file.hpp>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -80,9 +81,10 @@ std::string read_text(const std::string& path);
 Table untyped_table(const CsvText& csv);
 
 /// First difference between a table and the CSV text of another, or "" where there is none: same columns,
-/// same number of rows, texts equal, numbers within `tolerance` x max(1, |number|). Columns that tell the
-/// effort of a solver (applications, iterations, spectra) or its rounding (residual, difference) are not
-/// compared.
-std::string compare(const Table& table, const CsvText& expected, double tolerance);
+/// same number of rows, texts equal, numbers within `tolerance` x max(1, |number|), or the tolerance given
+/// for their column. Columns that tell the effort of a solver (applications, iterations, spectra) or its
+/// rounding (residual, difference) are not compared.
+std::string compare(const Table& table, const CsvText& expected, double tolerance,
+                    const std::map<std::string, double>& column_tolerance = {});
 
 }  // namespace nscdd

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,9 +46,17 @@ struct StudyTable {
   std::string name;
   Observable observable = Observable::spectral_radius;
   std::vector<Case> cases;
+  /// Parameters that change at once, from one place of their lists (of equal lengths) to the next; for each
+  /// place there is every combination of `vary`.
+  std::vector<Variation> vary_together;
   std::vector<Variation> vary;  ///< every combination, the last one running fastest
   SweepParameters sweep;
   std::uint64_t seed = 1;
+  bool large = false;  ///< run only where large tables are asked for
+  /// What a comparison with the baseline allows for, times max(1, |number|), and for single columns instead
+  /// of it (the place of a flat minimum is known less well than its value).
+  double check_tolerance = 1e-8;
+  std::map<std::string, double> column_tolerance;
 };
 
 /// A study folder, resolved.
@@ -57,7 +66,8 @@ struct Study {
   std::vector<StudyTable> tables;
 };
 
-/// Columns of a study table: those of its observable, with one column per varied parameter after `case`.
+/// Columns of a study table: those of its observable, with one column per varied parameter (those of
+/// `vary_together` first) after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
 /// Rows of a study table, where they are known before its cases are built: not so for links and grains.
