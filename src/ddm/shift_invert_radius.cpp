@@ -95,10 +95,8 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
                SpectralMemory& memory) {
   const SystemForm form = point.epsilon == 0 ? SystemForm::augmented : SystemForm::condensed;
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(point.eta) ? 1 : 0];
-  if (!family || !family->serves(b, form)) {
-    family.emplace(b, form);
-    memory.visited.clear();
-  }
+  if (family && !family->serves(b, form)) memory = {};  // of another problem
+  if (!family) family.emplace(b, form);
   const bool line = !memory.visited.empty() && ((memory.visited.back().eta == point.eta) !=
                                                 (memory.visited.back().epsilon == point.epsilon));
   using Visited = SpectralMemory::Visited;
