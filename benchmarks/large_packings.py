@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Radii of B_epsilon on triangular lattices in vertical strips: nscdd against SciPy and Octave, one run of each.
+
+The peers (benchmarks/peers/) are the best straightforward method found in either language: local factorisations, a
+dense interface matrix, its largest eigenvalue. nscdd is timed as a whole process, packing file read and contacts
+found, over 20 values of epsilon from 1e-4 to 1e2 at a tolerance of 1e-8, both ends of the spectrum; the peers over
+fewer values by their own clocks, without their set-up. Radii must agree to 2e-8 wherever both have them.
+
+usage: large_packings.py [--program PATH] [--grains N] [--strips 2,16] [--peers octave,scipy] [--peer-epsilons 2]
+       large_packings.py --scaling [--sizes 10000,100000,1000000]     cost per point against N, 16 strips, no peers
+"""
+import argparse
+import csv
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+EPSILONS = 20
+
+
+def lattice(path, grains):
+    """The lattice of the peers: round(sqrt(sqrt(3) N)) columns, last row possibly short, unit diameter and mass."""
+    columns = max(2, round(math.sqrt(math.sqrt(3) * grains)))
+    with open(path, "w", encoding="ascii") as file:
+        file.write("x,y,radius,mass\n")
+        for k in range(grains):
+            row, column = divmod(k, columns)
+            file.write(f"{column + 0.5 * (row % 2)!r},{row * math.sqrt(3) / 2!r},0.5,1\n")
+
+
+def timed(command):
+    """Standard output, wall seconds, peak resident bytes of one process."""
+    environment = dict(os.environ, OPENBLAS_NUM_THREADS="1")
+    start = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+    output = process.stdout.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        sys.exit(f"{' '.join(command)}: ended with status {status}")
+    return output, time.perf_counter() - start, usage.ru_maxrss * 1024
+
+
+def nscdd(program, packing, strips, epsilons):
+    output, seconds, memory = timed([program, "sweep", packing, "--subdomains", f"{strips}x1", "--epsilon", epsilons,
+                                     "--csv", "-"])
+    rows = list(csv.DictReader(output.splitlines()))
+    unproved = sum(row["converged"] != "true" for row in rows)
+    radii = {float(row["epsilon"]): float(row["spectral_radius"]) for row in rows}
+    return {"radii": radii, "seconds": seconds / len(rows), "memory": memory, "unproved": unproved,
+            "unknowns": rows[0]["interface_dofs"], "solver": rows[0]["solver"]}
+
+
+def peer(name, grains, strips, count):
+    if name == "octave":
+        command = ["octave-cli", "--no-gui", "-q", os.path.join(HERE, "peers", "spectral_octave.m"), str(grains),
+                   str(strips), str(count), "dense"]
+    else:
+        command = ["/usr/bin/python3", os.path.join(HERE, "peers", "spectral_scipy.py"), str(grains), str(strips),
+                   str(count), "1e-8", "1e9", "dense"]
+    output, _, memory = timed(command)
+    first, last = (float(re.search(rf"rho\({which}\)=([0-9.e+-]+)", output).group(1)) for which in ("first", "last"))
+    return {"radii": {1e-4: first, 1e2: last} if count > 1 else {1e-4: first},
+            "seconds": float(re.search(r"total=([0-9.]+)s", output).group(1)) / count, "memory": memory}
+
+
+def compare(options, folder):
+    packing = os.path.join(folder, "lattice.csv")
+    lattice(packing, options.grains)
+    print(f"{options.grains} disks; seconds per epsilon, peak memory in MiB")
+    print("strips  unknowns  solver        program  s/epsilon  ratio  memory  ratio  largest difference")
+    for strips in options.strips:
+        own = nscdd(options.program, packing, strips, f"1e-4:1e2:{EPSILONS}")
+        print(f"{strips:6}  {own['unknowns']:>8}  {own['solver']:12}  nscdd    {own['seconds']:9.3f}         "
+              f"{own['memory'] / 2**20:6.0f}         {own['unproved']} of {EPSILONS} not proved", flush=True)
+        for name in options.peers:
+            other = peer(name, options.grains, strips, options.peer_epsilons)
+            difference = max(abs(other["radii"][e] - own["radii"][e]) for e in other["radii"])
+            print(f"{strips:6}  {own['unknowns']:>8}  {'dense':12}  {name:7}  {other['seconds']:9.3f}  "
+                  f"{other['seconds'] / own['seconds']:5.1f}  {other['memory'] / 2**20:6.0f}  "
+                  f"{other['memory'] / own['memory']:5.2f}  {difference:.1e}", flush=True)
+            if difference > 2e-8:
+                sys.exit(f"{name} and nscdd disagree")
+
+
+def scale(options, folder):
+    print("cost per point, 16 strips, 4 values of epsilon from 1e-2 to 1e1; N log N relative to the first row")
+    first = None
+    for grains in options.sizes:
+        packing = os.path.join(folder, f"lattice-{grains}.csv")
+        lattice(packing, grains)
+        own = nscdd(options.program, packing, 16, "1e-2:1e1:4")
+        law = grains * math.log(grains)
+        first = first or (own["seconds"], law)
+        print(f"{grains:9}  {own['seconds']:9.3f} s  {own['memory'] / 2**20:6.0f} MiB  cost x {own['seconds'] / first[0]:7.1f}"
+              f"  N log N x {law / first[1]:7.1f}  {own['unproved']} not proved", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    numbers = lambda text: [int(float(part)) for part in text.split(",")]
+    parser.add_argument("--program", default=os.path.join(HERE, "..", "build", "release", "nscdd"))
+    parser.add_argument("--grains", type=lambda text: int(float(text)), default=100_000)
+    parser.add_argument("--strips", type=numbers, default=[2, 16])
+    parser.add_argument("--peers", type=lambda text: [part for part in text.split(",") if part],
+                        default=["octave", "scipy"])
+    parser.add_argument("--peer-epsilons", type=int, default=2)
+    parser.add_argument("--scaling", action="store_true")
+    parser.add_argument("--sizes", type=numbers, default=[10_000, 100_000, 1_000_000])
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        (scale if options.scaling else compare)(options, folder)
+
+
+if __name__ == "__main__":
+    main()
