@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sweep_options.hpp"
 
+#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 
 namespace nscdd::app {
@@ -52,6 +53,8 @@ SpectralOptions SpectralCommandOptions::spectral() const {
   options.certify = certify;
   check_bounds(eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
   options.eigenvalues = eigenvalues;
+  if (options.solver == SpectralSolver::arpack && (certify || eigenvalues > 1))
+    throw Error("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met arpack");
   return options;
 }
 

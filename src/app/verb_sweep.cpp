@@ -4,9 +4,11 @@
 #include "memory_limit.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
+#include "redo.hpp"
 #include "resume.hpp"
 #include "sweep_options.hpp"
 #include "verbs.hpp"
+#include <nscdd/core/error.hpp>
 #include <nscdd/io/hdf5.hpp>
 #include <nscdd/io/output_file.hpp>
 #include <nscdd/io/resumable_table.hpp>
@@ -26,7 +28,7 @@ struct Options {
   CaseOptions one;
   SpectralCommandOptions spectral;
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
-  bool force = false, resume = false;
+  bool force = false, resume = false, redo = false;
   Index threads = 0;
   MemoryLimit memory;
   Context context;
@@ -53,7 +55,11 @@ Index work_through(const Model& model, const StudyTable& work, ResumableTable& c
     sink(row);
   });
   Progress progress(work.name, csv.kept());
+  const bool certify = work.sweep.spectral.certify;
+  const Table layout{sweep_columns(work.sweep.spectral), {}};
   const RowSink writing = [&](const Row& row) {
+    if (certify && std::get<bool>(row[converged]) && !std::get<bool>(row[layout.column("certified")]))
+      note("a row converged but is not certified: see the column 'certified'; --redo tries again");
     csv.write(row);
     sink(row);
   };
@@ -67,7 +73,9 @@ int run(const Options& options) {
   work.sweep = parameters(options);
   work.cases = {options.one.resolve()};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
-  if (nothing_to_resume(options.csv, options.hdf5, how)) return 0;
+  if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.resume))
+    throw Error("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
+  if (!options.redo && nothing_to_resume(options.csv, options.hdf5, how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
@@ -75,6 +83,11 @@ int run(const Options& options) {
         "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
         model.name, model.partition.subdomains));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
+  if (options.redo) {
+    const Index unproved = redo_unproved(model, work, options.csv);
+    if (unproved > 0) note(fmt::format("{} row(s) still did not converge", unproved));
+    return 0;
+  }
   Table table{sweep_columns(work.sweep.spectral), {}};
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
@@ -120,6 +133,10 @@ std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
       ->capture_default_str();
   command.add_option("--csv", options->csv, "where the table goes, - for standard output")->required();
   command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
+  command.add_flag(
+      "--redo", options->redo,
+      "compute the rows of a finished table again that did not converge, with the present solver "
+      "options");
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
   options->memory.declare(command);

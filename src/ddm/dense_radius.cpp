@@ -49,8 +49,9 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const Index most = n - unit_multiplicity;
   Index wanted = std::min(options.eigenvalues, most);
   PencilEnds ends = ends_of(wanted);
-  const auto margin = [&] {
-    return std::max(ends.residual, 1e-14 * std::max(1.0, ends.high.cwiseAbs().maxCoeff()));
+  const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
+    const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
+    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest);
   };
   if (options.certify)  // until the multiples of both ends are all in sight
     while (

@@ -33,7 +33,7 @@ class EndSearch {
       if (!outer_ || inward(pencil->shift() - *outer_) > 0) outer_ = pencil->shift();
       if (!lanczos(*pencil, start, 1)) break;
       start = result_.vectors.col(0);
-      if (result_.residual <= options_.tolerance) {
+      if (result_.residual <= tolerance()) {
         result_.converged = true;
         if (!options_.certify || certify()) {
           if (options_.eigenvalues > 1) list(start);
@@ -51,6 +51,12 @@ class EndSearch {
  private:
   // Signed so that inwards is positive at both ends.
   double inward(double difference) const { return end_ == SpectrumEnd::smallest ? difference : -difference; }
+
+  // Of lambda here: relative where |1 - lambda|, an eigenvalue of B, is above 1.
+  double tolerance() const {
+    return options_.tolerance *
+           (result_.values.size() > 0 ? std::max(1.0, std::abs(1 - result_.values[0])) : 1.0);
+  }
 
   double first_shift(const std::optional<EndGuess>& guess) const {
     const double beyond_bound =
@@ -76,7 +82,8 @@ class EndSearch {
       ShiftedPencil pencil = family_.at(point_.epsilon, point_.eta, shift);
       if (pencil.reliable()) return pencil;
       // Near enough to serve, far enough to leave the accident that spoilt this one.
-      shift += side * inward(0.3 * options_.tolerance * std::pow(10.0, attempt));
+      const double step = std::max(0.3 * tolerance(), 1e-9 * shift) * std::pow(10.0, attempt);
+      shift = std::max(shift + side * inward(step), 0.5 * shift);
     }
     return std::nullopt;
   }
@@ -91,8 +98,7 @@ class EndSearch {
     ArpackOptions arpack = options_.arpack;
     arpack.tolerance = lanczos_reduction;
     if (result_.values.size() > 0)
-      arpack.tolerance =
-          std::max(lanczos_reduction, 0.3 * options_.tolerance / std::abs(result_.values[0] - shift));
+      arpack.tolerance = std::max(lanczos_reduction, 0.3 * tolerance() / std::abs(result_.values[0] - shift));
     // A list is asked for once its first value is known: the others lie within about 1 of the shift.
     if (wanted > 1) arpack.tolerance = 0.1 * options_.tolerance;
     arpack.basis = std::max(arpack.basis, 2 * wanted + 8);
@@ -109,12 +115,12 @@ class EndSearch {
       const double bound = std::sqrt(std::max(0.0, r.dot(p(r))) / norm);
       found.values[k] = shift + 1 / nu;
       const double safe = std::abs(nu) - bound;  // |1/nu - 1/nu*| for |nu - nu*| <= bound
-      residual = std::max(residual, safe > 0 ? bound / (std::abs(nu) * safe) : infinity);
-      residual = std::max(residual, pencil.solution_error() / std::abs(nu));
+      residual = std::max(residual, (safe > 0 ? bound / (std::abs(nu) * safe) : infinity) +
+                                        pencil.solution_error() / std::abs(nu));
     }
     result_.values = found.values;
     result_.vectors = found.vectors;
-    result_.residual = found.converged ? residual : std::max(residual, 2 * options_.tolerance);
+    result_.residual = found.converged ? residual : std::max(residual, 2 * tolerance());
     return true;
   }
 
@@ -125,7 +131,7 @@ class EndSearch {
     const std::optional<ShiftedPencil> pencil = factorise(value - inward(1e-3 * value));
     const PencilEnd first = result_;
     if (pencil && lanczos(*pencil, start, wanted) && result_.values.size() == wanted) {
-      result_.converged = result_.residual <= options_.tolerance;
+      result_.converged = result_.residual <= tolerance();
     } else {
       result_.values = first.values;
       result_.vectors = first.vectors;
@@ -135,7 +141,7 @@ class EndSearch {
 
   double closer_shift() const {
     const double value = result_.values[0];
-    const double step = std::max(2 * result_.residual, 2 * options_.tolerance);
+    const double step = std::max(2 * result_.residual, 2 * tolerance());
     const double shift = value - inward(step);
     // Never further out than what is proved already.
     return outer_ && inward(shift - *outer_) <= 0 ? value - inward(0.3 * std::abs(value - *outer_)) : shift;
@@ -144,7 +150,8 @@ class EndSearch {
   // Counts just outside and just inside; false where an eigenvalue beyond the first was missed.
   bool certify() {
     const double value = result_.values[0];
-    const double margin = std::max({options_.tolerance, 2 * result_.residual, 4 * point_.rounding});
+    const double margin =
+        std::max({tolerance(), 2 * result_.residual, 4 * point_.rounding * std::max(1.0, std::abs(value))});
     const std::optional<ShiftedPencil> out = factorise(std::max(value - inward(margin), 0.5 * value));
     const std::optional<ShiftedPencil> in = factorise(value + inward(margin), 1);
     if (!out || !in) return true;  // converged, not certified

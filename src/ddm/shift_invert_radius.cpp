@@ -9,15 +9,15 @@
 namespace nscdd {
 namespace {
 
-// Smallest epsilon of the rigid limit over the natural one: below, M is lost in the digits of K/epsilon.
 constexpr double rigid_zero = 1e-8;  // eigenvalues lambda of the rigid limit below this count as zero
 // Error of lambda for each unit of 1 / (mass epsilon), from the digits of M lost beside K/epsilon: several
 // times the largest seen against dense spectra (tests/laws).
 constexpr double rounding = 4e-16;
 
+// In units of max(1, |lambda|).
 double lost_to_rounding(const Contraction& b, double epsilon) {
   const double lightest = 0.25 * b.system.scale().maxCoeff();  // 1/mass
-  return rounding * (1 + (epsilon > 0 ? lightest / epsilon : 0));
+  return rounding * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.eta());
 }
 
 // Ends of the spectrum of (S, P), lambda = 1 - mu.
@@ -128,9 +128,10 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
   for (const double lambda : ends.smallest.values) result.high.push_back(1.0 - lambda);
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
-  result.residual = std::max(ends.smallest.residual, ends.largest.residual) + lost_to_rounding(b, epsilon);
-  result.converged = ends.smallest.converged && ends.largest.converged &&
-                     accurate(result, options.tolerance) && b.rows() > 0;
+  for (const PencilEnd* end : {&ends.smallest, &ends.largest})
+    result.residual = std::max(result.residual, end->residual + lost_to_rounding(b, epsilon) *
+                                                                    std::max(1.0, std::abs(end->values[0])));
+  result.converged = ends.smallest.converged && ends.largest.converged && accurate(result, options.tolerance);
   result.certified = ends.smallest.certified && ends.largest.certified;
   result.interval_min = {1.0 - ends.largest.outside, 1.0 - ends.largest.inside};
   result.interval_max = {1.0 - ends.smallest.inside, 1.0 - ends.smallest.outside};
@@ -150,6 +151,17 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
+// Eigenvalues lambda of the rigid limit that are 0; none where no factorisation near 0 can be relied on.
+std::optional<Index> eigenvalues_at_zero(const ShiftedPencilFamily& family, double eta,
+                                         Index& factorisations) {
+  for (const double shift : {rigid_zero, 2 * rigid_zero, 5 * rigid_zero}) {
+    ++factorisations;
+    const ShiftedPencil pencil = family.at(0, eta, shift);
+    if (pencil.reliable()) return pencil.below();
+  }
+  return std::nullopt;
+}
+
 // Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each; the
 // inertia just above 0 counts them.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
@@ -160,12 +172,13 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   PencilPoint point = known_bounds(b, 0);
   auto& family = memory.families[std::isinf(point.eta) ? 1 : 0];
   family.emplace(regular, SystemForm::augmented);
-  const ShiftedPencil zero = family->at(0, point.eta, rigid_zero);
-  if (!zero.regular()) return not_converged("shift-invert");
-  point.kernel = zero.below();
+  Index factorisations = 0;
+  const std::optional<Index> unit = eigenvalues_at_zero(*family, point.eta, factorisations);
+  if (!unit) return not_converged("shift-invert");
+  point.kernel = *unit;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
   SpectralRadius result = report(b, find_ends(regular, point, end_options, memory), 0, point.kernel, options);
-  ++result.factorisations;
+  result.factorisations += factorisations;
   return result;
 }
 

@@ -139,6 +139,8 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
     section.fail("solver", "\"auto\", \"dense\", \"arpack\" or \"shift-invert\"", "\"" + solver + "\"");
   table.sweep.spectral.solver = *spectral_solver(solver);
   section.read("certify", table.sweep.spectral.certify);
+  if (table.sweep.spectral.certify && table.sweep.spectral.solver == SpectralSolver::arpack)
+    section.fail("certify", "a solver other than \"arpack\", which proves nothing", "\"arpack\"");
   Index seed = 1;
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));

@@ -156,7 +156,7 @@ std::vector<Column> case_columns() {
           {"active_contacts", "1", "contacts that Stage 1 works with"},
           {"subdomains", "1", "subdomains of the partition, empty ones included"},
           {"interface_dofs", "1", "interface unknowns n_Gamma"},
-          {"contact_set", "", "all (H_E) or active (G_E) in Stage 1"},
+          {"contact_set", "", "all (H_E), active or unilateral (G_E) in Stage 1"},
           {"contact_rule", "", "how the contacts of Stage 1 were chosen"}};
 }
 

@@ -15,7 +15,8 @@ struct PencilPoint {
   Index kernel = 0;        ///< eigenvalues at the low end that do not count (the rigid limit's zeros)
   double low = 0;          ///< no other eigenvalue is below; >= 0
   double high = infinity;  ///< no eigenvalue is above
-  double rounding = 0;     ///< what lost digits may move an eigenvalue by: certificates keep away as far
+  /// What lost digits may move an eigenvalue by, times max(1, |lambda|): certificates keep away as far.
+  double rounding = 0;
 };
 
 /// Where an end is expected.
@@ -25,11 +26,11 @@ struct EndGuess {
 };
 
 struct EndOptions {
-  double tolerance = 1e-8;  ///< of lambda, absolute
+  double tolerance = 1e-8;  ///< of lambda, times max(1, |1 - lambda|)
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  ArpackOptions arpack = {.basis = 12, .maximum_restarts = 60};
+  ArpackOptions arpack = {.basis = 10, .maximum_restarts = 60};
 };
 
 /// One end of the spectrum of (S, P).
@@ -37,7 +38,7 @@ struct PencilEnd {
   Vector values;   ///< from the end inwards; empty where nothing was found
   Matrix vectors;  ///< n_Gamma x k, interface impulses
   /// An eigenvalue lies within this distance of the first value, and of each other: the residual of
-  /// (S - sigma P)^-1 P in the P norm, taken back to lambda.
+  /// (S - sigma P)^-1 P in the P norm, taken back to lambda, plus an estimate of the error of the solves.
   double residual = infinity;
   bool converged = false;  ///< residual <= tolerance
   /// Inertia counts found every eigenvalue beyond `outside` and those of the list up to `inside`.

@@ -16,10 +16,12 @@ enum class SystemForm {
 
 /// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
 /// factorisation of the saddle-point matrix
-///     [ M_E + K_E/epsilon                          A_E^T ]
-///     [            -(M_E + K_E/eta) / sigma        A_E^T ]        (eta = infinity: [ M_E + K_E/epsilon A_E^T
-///     ] [ A_E                    A_E                       ]                         [ A_E             sigma
-///     X ])
+///     [ M_E + K_E/epsilon                           A_E^T ]
+///     [                   -(M_E + K_E/eta) / sigma  A_E^T ]
+///     [ A_E                A_E                      0     ]
+/// or, for eta = infinity,
+///     [ M_E + K_E/epsilon   A_E^T   ]
+///     [ A_E                 sigma X ]
 /// whose Schur complement on the interface is sigma P - S. Hence (Sylvester, Haynsworth) it has as many
 /// negative eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below
 /// sigma.

@@ -16,9 +16,10 @@ class SymmetricAnalysis {
   /// `pattern`: n x n symmetric, lower triangle stored, values ignored.
   /// `group`: for each row the number of its group, 0 ... groups - 1. Rows of a group are eliminated
   /// together, so that pivots can be chosen among them: a multiplier of a saddle point belongs with what it
-  /// ties. `last`: groups to be eliminated after all others (flags, one per group; may be empty), which makes
-  /// `SymmetricFactor::inverse_block` on their rows cheap.
-  /// Throws std::bad_alloc where the libraries run out of memory.
+  /// ties. -1 puts a row with the last of the groups that it touches, one at least, by when all that it ties
+  /// can serve as its pivot. `last`: groups to be eliminated after all others (flags, one per group; may be
+  /// empty), which makes `SymmetricFactor::inverse_block` on their rows cheap. Throws std::bad_alloc where
+  /// the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
                     const std::vector<char>& last = {});
 

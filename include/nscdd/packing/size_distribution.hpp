@@ -13,9 +13,9 @@ namespace nscdd {
 ///   uniform_volume  every size class holds the same area of grains (volume, in the plane), number density
 ///                   ~ 1/r^2: 1/r = 1/a - u (1/a - 1/b)
 ///   two_sizes       radius_max for a fraction `fraction_large` of the grains, by number; else radius_min
-///   lognormal       ln r normal of mean ln `median` and deviation `sigma`, truncated to [a, b]: r =
-///   F^-1(F(a)
-///                   + u (F(b) - F(a))) with F that of the untruncated law; median 0 stands for sqrt(a b)
+///   lognormal       ln r normal of mean ln `median` and deviation `sigma`, truncated to [a, b]:
+///                   r = F^-1(F(a) + u (F(b) - F(a))) with F that of the untruncated law; median 0 stands for
+///                   sqrt(a b)
 ///
 /// with a = radius_min, b = radius_max and u uniform in [0, 1). Parameters that a distribution has no use for
 /// are ignored.
