@@ -8,6 +8,7 @@
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/resumable_table.hpp>
+#include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/optimum.hpp>
 #include <nscdd/study/values.hpp>
 
@@ -19,6 +20,7 @@ namespace nscdd::app {
 namespace {
 
 struct Options {
+  Index threads = 0;
   CaseOptions one;
   SpectralCommandOptions spectral;
   std::string epsilon = "0", csv;
@@ -60,6 +62,7 @@ int run(const Options& options) {
   const StudyTable work = table_of(options);
   if (options.csv.empty() && options.resume) throw Error("--resume: expected --csv FILE with it, met none");
   if (nothing_to_resume(options.csv, "", how)) return 0;
+  const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.csv.empty()) {
@@ -68,15 +71,17 @@ int run(const Options& options) {
   }
   Interruption interruption;
   ResumableTable csv(options.csv, work, how);
+  Index failed = 0;
   {
     Progress progress(work.name, csv.kept());
-    optima(
+    failed = optima(
         model, work.sweep, [&](const Row& row) { csv.write(row); }, interruption.watch(progress.monitor()),
         csv.kept());
   }
   if (interruption.stopped()) return leave(csv, work, options.csv);
   csv.finish();
   remove_record(options.csv);
+  if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'status'", failed));
   return 0;
 }
 
@@ -93,6 +98,7 @@ std::function<int()> declare_optimum(CLI::App& command, const Context&) {
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
+  declare_threads(command, options->threads);
   options->memory.declare(command);
   command.footer(
       "The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which "

@@ -5,12 +5,14 @@
 #include "progress.hpp"
 #include "provenance.hpp"
 #include "resume.hpp"
+#include "sweep_options.hpp"
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/config.hpp>
 #include <nscdd/io/csv.hpp>
 #include <nscdd/io/output_file.hpp>
 #include <nscdd/io/resumable_table.hpp>
+#include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>
@@ -28,6 +30,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string study, output = "results";
   bool force = false, check = false, resume = false, large = false;
+  Index threads = 0;
   MemoryLimit memory;
   Context context;
 };
@@ -151,6 +154,7 @@ int nothing_to_do(const Study& study, const Outputs& outputs, const std::string&
 }
 
 int run(const Options& options) {
+  const ThreadLimit limit(options.threads);
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
   Study study = read_study(folder);
@@ -196,6 +200,7 @@ std::function<int()> declare_run(CLI::App& command, const Context& context) {
   command.add_flag("--force", options->force, "replace existing results");
   command.add_flag("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->resume);
+  declare_threads(command, options->threads);
   options->memory.declare(command);
   command.add_flag("--check", options->check,
                    "compare with the study's baseline; exit code 1 where it differs");

@@ -255,7 +255,10 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
     const Row cells = sweeps ? inexact_cells(selection.stage_one, spectra.preconditioner(eta), epsilon,
                                              *sweeps, *relaxation, options)
                              : exact_cells(spectra.at(epsilon, eta, number / per_pair), relaxation, options);
-    if (number < first) continue;
+    if (number < first) {  // the block that the first row belongs to
+      if (!report(monitor, first, total)) return failed;
+      continue;
+    }
     row.insert(row.end(), cells.begin(), cells.end());
     if (!selection.certain) row[converged_column] = false;  // the radius of an uncertain set of contacts
     if (!std::get<bool>(row[converged_column])) ++failed;

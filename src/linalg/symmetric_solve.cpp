@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "symmetric_fronts.hpp"
+#include <nscdd/linalg/threads.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+
+Vector SymmetricFactor::Implementation::solve(const Vector& b) const {
+  Vector x = b;
+  std::vector<Vector> carried(factors.size());  // updates on their way to the parent
+  for_roots([&](Index root) { up_the_tree(root, [&](Index s) { forward(s, x, carried); }); });
+  for_roots([&](Index root) { down_the_tree(root, [&](Index s) { backward(s, x); }); });
+  return x;
+}
+
+void SymmetricFactor::Implementation::forward(Index s, Vector& x, std::vector<Vector>& carried) const {
+  const Front& front = analysis->fronts[at(s)];
+  const FrontFactor& own = factors[at(s)];
+  const int* row = analysis->row_of.data() + front.first_row;
+  Vector local = Vector::Zero(front.rows);
+  for (Index i = 0; i < front.pivots; ++i) local[i] = x[row[i]];
+  for (const Index c : front.children) {
+    const Front& child = analysis->fronts[at(c)];
+    const int* place = analysis->place_in_parent.data() + child.first_row + child.pivots;
+    for (Index i = 0; i < child.update_rows(); ++i) local[place[i]] += carried[at(c)][i];
+    carried[at(c)].resize(0);
+  }
+  for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+    auto head = local.segment(first, width);
+    interchange(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(head[i], head[j]); });
+    diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
+    local.tail(left.rows()).noalias() -= left * head;
+  });
+  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
+  carried[at(s)] = local.tail(front.update_rows());
+}
+
+void SymmetricFactor::Implementation::backward(Index s, Vector& x) const {
+  const Front& front = analysis->fronts[at(s)];
+  const FrontFactor& own = factors[at(s)];
+  const int* row = analysis->row_of.data() + front.first_row;
+  Vector local(front.rows);
+  for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
+  for_panels_back(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+    auto head = local.segment(first, width);
+    solve_diagonal(diagonal, own.off.data() + first, head);
+    head.noalias() -= left.transpose() * local.tail(left.rows());
+    diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
+    interchange_back(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(head[i], head[j]); });
+  });
+  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
+}
+
+Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& rows) const {
+  // Fronts that the right-hand sides reach, and the pivot rows of these.
+  std::vector<char> reached(factors.size(), 0);
+  for (const Index row : rows)
+    for (Index s = analysis->front_of_row[at(row)]; s >= 0 && !reached[at(s)];
+         s = analysis->fronts[at(s)].parent)
+      reached[at(s)] = 1;
+  std::vector<Index> path, compact(at(analysis->size), -1);
+  Index reached_rows = 0;
+  for (Index s = 0; s < count(factors); ++s) {
+    if (!reached[at(s)]) continue;
+    path.push_back(s);
+    const Front& front = analysis->fronts[at(s)];
+    for (Index i = 0; i < front.pivots; ++i)
+      compact[at(analysis->row_of[at(front.first_row + i)])] = reached_rows++;
+  }
+  Matrix x = Matrix::Zero(reached_rows, count(rows));
+  for (Index k = 0; k < count(rows); ++k) x(compact[at(rows[at(k)])], k) = 1;
+  const auto rows_of = [&](Index s) {
+    const Front& front = analysis->fronts[at(s)];
+    std::vector<Index> list;
+    for (Index i = 0; i < front.rows; ++i)
+      list.push_back(compact[at(analysis->row_of[at(front.first_row + i)])]);
+    return list;
+  };
+  for (const Index s : path) {  // L^-1
+    const std::vector<Index> list = rows_of(s);
+    Matrix local = x(list, Eigen::all);
+    for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+      auto head = local.middleRows(first, width);
+      interchange(factors[at(s)].swaps.data() + first, width, [&](Index i, Index j) {
+        if (i != j) head.row(i).swap(head.row(j));
+      });
+      diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
+      local.bottomRows(left.rows()).noalias() -= left * head;
+    });
+    x(list, Eigen::all) = local;
+  }
+  for (auto s = path.rbegin(); s != path.rend(); ++s) {  // L^-T D^-1
+    const std::vector<Index> list = rows_of(*s);
+    Matrix local = x(list, Eigen::all);
+    for_panels_back(*s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+      auto head = local.middleRows(first, width);
+      solve_diagonal(diagonal, factors[at(*s)].off.data() + first, head);
+      head.noalias() -= left.transpose() * local.bottomRows(left.rows());
+      diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
+      interchange_back(factors[at(*s)].swaps.data() + first, width, [&](Index i, Index j) {
+        if (i != j) head.row(i).swap(head.row(j));
+      });
+    });
+    x(list, Eigen::all) = local;
+  }
+  Matrix block(count(rows), count(rows));
+  for (Index k = 0; k < count(rows); ++k) block.row(k) = x.row(compact[at(rows[at(k)])]);
+  return block;
+}
+
+Vector SymmetricFactor::solve(const Vector& b) const {
+  Vector x;
+  with_threads([&] { x = implementation_->solve(b); });
+  return x;
+}
+
+Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
+  return implementation_->inverse_block(rows);
+}
+
+Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b) {
+  Vector residual = b;
+  for (Index j = 0; j < lower.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(lower, j); e; ++e) {
+      residual[e.row()] -= e.value() * x[j];
+      if (e.row() != j) residual[j] -= e.value() * x[e.row()];
+    }
+  return residual;
+}
+
+double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b) {
+  if (!x.allFinite()) return infinity;
+  const Vector residual = symmetric_residual(lower, x, b);
+  const Vector size = -symmetric_residual(lower.cwiseAbs(), x.cwiseAbs(), -b.cwiseAbs());  // |A| |x| + |b|
+  double worst = 0;
+  for (Index i = 0; i < b.size(); ++i)
+    if (size[i] > 0) worst = std::max(worst, std::abs(residual[i]) / size[i]);
+  return worst;
+}
+
+}  // namespace nscdd
