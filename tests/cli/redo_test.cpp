@@ -12,12 +12,6 @@ namespace {
 
 const std::string sweep_line = "sweep disks8 --epsilon 1e-2,1,10 --eta 0.3,inf --csv table.csv";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
 void write(const Session& session, const std::string& text) {
   std::ofstream(session.folder / "table.csv", std::ios::binary) << text;
 }
@@ -46,7 +40,7 @@ TEST_CASE("redo: a table of another sweep, an unfinished one and none are refuse
   const Session session;
   REQUIRE(session.run(words(sweep_line)).exit_code == 0);
   const std::string table = session.read("table.csv");
-  for (const std::string& line :
+  for (const std::string line :
        {"sweep disks8 --epsilon 1e-2,1,11 --eta 0.3,inf --csv table.csv --redo",
         "sweep disks8 --epsilon 1e-2,1 --eta 0.3,inf --csv table.csv --redo",
         "sweep disks8 --epsilon 1e-2,1,10,100 --eta 0.3,inf --csv table.csv --redo",
