@@ -27,7 +27,7 @@ Index negative_pivots(const Block& diagonal, const double* e) {
 }
 
 // target -= left right^T on and below the diagonal of the target, by blocks of columns.
-void subtract_product(Block target, const Block& left, const Matrix& right, bool parallel) {
+void subtract_product(Block target, const Block& left, const Matrix& right) {
   const Index blocks = (target.cols() + block_columns - 1) / block_columns;
   const auto one = [&](Index b) {
     const Index first = b * block_columns, width = std::min(block_columns, target.cols() - first);
@@ -35,10 +35,10 @@ void subtract_product(Block target, const Block& left, const Matrix& right, bool
     target.block(first, first, height, width).noalias() -=
         left.bottomRows(height) * right.middleRows(first, width).transpose();
   };
-  if (parallel && blocks > 1) {
+  if (blocks > 1) {
     tbb::parallel_for(Index{0}, blocks, one);
-  } else {
-    for (Index b = 0; b < blocks; ++b) one(b);
+  } else if (blocks == 1) {  // most fronts are small
+    one(0);
   }
 }
 
@@ -86,15 +86,14 @@ void SymmetricFactor::Implementation::eliminate(Index s) {
     if (columns_left > 0) {
       Block target(&columns(first + width, first + width), rest, columns_left,
                    Eigen::OuterStride<>(front.rows));
-      subtract_product(target, left, multiples.topRows(columns_left), true);
+      subtract_product(target, left, multiples.topRows(columns_left));
     }
     below_multiples.middleCols(first, width) = multiples.bottomRows(below);
     first += width;
   }
   if (below > 0) {
     const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
-    subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, below_multiples,
-                     true);
+    subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, below_multiples);
   }
 }
 

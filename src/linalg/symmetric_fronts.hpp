@@ -81,34 +81,29 @@ class SymmetricFactor::Implementation {
  private:
   static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
 
-  // Visits children before parents; subtrees worth a task run in parallel.
+  // visit(child) for the children of a front; subtrees worth a task run in parallel.
   template <class Visit>
-  void up_the_tree(Index s, const Visit& visit) const {
+  void for_children(Index s, const Visit& visit) const {
     const Front& front = analysis->fronts[at(s)];
     if (front.subtree_flops < parallel_subtree_flops || front.children.size() < 2) {
-      for (const Index c : front.children) up_the_tree(c, visit);
-    } else {
-      tbb::task_group tasks;
-      for (std::size_t k = 1; k < front.children.size(); ++k)
-        tasks.run([&, c = front.children[k]] { up_the_tree(c, visit); });
-      up_the_tree(front.children[0], visit);
-      tasks.wait();
+      for (const Index c : front.children) visit(c);
+      return;
     }
+    tbb::task_group tasks;
+    for (std::size_t k = 1; k < front.children.size(); ++k)
+      tasks.run([&visit, c = front.children[k]] { visit(c); });
+    visit(front.children[0]);
+    tasks.wait();
+  }
+  template <class Visit>
+  void up_the_tree(Index s, const Visit& visit) const {  // children before parents
+    for_children(s, [&](Index c) { up_the_tree(c, visit); });
     visit(s);
   }
   template <class Visit>
   void down_the_tree(Index s, const Visit& visit) const {
     visit(s);
-    const Front& front = analysis->fronts[at(s)];
-    if (front.subtree_flops < parallel_subtree_flops || front.children.size() < 2) {
-      for (const Index c : front.children) down_the_tree(c, visit);
-    } else {
-      tbb::task_group tasks;
-      for (std::size_t k = 1; k < front.children.size(); ++k)
-        tasks.run([&, c = front.children[k]] { down_the_tree(c, visit); });
-      down_the_tree(front.children[0], visit);
-      tasks.wait();
-    }
+    for_children(s, [&](Index c) { down_the_tree(c, visit); });
   }
   template <class Visit>
   void for_roots(const Visit& visit) const {
