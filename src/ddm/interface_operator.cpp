@@ -151,11 +151,14 @@ InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> imple
 
 double InterfaceOperator::eta() const { return implementation_->eta; }
 const Decomposition& InterfaceOperator::parts() const { return implementation_->preparation->parts; }
+const SparseMatrix& InterfaceOperator::generic() const {
+  return implementation_->preparation->inertia_operator();
+}
 Index InterfaceOperator::rows() const { return implementation_->preparation->parts.interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 
 Vector InterfaceOperator::apply(const Vector& f) const {
-  if (std::isinf(eta())) return implementation_->preparation->inertia_operator() * f;
+  if (std::isinf(eta())) return generic() * f;
   const auto& subdomains = implementation_->preparation->parts.subdomains;
   std::vector<Vector> velocities(subdomains.size());
   for_each_in_parallel(count(subdomains), [&](Index e) {

@@ -67,13 +67,6 @@ Index total_dofs(const Decomposition& parts) {
   return n;
 }
 
-SparseMatrix generic_preconditioner(const Decomposition& parts) {  // X
-  SparseMatrix x(parts.interface_size(), parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains)
-    x += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
-  return x;
-}
-
 }  // namespace
 
 class ShiftedPencilFamily::Preparation {
@@ -93,7 +86,7 @@ class ShiftedPencilFamily::Preparation {
       add_condensed(entries, system, 0, interface);
     }
     if (generic) {
-      const SparseMatrix x = generic_preconditioner(preconditioner);
+      const SparseMatrix& x = b.preconditioner.generic();  // X
       for (Index j = 0; j < x.outerSize(); ++j)
         for (SparseMatrix::InnerIterator e(x, j); e; ++e)
           if (e.row() >= j)

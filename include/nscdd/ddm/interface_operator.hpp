@@ -18,6 +18,7 @@ class InterfaceOperator {
  public:
   double eta() const;
   const Decomposition& parts() const;
+  const SparseMatrix& generic() const;  ///< X_infinity, nearly diagonal, whatever eta
   Index rows() const;
   Index cols() const { return rows(); }
 
