@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/mechanics/laws/cohesive.hpp>
+#include <nscdd/mechanics/laws/coulomb.hpp>
+#include <nscdd/mechanics/laws/frictionless.hpp>
+#include <nscdd/mechanics/laws/linear_viscous.hpp>
+
+#include <variant>
+
+namespace nscdd {
+
+/// Laws between two bodies with a normal and a tangential component: one file and one word here per law.
+/// A law has `name` and
+///   impulse(stop, w, friction)  the impulse of one contact solved together with v = W (r - stop),
+/// which is all a Gauss-Seidel sweep asks.
+using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
+
+/// How a contact stands under Coulomb's law (or a cohesive one, impulses shifted). An impulse within
+/// `tolerance` x friction r_n of the edge of the cone slides.
+ContactStatus contact_status(LocalVector impulse, double friction, double tolerance = 0);
+
+/// Projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }, orthogonal in the plane.
+LocalVector project_on_cone(LocalVector impulse, double friction);
+
+/// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction
+/// |v_t| n)), zero where (v, r) obeys Signorini and Coulomb, for any rho > 0 (kg). N s.
+LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho);
+
+}  // namespace nscdd

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/mechanics/laws/coulomb.hpp>
+
+#include <string_view>
+
+namespace nscdd {
+
+/// Coulomb's law of grains that stick together: the contact pulls with up to `cohesion` before it opens,
+///     0 <= v_n,  0 <= r_n + cohesion,  v_n (r_n + cohesion) = 0,  |r_t| <= friction (r_n + cohesion).
+/// The example of adding a law: Coulomb's, at a shifted impulse.
+struct Cohesive {
+  static constexpr std::string_view name = "cohesive";
+  double cohesion = 0;  ///< largest pulling impulse, N s: the force times the time step
+
+  /// As Coulomb::impulse.
+  template <class Delassus>
+  LocalVector impulse(LocalVector stop, const Delassus& w, double friction) const {
+    const LocalVector shifted = Coulomb{}.impulse({stop.n + cohesion, stop.t}, w, friction);
+    return {shifted.n - cohesion, shifted.t};
+  }
+};
+
+}  // namespace nscdd

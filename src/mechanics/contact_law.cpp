@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/mechanics/contact_law.hpp>
+
+#include <cmath>
+
+namespace nscdd {
+
+std::string_view to_string(ContactStatus status) {
+  switch (status) {
+    case ContactStatus::open:
+      return "open";
+    case ContactStatus::stick:
+      return "stick";
+    case ContactStatus::slide_forward:
+      return "slide_forward";
+    case ContactStatus::slide_backward:
+      return "slide_backward";
+  }
+  return "open";
+}
+
+ContactStatus contact_status(LocalVector impulse, double friction, double tolerance) {
+  if (impulse.n <= 0) return ContactStatus::open;
+  const double edge = friction * impulse.n;
+  if (std::abs(impulse.t) < edge * (1 - tolerance)) return ContactStatus::stick;
+  return impulse.t > 0 ? ContactStatus::slide_backward : ContactStatus::slide_forward;
+}
+
+LocalVector project_on_cone(LocalVector impulse, double friction) {
+  const double size = std::abs(impulse.t);
+  if (size <= friction * impulse.n) return impulse;                            // inside
+  if (friction * size <= -impulse.n) return {};                                // inside the polar cone
+  const double n = (impulse.n + friction * size) / (1 + friction * friction);  // on the edge (1, friction)
+  return {n, std::copysign(friction * n, impulse.t)};
+}
+
+LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho) {
+  const LocalVector moved{impulse.n - rho * (velocity.n + friction * std::abs(velocity.t)),
+                          impulse.t - rho * velocity.t};
+  const LocalVector projected = project_on_cone(moved, friction);
+  return {impulse.n - projected.n, impulse.t - projected.t};
+}
+
+}  // namespace nscdd
