@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/ddm/partition.hpp>
+#include <nscdd/mechanics/reference_problem.hpp>
+#include <nscdd/mechanics/time_stepping.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// What one subdomain E of a step works with: its contacts in the order a sweep visits them, and the bodies
+/// they touch, shared grains with their share of mass.
+struct GranularSubdomain {
+  std::vector<Index> bodies;   ///< numbers in the step problem, ascending
+  std::vector<Index> numbers;  ///< of the contacts in the step problem
+  std::vector<DiskContact> contacts;
+  std::vector<DiskVelocity> velocities;
+};
+
+/// A step cut in the FETI way: contacts are distributed, shared free grains split and glued by a chain of
+/// equalities, in ascending order of grains and subdomains. Driven bodies are not glued: every subdomain
+/// knows their motion.
+struct GranularDecomposition {
+  std::vector<GranularSubdomain> subdomains;
+  std::vector<Gluing> gluing;       ///< row k holds interface unknowns 3 k ... 3 k + 2: x, y, rim
+  std::vector<Index> multiplicity;  ///< subdomains per body
+
+  Index interface_size() const { return 3 * count(gluing); }  ///< n_Gamma
+};
+
+/// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
+/// them. `order`, `seed`: see contact_order. Throws Error where the partition does not fit.
+GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
+                                const std::string& order, std::uint64_t seed);
+
+/// M, H of a step for the linear analysis: three rows per disk (x, y, rim; inertia m, m, m/2), columns 2 c
+/// and 2 c + 1 the normal and tangential direction of contact c; driven bodies have no rows in H. The
+/// arriving velocity is V_free. The bodies of walls come after the disks and are left out.
+ReferenceProblem reference_problem(const StepProblem& problem, Index disks);
+
+/// The partition of the columns of reference_problem.
+Partition partition_of_columns(const Partition& of_contacts);
+
+}  // namespace nscdd

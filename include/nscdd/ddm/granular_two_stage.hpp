@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/granular_decomposition.hpp>
+#include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/ddm/step_solver.hpp>
+#include <nscdd/mechanics/contact_residual.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace nscdd {
+
+/// How one iteration went, [ADI12] eqs. (39), (40).
+struct IterationRecord {
+  Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
+  double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
+  double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
+  double gluing = 0;                ///< |sum A_E V_E| / |V| over the copies of shared grains, after Stage 1
+};
+
+/// Algorithm 1 of [ADI12] on the contact problem of one step. Without an interface it is plain nonlinear
+/// Gauss-Seidel, to the last bit.
+///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
+///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
+/// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched): the paper's (16) for
+/// any law, see TwoStageIteration. No bit depends on the number of threads.
+class GranularTwoStage {
+ public:
+  /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))),
+  /// none for the generic algorithm. Velocities must be those of the impulses: see `start`.
+  GranularTwoStage(GranularDecomposition parts, const ContactLaw& law, const StepSolver& solver,
+                   std::optional<InterfaceOperator> enriched);
+
+  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses
+  /// of the step before; those of a grain that is shared otherwise now start from zero.
+  void start(const std::vector<RememberedGluing>& gluing);
+
+  IterationRecord iterate();
+
+  /// Sums over all subdomains at the present velocities.
+  ContactResidual residual() const;
+
+  /// In the numbers of the step problem; copies of a shared grain are averaged.
+  std::vector<DiskContact> contacts(const StepProblem& problem) const;
+  std::vector<DiskVelocity> velocities(const StepProblem& problem) const;
+  std::vector<RememberedGluing> gluing() const;
+
+  const Vector& interface_impulses() const { return interface_impulses_; }  ///< F_Gamma, n_Gamma
+  const GranularDecomposition& parts() const { return parts_; }
+
+ private:
+  SweepSums stage_one();
+  Vector jumps() const;
+  double glued_speed() const;
+  Vector preconditioned(const Vector& jumps) const;
+  Vector generic_solve(const Vector& jumps) const;
+  void correct(const Vector& change);
+  Vector conjugate_step(const Vector& jumps, SweepSums& sums);
+
+  GranularDecomposition parts_;
+  ContactLaw law_;
+  StepSolver solver_;
+  std::optional<InterfaceOperator> enriched_;
+  Vector interface_impulses_;
+  Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
+  std::vector<std::vector<LocalVector>> before_;         // impulses before Stage 1, where n_GS > 1
+  Index iteration_ = 0, sweeps_ = 0;
+};
+
+}  // namespace nscdd

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/fields.hpp>
+#include <nscdd/mechanics/contact_order.hpp>
+
+#include <string>
+
+namespace nscdd {
+
+/// How the contact problem of a step is solved. `algorithm`: plain nonlinear Gauss-Seidel, or Algorithm 1 of
+/// [ADI12] in its generic or enriched form.
+struct StepSolver {
+  std::string algorithm = "nlgs";
+  Index gauss_seidel_sweeps = 1;  ///< n_GS
+  Index maximum_iterations = 1000;
+  std::string criterion = "zeta";
+  double tolerance = 1e-4;
+  std::string order = "natural";
+  Index seed = 1;
+  double contact_relaxation = 1;
+  bool warm_start = false;
+  std::string eta = "1";  ///< a number, 1/kg, or "optimal"
+  std::string network = "all";
+  std::string enrichment = "every_iteration";
+  std::string interface_method = "richardson";
+  double interface_relaxation = 1;  ///< omega
+  Index redecompose = 1;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("algorithm", self.algorithm,
+          Field{.description = "solver of a step", .choices = "nlgs generic enriched"});
+    visit("gauss_seidel_sweeps", self.gauss_seidel_sweeps,
+          Field{.description = "sweeps per iteration and subdomain", .minimum = 1, .maximum = 1e9});
+    visit("maximum_iterations", self.maximum_iterations,
+          Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
+    visit("criterion", self.criterion,
+          Field{.description = "indicator that ends the iterations",
+                .choices = "zeta interface_change natural_map quad_dv none"});
+    visit("tolerance", self.tolerance,
+          Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
+    visit("order", self.order, Field{.description = "order of a sweep", .choices = contact_orders});
+    visit("seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
+    visit("contact_relaxation", self.contact_relaxation,
+          Field{.description = "part of each local change of impulse that is made",
+                .minimum = 0,
+                .minimum_excluded = true,
+                .maximum = 2});
+    visit("warm_start", self.warm_start,
+          Field{.description = "start from the impulses of the last step, not from zero"});
+    visit("eta", self.eta,
+          Field{.description = "flexibility of the enriched Stage 2: a number, or optimal", .unit = "1/kg"});
+    visit(
+        "network", self.network,
+        Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
+                             "last step",
+              .choices = "all active"});
+    visit("enrichment", self.enrichment,
+          Field{.description =
+                    "where the enriched Stage 2 acts; once and never again is the semi-implicit scheme",
+                .choices = "every_iteration first_iteration semi_implicit"});
+    visit("interface_method", self.interface_method,
+          Field{.description = "how Stage 2 uses its operator", .choices = "richardson conjugate_gradient"});
+    visit("interface_relaxation", self.interface_relaxation,
+          Field{.description = "relaxation omega of Stage 2",
+                .minimum = 0,
+                .minimum_excluded = true,
+                .maximum = 1000});
+    visit("redecompose", self.redecompose,
+          Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
+  }
+};
+
+}  // namespace nscdd

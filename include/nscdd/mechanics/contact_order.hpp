@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/mechanics/disk_contacts.hpp>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace nscdd {
+
+/// Orders in which a sweep may visit contacts (names of the option): `natural`, ascending by the disks;
+/// `reverse`; `random`, a new permutation each step; `coloured`, contacts of one colour share no free disk;
+/// `interleaved`, natural in blocks of 256 contacts that are coloured each: neighbours in memory, yet no
+/// contact waits for the one before it.
+inline constexpr std::string_view contact_orders = "natural reverse random coloured interleaved";
+
+/// Permutation of the contacts: the order in which they are to lie in memory. Throws Error for an unknown
+/// name. `bodies`: velocities of the disks (driven ones may be shared within a colour).
+std::vector<Index> contact_order(const std::string& order, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> bodies, std::uint64_t seed);
+
+/// Smallest colours such that no two contacts of one colour share a free disk, greedily in the given order
+/// within each block of `block` contacts.
+std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::span<const DiskVelocity> bodies,
+                                 Index block);
+
+}  // namespace nscdd

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/fields.hpp>
+#include <nscdd/core/types.hpp>
+#include <nscdd/mechanics/boundary.hpp>
+#include <nscdd/mechanics/contact_law.hpp>
+#include <nscdd/packing/packing.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// Disks and walls, and what drives them. Disks are the grains of a packing, then those of boundaries.
+struct GranularSystem {
+  std::vector<double> radius;    ///< m
+  std::vector<double> mass;      ///< kg; of a driven disk without effect
+  std::vector<Index> driven_by;  ///< boundary that moves a disk, -1 for a free one
+  std::vector<Wall> walls;
+  std::vector<Boundary> boundaries;
+
+  Index disks() const { return count(radius); }
+  bool free(Index disk) const { return driven_by[at(disk)] < 0; }
+};
+
+/// Impulse that a contact carried, with its ends: disks by their number, wall w as disks() + w; a < b.
+struct RememberedImpulse {
+  Index a = 0, b = 0;
+  LocalVector impulse;  ///< N s
+};
+
+/// Interface impulse that held the copy of a grain in a subdomain, (A_E^T F_Gamma) of that copy, N s.
+struct RememberedGluing {
+  Index grain = 0, subdomain = 0;
+  double x = 0, y = 0, rim = 0;
+};
+
+/// All that moves: with it a run can go on exactly.
+struct GranularState {
+  Index step = 0;                              ///< steps done
+  double time = 0;                             ///< s
+  std::vector<double> x, y, angle;             ///< of every disk, m and rad
+  std::vector<double> velocity_x, velocity_y;  ///< m/s
+  std::vector<double> spin;                    ///< rad/s
+  std::vector<Pose> poses;                     ///< of every boundary
+  std::vector<RememberedImpulse> impulses;     ///< of the last step, ascending by (a, b)
+  std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
+};
+
+/// The state at time 0: grains at rest where the packing has them, boundaries at their centres.
+GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y);
+
+/// Throws Error naming the disk or boundary where sizes differ, a disk is driven by a boundary that does not
+/// exist, or no disk is free.
+void check(const GranularSystem& system, const GranularState& state);
+
+/// How bodies touch.
+struct Interaction {
+  std::string law = "coulomb";
+  double friction = 0.3, boundary_friction = -1;
+  double restitution = 0, tangential_restitution = 0;
+  double cohesion = 0;  ///< N
+  double epsilon = 0;   ///< 1/kg
+
+  double friction_at_boundaries() const { return boundary_friction < 0 ? friction : boundary_friction; }
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("law", self.law,
+          Field{.description = "contact law", .choices = "coulomb frictionless cohesive linear_viscous"});
+    visit("friction", self.friction,
+          Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
+    visit("boundary_friction", self.boundary_friction,
+          Field{.description = "Coulomb's coefficient at boundaries; -1: as between grains",
+                .minimum = -1,
+                .maximum = 100});
+    visit("restitution", self.restitution,
+          Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
+    visit("tangential_restitution", self.tangential_restitution,
+          Field{.description = "coefficient of tangential restitution", .minimum = 0, .maximum = 1});
+    visit(
+        "cohesion", self.cohesion,
+        Field{.description = "largest pulling force of a contact, law cohesive", .unit = "N", .minimum = 0});
+    visit("epsilon", self.epsilon,
+          Field{.description = "flexibility of law linear_viscous", .unit = "1/kg", .minimum = 0});
+  }
+};
+
+/// The law with its parameters; `h`: time step, s (a cohesive force acts through its impulse).
+ContactLaw contact_law(const Interaction& interaction, double h);
+
+}  // namespace nscdd

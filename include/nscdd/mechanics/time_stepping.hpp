@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/fields.hpp>
+#include <nscdd/mechanics/disk_contacts.hpp>
+#include <nscdd/mechanics/granular_system.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// Moreau-Jean scheme at velocity level, step h:
+///     q_m = q^- + (1 - theta) h V^-              contacts are found here
+///     M (V - V^-) = h F + H r,  law(H^T V, r)    solved by Gauss-Seidel sweeps, whole or decomposed
+///     q   = q_m + theta h V
+/// q_m moves by exactly h V from one step to the next, so v_n + gap/h >= 0 keeps it free of overlap.
+struct TimeStepping {
+  double step = 0.005;  ///< h, s
+  Index steps = 100;
+  double theta = 0.5;
+  std::array<double, 2> gravity{0, -9.81};
+  double alert = 0.05;
+  double penetration_correction = 1;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("step", self.step,
+          Field{.description = "time step", .unit = "s", .minimum = 0, .minimum_excluded = true});
+    visit("steps", self.steps, Field{.description = "number of time steps", .minimum = 0, .maximum = 1e9});
+    visit("theta", self.theta,
+          Field{.description = "weight of the velocity at the end of a step", .minimum = 0.5, .maximum = 1});
+    visit("gravity", self.gravity, Field{.description = "acceleration of free grains", .unit = "m/s^2"});
+    visit("alert", self.alert,
+          Field{.description = "gap below which a contact is considered, times the smallest radius",
+                .minimum = 0,
+                .maximum = 10});
+    visit("penetration_correction", self.penetration_correction,
+          Field{.description = "part of an overlap removed per step (restitution 0)",
+                .minimum = 0,
+                .maximum = 1});
+  }
+};
+
+/// Geometry of a contact considered in a step.
+struct StepContact {
+  Index a = 0, b = 0;              ///< disks a < b, or wall b = disks + w
+  std::array<double, 2> normal{};  ///< from a to b
+  std::array<double, 2> point{};   ///< middle of the centres of two disks; the foot on a wall, m
+  double gap = 0;                  ///< m, at q_m
+};
+
+/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall
+/// does there.
+struct StepProblem {
+  double h = 0;                       ///< s
+  std::vector<StepContact> geometry;  ///< ascending by (a, b)
+  std::vector<DiskContact> contacts;  ///< the same contacts for the solver, impulses to start from
+  std::vector<DiskVelocity> start;    ///< V^- of the bodies (of driven ones: in this step)
+  std::vector<DiskVelocity> free;     ///< V^- + h M^-1 F
+};
+
+/// Finds contacts and sets the problem up; impulses start from those of the last step where `warm_start`,
+/// from zero else. Throws Error naming the disk where one would move by more than ten of its radii in the
+/// step or has a velocity that is no number, and naming both disks of a pair with one centre.
+StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
+                         const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
+
+/// V_free + M^-1 H r for the impulses of the contacts.
+std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts);
+
+/// What a step did to the energy of the free disks, J:
+///     change of kinetic + potential = boundary_work - dissipation + numerical.
+struct StepEnergy {
+  double kinetic = 0, potential = 0;  ///< at the end of the step
+  double boundary_work = 0;           ///< done by driven disks and walls
+  double dissipation = 0;             ///< - sum r . (v + v^-)/2 over contacts
+  double numerical = 0;               ///< what is left: zero at theta = 1/2 but for rounding
+};
+
+/// Ends a step with the impulses and velocities found: moves disks and boundaries, keeps the impulses.
+StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem& problem,
+                       const TimeStepping& scheme, std::span<const DiskContact> contacts,
+                       std::span<const DiskVelocity> velocities);
+
+/// Kinetic and potential energy of the free disks.
+StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
+
+/// Overlaps of the contacts of a step at q_m, before it is solved.
+struct Interpenetration {
+  double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 where none does
+};
+Interpenetration interpenetration(const StepProblem& problem);
+
+}  // namespace nscdd

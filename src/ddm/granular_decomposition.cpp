@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/granular_decomposition.hpp>
+#include <nscdd/mechanics/contact_order.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace nscdd {
+namespace {
+
+void check(const StepProblem& problem, const Partition& partition) {
+  if (partition.subdomain_of_contact.size() != problem.contacts.size())
+    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}",
+                            problem.contacts.size(), partition.subdomain_of_contact.size()));
+  for (const Index e : partition.subdomain_of_contact)
+    if (e < 0 || e >= partition.subdomains)
+      throw Error(
+          fmt::format("partition: expected a subdomain in 0..{}, met {}", partition.subdomains - 1, e));
+}
+
+// Contacts of one subdomain in sweep order, ends renumbered to the subdomain's bodies.
+void fill(GranularSubdomain& subdomain, const StepProblem& problem, const std::string& order,
+          std::uint64_t seed, std::vector<std::int32_t>& local) {
+  for (const Index c : subdomain.numbers) {
+    const DiskContact& contact = problem.contacts[at(c)];
+    subdomain.bodies.push_back(contact.a);
+    subdomain.bodies.push_back(contact.b);
+  }
+  std::sort(subdomain.bodies.begin(), subdomain.bodies.end());
+  subdomain.bodies.erase(std::unique(subdomain.bodies.begin(), subdomain.bodies.end()),
+                         subdomain.bodies.end());
+  for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
+    local[at(subdomain.bodies[i])] = static_cast<std::int32_t>(i);
+  for (const Index i : subdomain.bodies) subdomain.velocities.push_back(problem.free[at(i)]);
+  std::vector<DiskContact> natural;
+  natural.reserve(subdomain.numbers.size());
+  for (const Index c : subdomain.numbers) {
+    natural.push_back(problem.contacts[at(c)]);
+    natural.back().a = local[at(natural.back().a)];
+    natural.back().b = local[at(natural.back().b)];
+  }
+  const std::vector<Index> visit = contact_order(order, natural, subdomain.velocities, seed);
+  const std::vector<Index> numbers = subdomain.numbers;
+  subdomain.contacts.reserve(natural.size());
+  for (std::size_t k = 0; k < visit.size(); ++k) {
+    subdomain.contacts.push_back(natural[at(visit[k])]);
+    subdomain.numbers[k] = numbers[at(visit[k])];
+  }
+}
+
+// A grain shared by q subdomains weighs 1/q in each; W of its contacts follows.
+void split_masses(GranularDecomposition& parts) {
+  for (GranularSubdomain& subdomain : parts.subdomains) {
+    bool shares = false;
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+      const Index q = parts.multiplicity[at(subdomain.bodies[i])];
+      if (q == 1 || subdomain.velocities[i].inverse_mass == 0) continue;
+      subdomain.velocities[i].inverse_mass *= static_cast<double>(q);
+      shares = true;
+    }
+    if (!shares) continue;
+    for (DiskContact& c : subdomain.contacts) {
+      const double w = subdomain.velocities[static_cast<std::size_t>(c.a)].inverse_mass +
+                       subdomain.velocities[static_cast<std::size_t>(c.b)].inverse_mass;
+      c.inverse_w = {1 / w, 1 / ((1 + rim_mass_ratio) * w)};
+    }
+  }
+}
+
+void glue(GranularDecomposition& parts, const StepProblem& problem) {
+  std::vector<std::vector<GrainCopy>> copies(problem.free.size());
+  for (Index e = 0; e < count(parts.subdomains); ++e) {
+    const auto& bodies = parts.subdomains[at(e)].bodies;
+    for (Index i = 0; i < count(bodies); ++i)
+      if (parts.multiplicity[at(bodies[at(i)])] > 1) copies[at(bodies[at(i)])].push_back({e, i});
+  }
+  for (Index g = 0; g < count(copies); ++g) {
+    if (problem.free[at(g)].inverse_mass == 0) continue;
+    for (std::size_t k = 1; k < copies[at(g)].size(); ++k)
+      parts.gluing.push_back({g, copies[at(g)][k - 1], copies[at(g)][k]});
+  }
+}
+
+void put(std::vector<Eigen::Triplet<double>>& entries, Index row, Index column, double value) {
+  entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+}
+
+}  // namespace
+
+GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
+                                const std::string& order, std::uint64_t seed) {
+  check(problem, partition);
+  GranularDecomposition parts;
+  parts.subdomains.resize(at(partition.subdomains));
+  for (Index c = 0; c < count(problem.contacts); ++c)
+    parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
+  std::vector<std::int32_t> local(problem.free.size());
+  for (GranularSubdomain& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
+  parts.multiplicity.assign(problem.free.size(), 0);
+  for (const GranularSubdomain& subdomain : parts.subdomains)
+    for (const Index i : subdomain.bodies) ++parts.multiplicity[at(i)];
+  split_masses(parts);
+  glue(parts, problem);
+  return parts;
+}
+
+ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
+  ReferenceProblem result;
+  result.dofs_per_grain = 3;
+  result.inertia = Vector::Ones(3 * disks);
+  result.arriving_velocity = Vector::Zero(3 * disks);
+  for (Index i = 0; i < disks; ++i) {
+    const DiskVelocity& v = problem.free[at(i)];
+    if (v.inverse_mass == 0) continue;
+    const double mass = 1 / v.inverse_mass;
+    result.inertia.segment(3 * i, 3) << mass, mass, mass / rim_mass_ratio;
+    result.arriving_velocity.segment(3 * i, 3) << v.x, v.y, v.rim;
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(10 * problem.contacts.size());
+  for (Index c = 0; c < count(problem.contacts); ++c) {
+    const DiskContact& k = problem.contacts[at(c)];
+    for (const auto& [body, sign] : {std::pair(Index{k.a}, -1.0), std::pair(Index{k.b}, 1.0)}) {
+      if (problem.free[at(body)].inverse_mass == 0) continue;
+      put(entries, 3 * body, 2 * c, sign * k.normal_x);
+      put(entries, 3 * body + 1, 2 * c, sign * k.normal_y);
+      put(entries, 3 * body, 2 * c + 1, -sign * k.normal_y);
+      put(entries, 3 * body + 1, 2 * c + 1, sign * k.normal_x);
+      put(entries, 3 * body + 2, 2 * c + 1, -1.0);
+    }
+  }
+  result.h.resize(3 * disks, 2 * count(problem.contacts));
+  result.h.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+Partition partition_of_columns(const Partition& of_contacts) {
+  Partition result{.subdomains = of_contacts.subdomains, .subdomain_of_contact = {}};
+  result.subdomain_of_contact.reserve(2 * of_contacts.subdomain_of_contact.size());
+  for (const Index e : of_contacts.subdomain_of_contact) {
+    result.subdomain_of_contact.push_back(e);
+    result.subdomain_of_contact.push_back(e);
+  }
+  return result;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/granular_two_stage.hpp>
+#include <nscdd/linalg/threads.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace nscdd {
+namespace {
+
+using Copy = DiskVelocity;
+
+const Copy& copy_of(const GranularDecomposition& parts, const GrainCopy& copy) {
+  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
+}
+
+Copy& copy_of(GranularDecomposition& parts, const GrainCopy& copy) {
+  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
+}
+
+// V -= M^-1 F of one copy; the rim has its own inertia.
+void push(Copy& v, double x, double y, double rim) {
+  v.x -= v.inverse_mass * x;
+  v.y -= v.inverse_mass * y;
+  v.rim -= rim_mass_ratio * v.inverse_mass * rim;
+}
+
+SweepSums sweep(const ContactLaw& law, const StepSolver& solver, GranularSubdomain& subdomain) {
+  SweepSums sums;
+  std::visit(
+      [&](const auto& one) {
+        for (Index k = 0; k < solver.gauss_seidel_sweeps; ++k)
+          sums = gauss_seidel_sweep(one, std::span(subdomain.contacts), std::span(subdomain.velocities),
+                                    solver.contact_relaxation);
+      },
+      law);
+  return sums;
+}
+
+std::vector<LocalVector> impulses_of(const GranularSubdomain& subdomain) {
+  std::vector<LocalVector> result;
+  result.reserve(subdomain.contacts.size());
+  for (const DiskContact& c : subdomain.contacts) result.push_back({c.impulse_n, c.impulse_t});
+  return result;
+}
+
+double change_since(const std::vector<LocalVector>& before, const GranularSubdomain& subdomain) {
+  double sum = 0;
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const double n = subdomain.contacts[k].impulse_n - before[k].n;
+    const double t = subdomain.contacts[k].impulse_t - before[k].t;
+    sum += n * n + t * t;
+  }
+  return sum;
+}
+
+double ratio(double change, double whole) { return change > 0 ? std::sqrt(change / whole) : 0.0; }
+
+}  // namespace
+
+GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw& law,
+                                   const StepSolver& solver, std::optional<InterfaceOperator> enriched)
+    : parts_(std::move(parts)),
+      law_(law),
+      solver_(solver),
+      enriched_(std::move(enriched)),
+      interface_impulses_(Vector::Zero(parts_.interface_size())),
+      before_(parts_.subdomains.size()) {}
+
+void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
+  for (GranularSubdomain& subdomain : parts_.subdomains)
+    for (const DiskContact& c : subdomain.contacts)
+      if (c.impulse_n != 0 || c.impulse_t != 0)
+        apply_impulse(c, {c.impulse_n, c.impulse_t}, subdomain.velocities);
+  if (gluing.empty()) return;
+  std::map<std::pair<Index, Index>, const RememberedGluing*> known;
+  std::map<Index, Index> shared_before;
+  for (const RememberedGluing& one : gluing) {
+    known[{one.grain, one.subdomain}] = &one;
+    ++shared_before[one.grain];
+  }
+  // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
+  Vector f = Vector::Zero(parts_.interface_size());
+  bool usable = false;
+  for (Index row = 0; row < count(parts_.gluing); ++row) {
+    const Gluing& g = parts_.gluing[at(row)];
+    const bool first = row == 0 || parts_.gluing[at(row - 1)].grain != g.grain;
+    if (first) {
+      usable = shared_before[g.grain] == parts_.multiplicity[at(g.grain)];
+      for (Index r = row; r < count(parts_.gluing) && parts_.gluing[at(r)].grain == g.grain; ++r)
+        usable = usable && known.count({g.grain, parts_.gluing[at(r)].first.subdomain}) == 1 &&
+                 known.count({g.grain, parts_.gluing[at(r)].second.subdomain}) == 1;
+    }
+    if (!usable) continue;
+    const RememberedGluing& one = *known[{g.grain, g.first.subdomain}];
+    f.segment(3 * row, 3) << one.x, one.y, one.rim;
+    if (!first) f.segment(3 * row, 3) += f.segment(3 * (row - 1), 3);
+  }
+  correct(f);
+}
+
+SweepSums GranularTwoStage::stage_one() {
+  const bool compare = solver_.gauss_seidel_sweeps > 1;
+  std::vector<SweepSums> sums(parts_.subdomains.size());
+  for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
+    GranularSubdomain& subdomain = parts_.subdomains[at(e)];
+    if (compare) before_[at(e)] = impulses_of(subdomain);
+    sums[at(e)] = sweep(law_, solver_, subdomain);
+    if (compare) sums[at(e)].change = change_since(before_[at(e)], subdomain);
+  });
+  sweeps_ += solver_.gauss_seidel_sweeps;
+  SweepSums total;
+  for (const SweepSums& one : sums) {
+    total.change += one.change;
+    total.impulses += one.impulses;
+  }
+  return total;
+}
+
+Vector GranularTwoStage::jumps() const {
+  Vector g(parts_.interface_size());
+  for (Index row = 0; row < count(parts_.gluing); ++row) {
+    const Copy& a = copy_of(parts_, parts_.gluing[at(row)].first);
+    const Copy& b = copy_of(parts_, parts_.gluing[at(row)].second);
+    g.segment(3 * row, 3) << a.x - b.x, a.y - b.y, a.rim - b.rim;
+  }
+  return g;
+}
+
+double GranularTwoStage::glued_speed() const {
+  double sum = 0;
+  const auto add = [&](const Copy& v) { sum += v.x * v.x + v.y * v.y + v.rim * v.rim; };
+  for (std::size_t row = 0; row < parts_.gluing.size(); ++row) {
+    if (row == 0 || parts_.gluing[row - 1].grain != parts_.gluing[row].grain)
+      add(copy_of(parts_, parts_.gluing[row].first));
+    add(copy_of(parts_, parts_.gluing[row].second));
+  }
+  return sum;
+}
+
+// X^-1 g of a chain of q copies of mass m/q: F_k = (m/q) sum_{j <= k} (V_j - mean), read off the jumps.
+Vector GranularTwoStage::generic_solve(const Vector& g) const {
+  Vector f(g.size());
+  const Index rows = count(parts_.gluing);
+  for (Index row = 0; row < rows;) {
+    Index last = row;
+    while (last + 1 < rows && parts_.gluing[at(last + 1)].grain == parts_.gluing[at(row)].grain) ++last;
+    const double q = static_cast<double>(last - row + 2);
+    const double copy_mass = 1 / copy_of(parts_, parts_.gluing[at(row)].first).inverse_mass;
+    // Copy k is at minus the sum of the first k jumps from copy 0; their mean:
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), mean = Eigen::Vector3d::Zero();
+    for (Index k = row; k <= last; ++k) {
+      position -= g.segment<3>(3 * k);
+      mean += position / q;
+    }
+    position.setZero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (Index k = row; k <= last; ++k) {
+      sum += position - mean;
+      f.segment<3>(3 * k) = copy_mass * sum;
+      f[3 * k + 2] /= rim_mass_ratio;
+      position -= g.segment<3>(3 * k);
+    }
+    row = last + 1;
+  }
+  return f;
+}
+
+Vector GranularTwoStage::preconditioned(const Vector& g) const {
+  const bool use = enriched_ && (solver_.enrichment == "every_iteration" || iteration_ == 1);
+  return use ? enriched_->solve(g) : generic_solve(g);
+}
+
+void GranularTwoStage::correct(const Vector& change) {
+  interface_impulses_ += change;
+  for (Index row = 0; row < count(parts_.gluing); ++row) {
+    const Gluing& g = parts_.gluing[at(row)];
+    const double x = change[3 * row], y = change[3 * row + 1], rim = change[3 * row + 2];
+    push(copy_of(parts_, g.first), x, y, rim);
+    push(copy_of(parts_, g.second), -x, -y, -rim);
+  }
+}
+
+// Preconditioned conjugate gradients (Polak-Ribiere, restarted where not conjugate) on jumps = g_0 - S F,
+// with the curvature d.S d seen in a trial Stage 1 at F + d.
+Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
+  const Vector z = preconditioned(g);
+  double beta = 0;
+  if (direction_.size() == g.size()) {
+    const double before = last_jumps_.dot(last_preconditioned_);
+    if (before > 0) beta = std::max(0.0, (g - last_jumps_).dot(z) / before);
+  }
+  Vector d = z;
+  if (beta > 0) d += beta * direction_;
+  if (d.dot(g) <= 0) d = z;
+  correct(d);
+  sums = stage_one();
+  const double curvature = d.dot(g - jumps());
+  // Statuses that change may show no curvature at all: the plain step is then the safe one.
+  const double length = curvature > 0 ? std::clamp(d.dot(g) / curvature, 0.1, 10.0) : 1.0;
+  correct((length - 1) * d);
+  direction_ = d;
+  last_jumps_ = g;
+  last_preconditioned_ = z;
+  return length * d;
+}
+
+IterationRecord GranularTwoStage::iterate() {
+  ++iteration_;
+  SweepSums sums = stage_one();
+  IterationRecord record{.iteration = iteration_, .sweeps = sweeps_};
+  if (!parts_.gluing.empty()) {
+    const Vector g = jumps();
+    const double speed = glued_speed();
+    record.gluing = ratio(g.squaredNorm(), speed);
+    if (solver_.enrichment != "semi_implicit" || !enriched_ || iteration_ == 1) {
+      Vector change;
+      if (solver_.interface_method == "conjugate_gradient") {
+        change = conjugate_step(g, sums);
+      } else {
+        change = solver_.interface_relaxation * preconditioned(g);
+        correct(change);
+      }
+      record.interface_change = ratio(change.squaredNorm(), interface_impulses_.squaredNorm());
+    }
+  }
+  record.sweeps = sweeps_;
+  record.zeta = ratio(sums.change, sums.impulses);
+  return record;
+}
+
+ContactResidual GranularTwoStage::residual() const {
+  std::vector<ContactResidual> parts(parts_.subdomains.size());
+  for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
+    parts[at(e)] =
+        contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
+  });
+  ContactResidual sum;
+  for (const ContactResidual& one : parts) sum += one;
+  return sum;
+}
+
+std::vector<DiskContact> GranularTwoStage::contacts(const StepProblem& problem) const {
+  std::vector<DiskContact> result = problem.contacts;
+  for (const GranularSubdomain& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
+      DiskContact& c = result[at(subdomain.numbers[k])];
+      c.impulse_n = subdomain.contacts[k].impulse_n;
+      c.impulse_t = subdomain.contacts[k].impulse_t;
+    }
+  return result;
+}
+
+std::vector<DiskVelocity> GranularTwoStage::velocities(const StepProblem& problem) const {
+  std::vector<DiskVelocity> result = problem.free;
+  for (const GranularSubdomain& subdomain : parts_.subdomains)
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+      const Index g = subdomain.bodies[i];
+      DiskVelocity& v = result[at(g)];
+      const Index q = parts_.multiplicity[at(g)];
+      if (v.inverse_mass == 0) continue;
+      if (q == 1) {
+        v = subdomain.velocities[i];
+      } else {  // V_free + mean of what the copies gained
+        const double part = 1 / static_cast<double>(q);
+        v.x += part * (subdomain.velocities[i].x - problem.free[at(g)].x);
+        v.y += part * (subdomain.velocities[i].y - problem.free[at(g)].y);
+        v.rim += part * (subdomain.velocities[i].rim - problem.free[at(g)].rim);
+      }
+    }
+  return result;
+}
+
+std::vector<RememberedGluing> GranularTwoStage::gluing() const {
+  std::map<std::pair<Index, Index>, RememberedGluing> impulses;
+  for (Index row = 0; row < count(parts_.gluing); ++row) {
+    const Gluing& g = parts_.gluing[at(row)];
+    for (const auto& [copy, sign] : {std::pair(g.first, 1.0), std::pair(g.second, -1.0)}) {
+      RememberedGluing& one = impulses[{g.grain, copy.subdomain}];
+      one.grain = g.grain;
+      one.subdomain = copy.subdomain;
+      one.x += sign * interface_impulses_[3 * row];
+      one.y += sign * interface_impulses_[3 * row + 1];
+      one.rim += sign * interface_impulses_[3 * row + 2];
+    }
+  }
+  std::vector<RememberedGluing> result;
+  for (const auto& [key, one] : impulses) result.push_back(one);
+  return result;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/mechanics/contact_residual.hpp>
+
+#include <cmath>
+#include <type_traits>
+
+namespace nscdd {
+namespace {
+
+double square(LocalVector v) { return v.n * v.n + v.t * v.t; }
+double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
+
+// The friction a law makes use of.
+template <class Law>
+double friction_of(const Law&, const DiskContact& c) {
+  return std::is_same_v<Law, Frictionless> ? 0.0 : c.friction;
+}
+
+// What is added to the normal impulse before it meets Coulomb's cone.
+template <class Law>
+double shift_of(const Law& law) {
+  if constexpr (std::is_same_v<Law, Cohesive>)
+    return law.cohesion;
+  else
+    return 0.0;
+}
+
+// Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
+constexpr double edge_tolerance = 1e-12;
+
+template <class Law>
+ContactStatus status_under(const Law& law, const DiskContact& c) {
+  if constexpr (std::is_same_v<Law, LinearViscous>) return ContactStatus::stick;
+  return contact_status({c.impulse_n + shift_of(law), c.impulse_t}, friction_of(law, c), edge_tolerance);
+}
+
+template <class Law>
+void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
+  const LocalVector r{c.impulse_n, c.impulse_t};
+  const LocalVector next = law.impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
+  const LocalVector change = c.inverse_w.apply({next.n - r.n, next.t - r.t});
+  const LocalVector here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
+  sum.impulses += square(r);
+  sum.violation += square(change);
+  sum.work += dot({(next.n + r.n) / 2, (next.t + r.t) / 2}, change);
+  sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
+  sum.scale_velocity += (square(here) + square(there)) / 2;
+  if constexpr (std::is_same_v<Law, LinearViscous>) {
+    sum.natural_map += square({next.n - r.n, next.t - r.t});
+  } else {
+    const LocalVector relative = relative_velocity(c, v);
+    sum.natural_map +=
+        square(natural_map({r.n + shift_of(law), r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
+                           friction_of(law, c), c.inverse_w.inverse_n));
+  }
+  if (r.n == 0 && r.t == 0) return;
+  ++sum.active;
+  const ContactStatus status = status_under(law, c);
+  sum.stick += status == ContactStatus::stick;
+  sum.slide += status == ContactStatus::slide_forward || status == ContactStatus::slide_backward;
+}
+
+}  // namespace
+
+ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
+  natural_map += other.natural_map;
+  impulses += other.impulses;
+  violation += other.violation;
+  work += other.work;
+  scale_work += other.scale_work;
+  scale_velocity += other.scale_velocity;
+  active += other.active;
+  stick += other.stick;
+  slide += other.slide;
+  return *this;
+}
+
+double ContactResidual::relative_natural_map() const {
+  return natural_map > 0 ? std::sqrt(natural_map / impulses) : 0.0;
+}
+
+double ContactResidual::quad_dv() const {
+  return violation > 0 ? std::sqrt(violation / scale_velocity) : 0.0;
+}
+
+double ContactResidual::mean_dv_over_r() const { return scale_work > 0 ? work / scale_work : 0.0; }
+
+ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> v) {
+  ContactResidual sum;
+  std::visit(
+      [&](const auto& one) {
+        for (const DiskContact& c : contacts) add(sum, one, c, v);
+      },
+      law);
+  return sum;
+}
+
+ContactStatus status_of(const ContactLaw& law, const DiskContact& contact) {
+  return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
+}
+
+}  // namespace nscdd

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "step_contacts.hpp"
+
+#include <nscdd/core/error.hpp>
+#include <nscdd/packing/cell_grid.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+struct Alert {
+  double distance = 0;  ///< m
+  double reach = 0;     ///< m, what the fastest pair may close in the step
+};
+
+Alert alert_of(const GranularSystem& system, const std::vector<DiskVelocity>& free,
+               const TimeStepping& scheme) {
+  double fastest = 0;
+  for (Index i = 0; i < system.disks(); ++i)
+    fastest = std::max(fastest, std::hypot(free[at(i)].x, free[at(i)].y));
+  const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
+  return {scheme.alert * smallest, 2 * fastest * scheme.step};
+}
+
+// Ascending by (a, b), given grouped in no order: counted by a, then sorted within a (few each).
+std::vector<StepContact> sorted(const std::vector<StepContact>& contacts, Index disks) {
+  std::vector<std::size_t> start(at(disks) + 1, 0);
+  for (const StepContact& c : contacts) ++start[at(c.a) + 1];
+  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  std::vector<StepContact> result(contacts.size());
+  for (const StepContact& c : contacts) result[next[at(c.a)]++] = c;
+  for (std::size_t i = 0; i + 1 < start.size(); ++i)
+    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[i]),
+              result.begin() + static_cast<std::ptrdiff_t>(start[i + 1]),
+              [](const StepContact& p, const StepContact& q) { return p.b < q.b; });
+  return result;
+}
+
+}  // namespace
+
+std::vector<StepContact> find_contacts(const GranularSystem& system, const Configuration& where,
+                                       const std::vector<DiskVelocity>& free, const TimeStepping& scheme) {
+  const Alert alert = alert_of(system, free, scheme);
+  const double largest = *std::max_element(system.radius.begin(), system.radius.end());
+  std::vector<StepContact> found;
+  found.reserve(at(3 * system.disks()));
+  const CellGrid grid(where.x, where.y, 2 * largest + std::max(alert.distance, alert.reach));
+  grid.for_each_pair([&](Index a, Index b) {
+    const double dx = where.x[at(b)] - where.x[at(a)], dy = where.y[at(b)] - where.y[at(a)];
+    const double touch = system.radius[at(a)] + system.radius[at(b)];
+    const double near = touch + std::max(alert.distance, alert.reach);
+    const double square = dx * dx + dy * dy;
+    if (square > near * near || (!system.free(a) && !system.free(b))) return;
+    const double distance = std::sqrt(square);
+    if (!(distance > 0))
+      throw Error(fmt::format("disks {} and {}: expected distinct centres, met one", a, b));
+    StepContact c{.a = a, .b = b, .normal = {dx / distance, dy / distance}, .gap = distance - touch};
+    const double closing =
+        c.normal[0] * (free[at(b)].x - free[at(a)].x) + c.normal[1] * (free[at(b)].y - free[at(a)].y);
+    if (c.gap > alert.distance && c.gap + scheme.step * closing > alert.distance) return;
+    c.point = {(where.x[at(a)] + where.x[at(b)]) / 2, (where.y[at(a)] + where.y[at(b)]) / 2};
+    found.push_back(c);
+  });
+  for (Index w = 0; w < count(where.walls); ++w) {
+    const Wall& wall = where.walls[at(w)];
+    for (Index i = 0; i < system.disks(); ++i) {
+      if (!system.free(i)) continue;
+      const double height = (where.x[at(i)] - wall.point[0]) * wall.normal[0] +
+                            (where.y[at(i)] - wall.point[1]) * wall.normal[1];
+      const double gap = height - system.radius[at(i)];
+      if (gap > std::max(alert.distance, alert.reach)) continue;
+      found.push_back(
+          {.a = i,
+           .b = system.disks() + w,
+           .normal = {-wall.normal[0], -wall.normal[1]},
+           .point = {where.x[at(i)] - height * wall.normal[0], where.y[at(i)] - height * wall.normal[1]},
+           .gap = gap});
+    }
+  }
+  return sorted(found, system.disks());
+}
+
+}  // namespace nscdd
