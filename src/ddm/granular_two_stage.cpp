@@ -209,7 +209,8 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
 IterationRecord GranularTwoStage::iterate() {
   ++iteration_;
   SweepSums sums = stage_one();
-  IterationRecord record{.iteration = iteration_, .sweeps = sweeps_};
+  IterationRecord record;
+  record.iteration = iteration_;
   if (!parts_.gluing.empty()) {
     const Vector g = jumps();
     const double speed = glued_speed();
@@ -227,6 +228,7 @@ IterationRecord GranularTwoStage::iterate() {
   }
   record.sweeps = sweeps_;
   record.zeta = ratio(sums.change, sums.impulses);
+  record.impulses = sums.impulses;
   return record;
 }
 

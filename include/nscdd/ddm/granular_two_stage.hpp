@@ -17,6 +17,7 @@ struct IterationRecord {
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
   double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
   double gluing = 0;                ///< |sum A_E V_E| / |V| over the copies of shared grains, after Stage 1
+  double impulses = 0;              ///< |r_i|^2, (N s)^2
 };
 
 /// Algorithm 1 of [ADI12] on the contact problem of one step. Without an interface it is plain nonlinear

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/partitioner.hpp>
+#include <nscdd/ddm/step_solver.hpp>
+#include <nscdd/mechanics/granular_system.hpp>
+#include <nscdd/mechanics/time_stepping.hpp>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace nscdd {
+
+/// What a boundary of a case is made of.
+enum class BoundaryShape {
+  wall,    ///< the straight line through `from` and `to`; grains on its left
+  disks,   ///< a row of disks from `from` to `to`, both ends included
+  grains,  ///< grains first ... last of the packing, driven as one rigid body
+};
+
+/// A boundary as a case file has it ([[boundary]]).
+struct BoundarySpec {
+  std::string name;
+  BoundaryShape shape = BoundaryShape::wall;
+  std::array<double, 2> from{0, 0}, to{1, 0};  ///< m, wall and disks
+  double radius = 0;                           ///< m, disks
+  double spacing = 0;          ///< m between centres at the most, disks; 0: touching (two radii)
+  Index first = 0, last = -1;  ///< grains; negative from the end
+  Motion motion;
+};
+
+/// The sections of a case that make it move: [interaction], [dynamics], [solver], [[boundary]].
+struct Dynamics {
+  Interaction interaction;
+  TimeStepping time;
+  StepSolver solver;
+  std::vector<BoundarySpec> boundaries;
+};
+
+/// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
+/// their order. Throws Error naming the boundary for a shape without extent, a radius or range of grains that
+/// cannot be, or a grain driven twice.
+struct GranularScene {
+  GranularSystem system;
+  GranularState state;  ///< at time 0
+};
+GranularScene scene(const Packing& packing, const Dynamics& dynamics);
+
+}  // namespace nscdd

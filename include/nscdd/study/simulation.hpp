@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/granular_two_stage.hpp>
+#include <nscdd/study/dynamics.hpp>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// How the iterations of a step ended.
+enum class SolverStatus {
+  converged,        ///< the criterion fell to its tolerance
+  stalled,          ///< the criterion has not fallen for 1 000 iterations
+  maximum_reached,  ///< as many iterations as allowed
+  diverged,         ///< impulses grew a million times beyond their first size
+  no_number,        ///< an impulse or velocity is no number
+};
+std::string_view to_string(SolverStatus status);
+
+/// One iteration with all its indicators: a row of `--convergence`.
+struct IterationRow {
+  Index step = 0;  ///< from 1
+  IterationRecord record;
+  ContactResidual residual;
+  Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the iteration before
+  double seconds = 0;        ///< of the iterations of the step so far, without the indicators
+};
+using IterationSink = std::function<void(const IterationRow&)>;
+
+/// What a step left: a row of the table of steps.
+struct StepReport {
+  Index step = 0;   ///< from 1
+  double time = 0;  ///< at its end, s
+  SolverStatus status = SolverStatus::converged;
+  IterationRecord last;
+  ContactResidual residual;
+  Index contacts = 0;  ///< considered
+  Index interface_size = 0;
+  Interpenetration overlap;
+  StepEnergy energy;
+  double eta = not_a_number;  ///< of the enriched algorithm, 1/kg
+  double setup_seconds = 0, solve_seconds = 0;
+};
+
+/// A step prepared, decomposed and solved, not yet taken.
+struct SolvedStep {
+  StepProblem problem;
+  Partition partition;                ///< of its contacts
+  std::vector<DiskContact> contacts;  ///< with their impulses
+  std::vector<DiskVelocity> velocities;
+  std::vector<RememberedGluing> gluing;
+  Vector interface_impulses;
+  StepReport report;
+};
+
+/// A granular system and how it moves. `state` is all that changes.
+struct Simulation {
+  GranularSystem system;
+  GranularState state;
+  Dynamics dynamics;
+  Partitioner partitioner = GridPartitioner{};
+};
+
+/// Prepares and solves the next step from the state without taking it. Each iteration goes to `sink` where
+/// there is one (indicators cost about a sweep each).
+SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = {});
+
+/// Takes a solved step: moves the state on.
+StepReport take_step(Simulation& simulation, SolvedStep step);
+
+/// Where a solver broke down: "contact of disks 3 and 7" or "disk 5", the first with a value that is no
+/// number or, where all are, the largest impulse.
+std::string describe_breakdown(const SolvedStep& step);
+
+/// The partition of the contacts of a step: kept for contacts known from `redecompose` > 1 steps before.
+Partition partition_step(const Simulation& simulation, const StepProblem& problem);
+
+/// X_eta of the linear Stage 2 of a step, on the contacts its network has.
+InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
+                                    const Partition& partition, double eta);
+
+}  // namespace nscdd
