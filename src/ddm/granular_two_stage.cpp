@@ -28,28 +28,16 @@ void push(Copy& v, double x, double y, double rim) {
 
 SweepSums sweep(const ContactLaw& law, const StepSolver& solver, GranularSubdomain& subdomain) {
   SweepSums sums;
-  std::visit(
-      [&](const auto& one) {
-        for (Index k = 0; k < solver.gauss_seidel_sweeps; ++k)
-          sums = gauss_seidel_sweep(one, std::span(subdomain.contacts), std::span(subdomain.velocities),
-                                    solver.contact_relaxation);
-      },
-      law);
+  for (Index k = 0; k < solver.gauss_seidel_sweeps; ++k)
+    sums = gauss_seidel_sweep(law, subdomain.contacts, subdomain.velocities, solver.contact_relaxation);
   return sums;
-}
-
-std::vector<LocalVector> impulses_of(const GranularSubdomain& subdomain) {
-  std::vector<LocalVector> result;
-  result.reserve(subdomain.contacts.size());
-  for (const DiskContact& c : subdomain.contacts) result.push_back({c.impulse_n, c.impulse_t});
-  return result;
 }
 
 double change_since(const std::vector<LocalVector>& before, const GranularSubdomain& subdomain) {
   double sum = 0;
   for (std::size_t k = 0; k < before.size(); ++k) {
-    const double n = subdomain.contacts[k].impulse_n - before[k].n;
-    const double t = subdomain.contacts[k].impulse_t - before[k].t;
+    const double n = subdomain.contacts.impulses[k].n - before[k].n;
+    const double t = subdomain.contacts.impulses[k].t - before[k].t;
     sum += n * n + t * t;
   }
   return sum;
@@ -70,9 +58,9 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
 
 void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain& subdomain : parts_.subdomains)
-    for (const DiskContact& c : subdomain.contacts)
-      if (c.impulse_n != 0 || c.impulse_t != 0)
-        apply_impulse(c, {c.impulse_n, c.impulse_t}, subdomain.velocities);
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      if (const LocalVector r = subdomain.contacts.impulses[k]; r.n != 0 || r.t != 0)
+        apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
   std::map<std::pair<Index, Index>, const RememberedGluing*> known;
   std::map<Index, Index> shared_before;
@@ -105,7 +93,7 @@ SweepSums GranularTwoStage::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     GranularSubdomain& subdomain = parts_.subdomains[at(e)];
-    if (compare) before_[at(e)] = impulses_of(subdomain);
+    if (compare) before_[at(e)] = subdomain.contacts.impulses;
     sums[at(e)] = sweep(law_, solver_, subdomain);
     if (compare) sums[at(e)].change = change_since(before_[at(e)], subdomain);
   });
@@ -248,8 +236,8 @@ std::vector<DiskContact> GranularTwoStage::contacts(const StepProblem& problem) 
   for (const GranularSubdomain& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
       DiskContact& c = result[at(subdomain.numbers[k])];
-      c.impulse_n = subdomain.contacts[k].impulse_n;
-      c.impulse_t = subdomain.contacts[k].impulse_t;
+      c.impulse_n = subdomain.contacts.impulses[k].n;
+      c.impulse_t = subdomain.contacts.impulses[k].t;
     }
   return result;
 }

@@ -41,8 +41,8 @@ class StatusChanges {
     Index changes = 0;
     std::size_t k = 0;
     for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
-      for (const DiskContact& c : subdomain.contacts) {
-        const ContactStatus now = status_of(law, c);
+      for (std::size_t c = 0; c < subdomain.contacts.size(); ++c) {
+        const ContactStatus now = status_of(law, subdomain.contacts.contact(c, subdomain.velocities));
         if (k == statuses_.size()) statuses_.push_back(ContactStatus::open);
         changes += statuses_[k] != now;
         statuses_[k++] = now;

@@ -44,7 +44,7 @@ struct GranularState {
   std::vector<double> spin;                    ///< rad/s
   std::vector<Pose> poses;                     ///< of every boundary
   std::vector<RememberedImpulse> impulses;     ///< of the last step, ascending by (a, b)
-  std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
+  std::vector<RememberedGluing> gluing;        ///< of the last step, ascending by (grain, subdomain)
 };
 
 /// The state at time 0: grains at rest where the packing has them, boundaries at their centres.

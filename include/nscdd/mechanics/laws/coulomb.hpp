@@ -27,7 +27,7 @@ struct Coulomb {
       return slide(free, w, stop.t < 0 ? -friction : friction);
     } else {
       const double n = std::max(0.0, stop.n);
-      return {n, std::clamp(stop.t, -friction * n, friction * n)};
+      return {n, std::max(-friction * n, std::min(friction * n, stop.t))};
     }
   }
 
