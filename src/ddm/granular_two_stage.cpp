@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/granular_interface.hpp>
 #include <nscdd/ddm/granular_two_stage.hpp>
 #include <nscdd/linalg/threads.hpp>
 
@@ -8,23 +9,6 @@
 
 namespace nscdd {
 namespace {
-
-using Copy = DiskVelocity;
-
-const Copy& copy_of(const GranularDecomposition& parts, const GrainCopy& copy) {
-  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
-}
-
-Copy& copy_of(GranularDecomposition& parts, const GrainCopy& copy) {
-  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
-}
-
-// V -= M^-1 F of one copy; the rim has its own inertia.
-void push(Copy& v, double x, double y, double rim) {
-  v.x -= v.inverse_mass * x;
-  v.y -= v.inverse_mass * y;
-  v.rim -= rim_mass_ratio * v.inverse_mass * rim;
-}
 
 SweepSums sweep(const ContactLaw& law, const StepSolver& solver, GranularSubdomain& subdomain) {
   SweepSums sums;
@@ -54,6 +38,7 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
       solver_(solver),
       enriched_(std::move(enriched)),
       interface_impulses_(Vector::Zero(parts_.interface_size())),
+      last_change_(Vector::Zero(parts_.interface_size())),
       before_(parts_.subdomains.size()) {}
 
 void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
@@ -106,68 +91,14 @@ SweepSums GranularTwoStage::stage_one() {
   return total;
 }
 
-Vector GranularTwoStage::jumps() const {
-  Vector g(parts_.interface_size());
-  for (Index row = 0; row < count(parts_.gluing); ++row) {
-    const Copy& a = copy_of(parts_, parts_.gluing[at(row)].first);
-    const Copy& b = copy_of(parts_, parts_.gluing[at(row)].second);
-    g.segment(3 * row, 3) << a.x - b.x, a.y - b.y, a.rim - b.rim;
-  }
-  return g;
-}
-
-double GranularTwoStage::glued_speed() const {
-  double sum = 0;
-  const auto add = [&](const Copy& v) { sum += v.x * v.x + v.y * v.y + v.rim * v.rim; };
-  for (std::size_t row = 0; row < parts_.gluing.size(); ++row) {
-    if (row == 0 || parts_.gluing[row - 1].grain != parts_.gluing[row].grain)
-      add(copy_of(parts_, parts_.gluing[row].first));
-    add(copy_of(parts_, parts_.gluing[row].second));
-  }
-  return sum;
-}
-
-// X^-1 g of a chain of q copies of mass m/q: F_k = (m/q) sum_{j <= k} (V_j - mean), read off the jumps.
-Vector GranularTwoStage::generic_solve(const Vector& g) const {
-  Vector f(g.size());
-  const Index rows = count(parts_.gluing);
-  for (Index row = 0; row < rows;) {
-    Index last = row;
-    while (last + 1 < rows && parts_.gluing[at(last + 1)].grain == parts_.gluing[at(row)].grain) ++last;
-    const double q = static_cast<double>(last - row + 2);
-    const double copy_mass = 1 / copy_of(parts_, parts_.gluing[at(row)].first).inverse_mass;
-    // Copy k is at minus the sum of the first k jumps from copy 0; their mean:
-    Eigen::Vector3d position = Eigen::Vector3d::Zero(), mean = Eigen::Vector3d::Zero();
-    for (Index k = row; k <= last; ++k) {
-      position -= g.segment<3>(3 * k);
-      mean += position / q;
-    }
-    position.setZero();
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (Index k = row; k <= last; ++k) {
-      sum += position - mean;
-      f.segment<3>(3 * k) = copy_mass * sum;
-      f[3 * k + 2] /= rim_mass_ratio;
-      position -= g.segment<3>(3 * k);
-    }
-    row = last + 1;
-  }
-  return f;
-}
-
 Vector GranularTwoStage::preconditioned(const Vector& g) const {
   const bool use = enriched_ && (solver_.enrichment == "every_iteration" || iteration_ == 1);
-  return use ? enriched_->solve(g) : generic_solve(g);
+  return use ? enriched_->solve(g) : generic_interface_solve(parts_, g);
 }
 
 void GranularTwoStage::correct(const Vector& change) {
   interface_impulses_ += change;
-  for (Index row = 0; row < count(parts_.gluing); ++row) {
-    const Gluing& g = parts_.gluing[at(row)];
-    const double x = change[3 * row], y = change[3 * row + 1], rim = change[3 * row + 2];
-    push(copy_of(parts_, g.first), x, y, rim);
-    push(copy_of(parts_, g.second), -x, -y, -rim);
-  }
+  apply_interface_impulses(parts_, change);
 }
 
 // Preconditioned conjugate gradients (Polak-Ribiere, restarted where not conjugate) on jumps = g_0 - S F,
@@ -184,7 +115,7 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
   if (d.dot(g) <= 0) d = z;
   correct(d);
   sums = stage_one();
-  const double curvature = d.dot(g - jumps());
+  const double curvature = d.dot(g - interface_jumps(parts_));
   // Statuses that change may show no curvature at all: the plain step is then the safe one.
   const double length = curvature > 0 ? std::clamp(d.dot(g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
@@ -200,8 +131,8 @@ IterationRecord GranularTwoStage::iterate() {
   IterationRecord record;
   record.iteration = iteration_;
   if (!parts_.gluing.empty()) {
-    const Vector g = jumps();
-    const double speed = glued_speed();
+    const Vector g = interface_jumps(parts_);
+    const double speed = glued_speed_squared(parts_);
     record.gluing = ratio(g.squaredNorm(), speed);
     if (solver_.enrichment != "semi_implicit" || !enriched_ || iteration_ == 1) {
       Vector change;
@@ -212,6 +143,9 @@ IterationRecord GranularTwoStage::iterate() {
         correct(change);
       }
       record.interface_change = ratio(change.squaredNorm(), interface_impulses_.squaredNorm());
+      record.interface_second_change =
+          ratio((change - last_change_).squaredNorm(), interface_impulses_.squaredNorm());
+      last_change_ = std::move(change);
     }
   }
   record.sweeps = sweeps_;
