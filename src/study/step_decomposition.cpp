@@ -41,6 +41,12 @@ ReferenceProblem normal_problem(const StepProblem& problem, Index disks) {
   return result;
 }
 
+// Columns of a contact that its status leaves in the linear problem.
+void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus status) {
+  kept[2 * contact] = status != ContactStatus::open;
+  kept[2 * contact + 1] = status == ContactStatus::stick;
+}
+
 // Contacts that carried an impulse in the last step: both directions where they stuck, the normal one where
 // they slid. All of them where there is no step before.
 std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
@@ -56,10 +62,26 @@ std::vector<char> active_columns(const Simulation& simulation, const StepProblem
     DiskContact contact = problem.contacts[k];
     contact.impulse_n = old->impulse.n;
     contact.impulse_t = old->impulse.t;
-    const ContactStatus status = status_of(law, contact);
-    kept[2 * k] = status != ContactStatus::open;
-    kept[2 * k + 1] = status == ContactStatus::stick;
+    keep_columns(kept, k, status_of(law, contact));
   }
+  return kept;
+}
+
+// The network that some undecomposed sweeps find for this step: near enough to the one at its end to choose a
+// flexibility by, and known for the first step too.
+std::vector<char> expected_columns(const Simulation& simulation, const StepProblem& problem) {
+  constexpr int sweeps = 100;
+  const Partition whole{.subdomains = 1,
+                        .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
+  GranularDecomposition parts = decompose(problem, whole, "natural", 0);
+  GranularSubdomain& one = parts.subdomains.front();
+  const ContactLaw law = contact_law(simulation.dynamics.interaction, problem.h);
+  for (std::size_t k = 0; k < one.contacts.size(); ++k)
+    apply_impulse(one.contacts.contact(k, one.velocities), one.contacts.impulses[k], one.velocities);
+  for (int k = 0; k < sweeps; ++k) gauss_seidel_sweep(law, one.contacts, one.velocities);
+  std::vector<char> kept(2 * problem.contacts.size());
+  for (std::size_t k = 0; k < one.contacts.size(); ++k)
+    keep_columns(kept, k, status_of(law, one.contacts.contact(k, one.velocities)));
   return kept;
 }
 
@@ -129,7 +151,7 @@ double best_eta(const Simulation& simulation, const StepProblem& problem, const 
     return simulation.state.eta;
   const Decomposition all =
       decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
-  return optimal_eta(all, restrict_contacts(all, active_columns(simulation, problem)));
+  return optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)));
 }
 
 }  // namespace nscdd

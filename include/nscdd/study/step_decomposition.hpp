@@ -10,8 +10,8 @@ namespace nscdd {
 Partition partition_step(const Simulation& simulation, const StepProblem& problem);
 bool decomposes_afresh(const Simulation& simulation, Index step);
 
-/// The flexibility that suits the network of the last step best (see optimal_eta), sought anew with every
-/// decomposition.
+/// The flexibility of smallest predicted radius (see optimal_eta) for the network that 100 sweeps of the
+/// undecomposed step find, sought anew with every decomposition.
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
 
 /// X_eta of the linear Stage 2 of a step, on the contacts its network has.
