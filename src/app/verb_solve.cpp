@@ -30,7 +30,8 @@ struct Options {
 std::vector<Column> check_columns() {
   return {{"sweeps", "1", "Gauss-Seidel sweeps done"},
           {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses"},
-          {"siconos_residual", "1", "natural map with rho = 1, relative to q, as Siconos computes it"},
+          {"siconos_residual", "1",
+           "natural map with rho = 1, relative to the largest of r, u and q, as Siconos has it"},
           {"open", "1", "contacts without an impulse"},
           {"stick", "1", "contacts with an impulse inside the cone of friction"},
           {"slide", "1", "contacts with an impulse on the edge of the cone"}};
@@ -79,7 +80,8 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   fmt::print(
       "residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
       state.residual, field_text(tolerance));
-  fmt::print("residual of Siconos  {:.3e} (natural map, rho = 1, relative to q)\n", state.siconos_residual);
+  fmt::print("residual of Siconos  {:.3e} (natural map, rho = 1, relative to the largest of r, u and q)\n",
+             state.siconos_residual);
   fmt::print("open contacts        {}\n", state.open);
   fmt::print("sticking contacts    {}\n", state.stick);
   fmt::print("sliding contacts     {}\n", state.slide);

@@ -270,4 +270,11 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
 
 FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text(path), path); }
 
+GlobalFrictionProblem read_global_problem(const std::string& path) {
+  FclibFile file = read_fclib(path);
+  if (auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return std::move(*global);
+  throw Error(fmt::format(
+      "{}: expected a global problem, with M and H, met a local one, in which bodies cannot be told", path));
+}
+
 }  // namespace nscdd

@@ -102,4 +102,29 @@ void check(const GlobalFrictionProblem& problem, const std::string& name) {
   require_symmetric(name + ": M", problem.mass);
 }
 
+ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name) {
+  check(problem, name);
+  constexpr Index dofs = 3;
+  if (problem.mass.rows() == 0 || problem.mass.rows() % dofs != 0)
+    throw Error(
+        fmt::format("{}: M: expected three rows per body (two translations and a rotation), met {} rows",
+                    name, problem.mass.rows()));
+  for (Index j = 0; j < problem.mass.cols(); ++j)
+    for (SparseMatrix::InnerIterator e(problem.mass, j); e; ++e)
+      if (e.row() != j && e.value() != 0)
+        throw Error(fmt::format("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name,
+                                e.value(), e.row(), j));
+  ReferenceProblem result;
+  result.dofs_per_grain = dofs;
+  result.columns_per_contact = 2;
+  result.inertia = problem.mass.diagonal();
+  for (Index i = 0; i < result.inertia.size(); ++i)
+    if (!(result.inertia[i] > 0))
+      throw Error(fmt::format("{}: M: expected positive numbers on the diagonal, met {} at row {}", name,
+                              result.inertia[i], i));
+  result.h = problem.h;
+  result.arriving_velocity = problem.f.cwiseQuotient(result.inertia);
+  return result;
+}
+
 }  // namespace nscdd

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/mechanics/unilateral.hpp>
 #include <nscdd/study/contact_choice.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -67,6 +70,11 @@ std::optional<ContactSet> contact_set(std::string_view name) {
 }
 
 ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
+  if (contacts != ContactSet::all && model.problem.columns_per_contact > 1)
+    throw Error(
+        fmt::format("{}: expected --contacts all for a problem with friction, met {}: its rule is that of "
+                    "frictionless contacts",
+                    model.name, to_string(contacts)));
   switch (contacts) {
     case ContactSet::active:
       return compressive(model.problem);

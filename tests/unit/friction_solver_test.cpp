@@ -194,7 +194,7 @@ TEST_CASE("without friction it is the unilateral problem") {
   CHECK(found.state.stick == 0);
 }
 
-TEST_CASE("Siconos' residual: rho = 1, relative to q") {
+TEST_CASE("Siconos' residual: rho = 1, relative to the largest of r, u and q") {
   LocalFrictionProblem problem;
   problem.w = sparse((Matrix(2, 2) << 2, 0, 0, 3).finished());
   problem.q = (Vector(2) << -3, 4).finished();
@@ -206,6 +206,10 @@ TEST_CASE("Siconos' residual: rho = 1, relative to q") {
   CHECK(state.residual == doctest::Approx(1.2 / 1.5));
   CHECK(state.velocities == problem.q);
   CHECK(state.open == 1);
+  // r = (10, 0): u = (17, 4), and r - (u + mu |u_t| n) = (-9, -4) projects to zero.
+  const FrictionState pressed = friction_state(problem, (Vector(2) << 10, 0).finished());
+  CHECK(pressed.siconos_residual == doctest::Approx(10 / std::hypot(17, 4)));
+  CHECK(pressed.stick == 1);
 }
 
 TEST_CASE("what came of the sweeps is said") {

@@ -50,6 +50,9 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
 /// Reads a file. Throws Error likewise.
 FclibFile read_fclib(const std::string& path);
 
+/// Reads a file that must hold a global problem. Throws Error likewise, and for a local one.
+GlobalFrictionProblem read_global_problem(const std::string& path);
+
 /// The bytes of a file that reads back to `file` bit for bit: matrices by columns, 32-bit integers, which
 /// FCLIB and Siconos read. The provenance goes into the group of that name, which they leave alone.
 std::string to_hdf5(const FclibFile& file, const Provenance& provenance = {});

@@ -3,6 +3,7 @@
 
 #include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/local_contact.hpp>
+#include <nscdd/mechanics/reference_problem.hpp>
 
 #include <string>
 
@@ -52,6 +53,12 @@ FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact);
 /// that share a piece: dense Cholesky for small pieces, sparse for large ones. Throws Error, beginning with
 /// `name`, for a problem that `check` refuses and an M that is not positive definite.
 LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name = "problem");
+
+/// The linear study's view of a problem of plane bodies: M diagonal, three rows per body (two translations
+/// and a rotation), V^- = M^-1 f; a contact is two links, its normal and its tangent. The velocities w of
+/// supports change no operator and are left out. Throws Error, beginning with `name`, for a problem that
+/// `check` refuses, an M that is not diagonal and positive, and rows that are not three per body.
+ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
 /// v = M^-1 (H r + f), n entries. The problem must be one that `reduce` accepts.
 Vector body_velocities(const GlobalFrictionProblem& problem, const Vector& impulses);

@@ -29,9 +29,9 @@ struct FrictionState {
   ///     || m || / max(|| r ||, || r^1 ||),   r^1_c the impulse contact c takes were it alone;
   /// the latter is a scale for impulses near zero. 0 where m = 0.
   double residual = 0;
-  /// As Siconos computes it (fc2d_compute_error, called with the norm of q): || m || with rho = 1 for every
-  /// contact, divided by || q || unless that is below 2.2e-16. It mixes velocities and impulses: its value
-  /// depends on the units.
+  /// As Siconos 4.4 computes it (fc2d_compute_error, called with the norm of q): || m || with rho = 1 for
+  /// every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
+  /// divided by || q ||.) It mixes velocities and impulses: its value depends on the units.
   double siconos_residual = 0;
   Index open = 0, stick = 0, slide = 0;  ///< contacts by status; a contact without friction slides
 };
