@@ -19,7 +19,7 @@ struct FrictionSolverOptions {
   SweepOrder order = SweepOrder::natural;
   Index check_every = 10;  ///< sweeps between evaluations of the residual
   /// Checks that the smallest residual so far may go without having fallen by 1 % before the solver gives up.
-  Index patience = 100;
+  Index patience = 1000;
 };
 
 /// How good impulses are, and what the contacts do under them.
