@@ -5,6 +5,8 @@
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/io/config.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/fclib.hpp>
 #include <nscdd/io/packing_file.hpp>
 
 #include <fmt/format.h>
@@ -53,7 +55,10 @@ Case read_any_case(const std::string& name) {
     throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
   Case one;
   one.name = std::filesystem::path(path).stem().string();
-  one.packing = PackingFile{path, read_packing(path)};
+  if (packing_format(path) == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
+    one.packing = ContactProblemFile{path, read_global_problem(path)};
+  else
+    one.packing = PackingFile{path, read_packing(path)};
   return one;
 }
 
@@ -68,8 +73,10 @@ void apply_settings(Case& one, const std::vector<std::string>& settings) {
 
 void CaseOptions::declare(CLI::App& command) {
   command
-      .add_option("CASE", name,
-                  "case file (.toml), packing file (.csv or .h5 with x,y,radius[,mass]), or a known case")
+      .add_option(
+          "CASE", name,
+          "case file (.toml), packing file (.csv or .h5 with x,y,radius[,mass]), contact problem (.hdf5 "
+          "of FCLIB), or a known case")
       ->required();
   command.add_option("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   command

@@ -31,9 +31,12 @@ void print_degrees(const std::string& name, const NetworkDegrees& network, bool 
 
 void print_network(const Model& model, const Inspection& found, Index ranks_up_to) {
   fmt::print("case                 {}\n", model.name);
-  fmt::print("grains               {}\n", model.packing.size());
+  fmt::print("grains               {}\n", model.grains());
   fmt::print("  touching nothing   {}\n", found.isolated_grains);
-  fmt::print("contacts             {}\n", model.network.size());
+  fmt::print("contacts             {}\n", model.contacts());
+  const bool friction = model.problem.columns_per_contact > 1;
+  if (friction)
+    fmt::print("  links              {} (normal and tangent of each contact)\n", model.problem.contacts());
   fmt::print("coordination number  {:.6g}\n", found.coordination_number);
   fmt::print("connected pieces     {}\n", found.components);
   fmt::print("subdomains           {} ({} without a contact)\n", model.partition.subdomains,
@@ -50,8 +53,8 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
         "unit eigenvalues of B_0  not computed, nor ranks (more than {} contacts; --ranks asks for them)\n\n",
         ranks_up_to);
   }
-  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", "subdomain", "grains", "contacts", "rank W",
-             "rigid modes", "hyperstaticity");
+  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", "subdomain", "grains", friction ? "links" : "contacts",
+             "rank W", "rigid modes", "hyperstaticity");
   for (std::size_t e = 0; e < found.subdomains.size(); ++e)
     print_degrees(fmt::format("{}", e), found.subdomains[e], found.ranks);
   print_degrees("whole", found.whole, found.ranks);
@@ -91,7 +94,7 @@ int run(const Options& options) {
     histogram->finish();
   }
   print_network(model, found, inspection.ranks_up_to);
-  print_geometry(found);
+  if (model.has_geometry()) print_geometry(found);
   return 0;
 }
 

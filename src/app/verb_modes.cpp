@@ -138,6 +138,7 @@ int run(const Options& options) {
   CsvWriter velocities(options.output + "-velocities.csv", options.force, mode_velocity_columns());
   const ThreadLimit limit(options.threads);
   const Model model = build(one);
+  require_geometry(model, "modes");
   options.memory.require(
       {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
   const Mode mode = interface_mode(model, wanted);

@@ -43,30 +43,26 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, const std::s
   }
   const std::vector<Index> visit = contact_order(order, natural, subdomain.velocities, seed);
   const std::vector<Index> numbers = subdomain.numbers;
-  subdomain.contacts.reserve(natural.size());
+  ContactRows& rows = subdomain.contacts;
+  rows.friction = problem.friction;
+  rows.boundary_friction = problem.boundary_friction;
+  rows.rows.reserve(natural.size());
+  rows.impulses.reserve(natural.size());
   for (std::size_t k = 0; k < visit.size(); ++k) {
-    subdomain.contacts.push_back(natural[at(visit[k])]);
+    const DiskContact& c = natural[at(visit[k])];
+    rows.rows.push_back({c.a, c.b, c.normal_x, c.normal_y, c.bias_n});
+    rows.impulses.push_back({c.impulse_n, c.impulse_t});
+    if (problem.tangential_bias) rows.bias_t.push_back(c.bias_t);
     subdomain.numbers[k] = numbers[at(visit[k])];
   }
 }
 
-// A grain shared by q subdomains weighs 1/q in each; W of its contacts follows.
+// A grain shared by q subdomains weighs 1/q in each.
 void split_masses(GranularDecomposition& parts) {
-  for (GranularSubdomain& subdomain : parts.subdomains) {
-    bool shares = false;
-    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
-      const Index q = parts.multiplicity[at(subdomain.bodies[i])];
-      if (q == 1 || subdomain.velocities[i].inverse_mass == 0) continue;
-      subdomain.velocities[i].inverse_mass *= static_cast<double>(q);
-      shares = true;
-    }
-    if (!shares) continue;
-    for (DiskContact& c : subdomain.contacts) {
-      const double w = subdomain.velocities[static_cast<std::size_t>(c.a)].inverse_mass +
-                       subdomain.velocities[static_cast<std::size_t>(c.b)].inverse_mass;
-      c.inverse_w = {1 / w, 1 / ((1 + rim_mass_ratio) * w)};
-    }
-  }
+  for (GranularSubdomain& subdomain : parts.subdomains)
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
+      subdomain.velocities[i].inverse_mass *=
+          static_cast<double>(parts.multiplicity[at(subdomain.bodies[i])]);
 }
 
 void glue(GranularDecomposition& parts, const StepProblem& problem) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/granular_interface.hpp>
 #include <nscdd/ddm/granular_two_stage.hpp>
 #include <nscdd/linalg/threads.hpp>
 
@@ -9,47 +10,18 @@
 namespace nscdd {
 namespace {
 
-using Copy = DiskVelocity;
-
-const Copy& copy_of(const GranularDecomposition& parts, const GrainCopy& copy) {
-  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
-}
-
-Copy& copy_of(GranularDecomposition& parts, const GrainCopy& copy) {
-  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
-}
-
-// V -= M^-1 F of one copy; the rim has its own inertia.
-void push(Copy& v, double x, double y, double rim) {
-  v.x -= v.inverse_mass * x;
-  v.y -= v.inverse_mass * y;
-  v.rim -= rim_mass_ratio * v.inverse_mass * rim;
-}
-
 SweepSums sweep(const ContactLaw& law, const StepSolver& solver, GranularSubdomain& subdomain) {
   SweepSums sums;
-  std::visit(
-      [&](const auto& one) {
-        for (Index k = 0; k < solver.gauss_seidel_sweeps; ++k)
-          sums = gauss_seidel_sweep(one, std::span(subdomain.contacts), std::span(subdomain.velocities),
-                                    solver.contact_relaxation);
-      },
-      law);
+  for (Index k = 0; k < solver.gauss_seidel_sweeps; ++k)
+    sums = gauss_seidel_sweep(law, subdomain.contacts, subdomain.velocities, solver.contact_relaxation);
   return sums;
-}
-
-std::vector<LocalVector> impulses_of(const GranularSubdomain& subdomain) {
-  std::vector<LocalVector> result;
-  result.reserve(subdomain.contacts.size());
-  for (const DiskContact& c : subdomain.contacts) result.push_back({c.impulse_n, c.impulse_t});
-  return result;
 }
 
 double change_since(const std::vector<LocalVector>& before, const GranularSubdomain& subdomain) {
   double sum = 0;
   for (std::size_t k = 0; k < before.size(); ++k) {
-    const double n = subdomain.contacts[k].impulse_n - before[k].n;
-    const double t = subdomain.contacts[k].impulse_t - before[k].t;
+    const double n = subdomain.contacts.impulses[k].n - before[k].n;
+    const double t = subdomain.contacts.impulses[k].t - before[k].t;
     sum += n * n + t * t;
   }
   return sum;
@@ -66,13 +38,14 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
       solver_(solver),
       enriched_(std::move(enriched)),
       interface_impulses_(Vector::Zero(parts_.interface_size())),
+      last_change_(Vector::Zero(parts_.interface_size())),
       before_(parts_.subdomains.size()) {}
 
 void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain& subdomain : parts_.subdomains)
-    for (const DiskContact& c : subdomain.contacts)
-      if (c.impulse_n != 0 || c.impulse_t != 0)
-        apply_impulse(c, {c.impulse_n, c.impulse_t}, subdomain.velocities);
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      if (const LocalVector r = subdomain.contacts.impulses[k]; r.n != 0 || r.t != 0)
+        apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
   std::map<std::pair<Index, Index>, const RememberedGluing*> known;
   std::map<Index, Index> shared_before;
@@ -105,7 +78,7 @@ SweepSums GranularTwoStage::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     GranularSubdomain& subdomain = parts_.subdomains[at(e)];
-    if (compare) before_[at(e)] = impulses_of(subdomain);
+    if (compare) before_[at(e)] = subdomain.contacts.impulses;
     sums[at(e)] = sweep(law_, solver_, subdomain);
     if (compare) sums[at(e)].change = change_since(before_[at(e)], subdomain);
   });
@@ -118,68 +91,14 @@ SweepSums GranularTwoStage::stage_one() {
   return total;
 }
 
-Vector GranularTwoStage::jumps() const {
-  Vector g(parts_.interface_size());
-  for (Index row = 0; row < count(parts_.gluing); ++row) {
-    const Copy& a = copy_of(parts_, parts_.gluing[at(row)].first);
-    const Copy& b = copy_of(parts_, parts_.gluing[at(row)].second);
-    g.segment(3 * row, 3) << a.x - b.x, a.y - b.y, a.rim - b.rim;
-  }
-  return g;
-}
-
-double GranularTwoStage::glued_speed() const {
-  double sum = 0;
-  const auto add = [&](const Copy& v) { sum += v.x * v.x + v.y * v.y + v.rim * v.rim; };
-  for (std::size_t row = 0; row < parts_.gluing.size(); ++row) {
-    if (row == 0 || parts_.gluing[row - 1].grain != parts_.gluing[row].grain)
-      add(copy_of(parts_, parts_.gluing[row].first));
-    add(copy_of(parts_, parts_.gluing[row].second));
-  }
-  return sum;
-}
-
-// X^-1 g of a chain of q copies of mass m/q: F_k = (m/q) sum_{j <= k} (V_j - mean), read off the jumps.
-Vector GranularTwoStage::generic_solve(const Vector& g) const {
-  Vector f(g.size());
-  const Index rows = count(parts_.gluing);
-  for (Index row = 0; row < rows;) {
-    Index last = row;
-    while (last + 1 < rows && parts_.gluing[at(last + 1)].grain == parts_.gluing[at(row)].grain) ++last;
-    const double q = static_cast<double>(last - row + 2);
-    const double copy_mass = 1 / copy_of(parts_, parts_.gluing[at(row)].first).inverse_mass;
-    // Copy k is at minus the sum of the first k jumps from copy 0; their mean:
-    Eigen::Vector3d position = Eigen::Vector3d::Zero(), mean = Eigen::Vector3d::Zero();
-    for (Index k = row; k <= last; ++k) {
-      position -= g.segment<3>(3 * k);
-      mean += position / q;
-    }
-    position.setZero();
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (Index k = row; k <= last; ++k) {
-      sum += position - mean;
-      f.segment<3>(3 * k) = copy_mass * sum;
-      f[3 * k + 2] /= rim_mass_ratio;
-      position -= g.segment<3>(3 * k);
-    }
-    row = last + 1;
-  }
-  return f;
-}
-
 Vector GranularTwoStage::preconditioned(const Vector& g) const {
   const bool use = enriched_ && (solver_.enrichment == "every_iteration" || iteration_ == 1);
-  return use ? enriched_->solve(g) : generic_solve(g);
+  return use ? enriched_->solve(g) : generic_interface_solve(parts_, g);
 }
 
 void GranularTwoStage::correct(const Vector& change) {
   interface_impulses_ += change;
-  for (Index row = 0; row < count(parts_.gluing); ++row) {
-    const Gluing& g = parts_.gluing[at(row)];
-    const double x = change[3 * row], y = change[3 * row + 1], rim = change[3 * row + 2];
-    push(copy_of(parts_, g.first), x, y, rim);
-    push(copy_of(parts_, g.second), -x, -y, -rim);
-  }
+  apply_interface_impulses(parts_, change);
 }
 
 // Preconditioned conjugate gradients (Polak-Ribiere, restarted where not conjugate) on jumps = g_0 - S F,
@@ -196,7 +115,7 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
   if (d.dot(g) <= 0) d = z;
   correct(d);
   sums = stage_one();
-  const double curvature = d.dot(g - jumps());
+  const double curvature = d.dot(g - interface_jumps(parts_));
   // Statuses that change may show no curvature at all: the plain step is then the safe one.
   const double length = curvature > 0 ? std::clamp(d.dot(g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
@@ -212,8 +131,8 @@ IterationRecord GranularTwoStage::iterate() {
   IterationRecord record;
   record.iteration = iteration_;
   if (!parts_.gluing.empty()) {
-    const Vector g = jumps();
-    const double speed = glued_speed();
+    const Vector g = interface_jumps(parts_);
+    const double speed = glued_speed_squared(parts_);
     record.gluing = ratio(g.squaredNorm(), speed);
     if (solver_.enrichment != "semi_implicit" || !enriched_ || iteration_ == 1) {
       Vector change;
@@ -224,6 +143,9 @@ IterationRecord GranularTwoStage::iterate() {
         correct(change);
       }
       record.interface_change = ratio(change.squaredNorm(), interface_impulses_.squaredNorm());
+      record.interface_second_change =
+          ratio((change - last_change_).squaredNorm(), interface_impulses_.squaredNorm());
+      last_change_ = std::move(change);
     }
   }
   record.sweeps = sweeps_;
@@ -248,8 +170,8 @@ std::vector<DiskContact> GranularTwoStage::contacts(const StepProblem& problem) 
   for (const GranularSubdomain& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
       DiskContact& c = result[at(subdomain.numbers[k])];
-      c.impulse_n = subdomain.contacts[k].impulse_n;
-      c.impulse_t = subdomain.contacts[k].impulse_t;
+      c.impulse_n = subdomain.contacts.impulses[k].n;
+      c.impulse_t = subdomain.contacts.impulses[k].t;
     }
   return result;
 }

@@ -2,6 +2,7 @@
 #include "strict_toml.hpp"
 #include <nscdd/io/config.hpp>
 #include <nscdd/io/csv.hpp>
+#include <nscdd/io/fclib.hpp>
 #include <nscdd/io/packing_file.hpp>
 
 #include <filesystem>
@@ -55,6 +56,20 @@ void read_packing_section(StrictTable section, Case& one, const PackingReader& r
       section.fail("generator", fmt::format("one of {}", generator_names()), fmt::format("\"{}\"", name));
     one.packing = generator;
   }
+  section.finish();
+}
+
+void read_problem_section(StrictTable section, Case& one, const ProblemReader& read) {
+  if (!section.has("file")) section.fail("file", "the name of a contact problem", "none");
+  ContactProblemFile file;
+  section.read("file", file.path);
+  try {
+    if (!read) throw Error(fmt::format("{}: expected no contact problem here, met one", file.path));
+    file.problem = read(file.path);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: problem.file: {}", section.location(section.node("file")), error.what()));
+  }
+  one.packing = std::move(file);
   section.finish();
 }
 
@@ -115,12 +130,20 @@ void read_prescribed(StrictTable section, Case& one) {
 
 }  // namespace
 
-Case parse_case(std::string_view text, const std::string& file, const PackingReader& read) {
+Case parse_case(std::string_view text, const std::string& file, const PackingReader& read,
+                const ProblemReader& read_problem) {
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
   Case one;
   one.name = std::filesystem::path(file).stem().string();
   root.read("title", one.title);
+  if (root.has("problem")) {
+    // The sections of packings are unknown keys then, and named as such.
+    read_problem_section(root.section("problem", true), one, read_problem);
+    read_partition_section(root.section("partition", true), one.partition);
+    root.finish();
+    return one;
+  }
   read_packing_section(root.section("packing", true), one, read);
   StrictTable contacts = root.section("contacts", false);
   contacts.read_fields(one.contacts);
@@ -138,9 +161,12 @@ Case parse_case(std::string_view text, const std::string& file, const PackingRea
 
 Case read_case(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  return parse_case(read_text(path), path, [&](const std::string& name) {
-    return read_packing(std::filesystem::path(name).is_absolute() ? name : (folder / name).string());
-  });
+  const auto beside = [&](const std::string& name) {
+    return std::filesystem::path(name).is_absolute() ? name : (folder / name).string();
+  };
+  return parse_case(
+      read_text(path), path, [&](const std::string& name) { return read_packing(beside(name)); },
+      [&](const std::string& name) { return read_global_problem(beside(name)); });
 }
 
 }  // namespace nscdd

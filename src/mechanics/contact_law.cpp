@@ -28,8 +28,8 @@ ContactStatus contact_status(LocalVector impulse, double friction, double tolera
 
 LocalVector project_on_cone(LocalVector impulse, double friction) {
   const double size = std::abs(impulse.t);
-  if (size <= friction * impulse.n) return impulse;                            // inside
-  if (friction * size <= -impulse.n) return {};                                // inside the polar cone
+  if (friction * size <= -impulse.n) return {};      // inside the polar cone; first, for friction 0
+  if (size <= friction * impulse.n) return impulse;  // inside
   const double n = (impulse.n + friction * size) / (1 + friction * friction);  // on the edge (1, friction)
   return {n, std::copysign(friction * n, impulse.t)};
 }

@@ -85,12 +85,12 @@ double ContactResidual::quad_dv() const {
 
 double ContactResidual::mean_dv_over_r() const { return scale_work > 0 ? work / scale_work : 0.0; }
 
-ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
                                  std::span<const DiskVelocity> v) {
   ContactResidual sum;
   std::visit(
       [&](const auto& one) {
-        for (const DiskContact& c : contacts) add(sum, one, c, v);
+        for (std::size_t k = 0; k < contacts.size(); ++k) add(sum, one, contacts.contact(k, v), v);
       },
       law);
   return sum;

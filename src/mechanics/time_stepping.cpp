@@ -93,15 +93,16 @@ void add_wall_bodies(StepProblem& problem, const GranularSystem& system, const C
 }
 
 DiskContact solver_contact(const StepContact& c, Index second, const StepProblem& problem,
-                           const Interaction& interaction, double friction, double correction) {
+                           const Interaction& interaction, double correction) {
   DiskContact k;
   k.a = static_cast<std::int32_t>(c.a);
   k.b = static_cast<std::int32_t>(second);
   k.normal_x = c.normal[0];
   k.normal_y = c.normal[1];
-  const double w = problem.free[at(c.a)].inverse_mass + problem.free[at(second)].inverse_mass;
-  k.inverse_w = {1 / w, 1 / ((1 + rim_mass_ratio) * w)};
-  k.friction = friction;
+  const DiskVelocity &a = problem.free[at(c.a)], &b = problem.free[at(second)];
+  k.inverse_w = disk_delassus(a, b);
+  const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
+  k.friction = driven ? problem.boundary_friction : problem.friction;
   k.bias_n = (c.gap > 0 ? c.gap : correction * c.gap) / problem.h;
   if (interaction.restitution > 0 || interaction.tangential_restitution > 0) {
     const LocalVector before = relative_velocity(k, problem.start);
@@ -133,6 +134,9 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   const auto motions = boundary_velocities(system, state.time + h / 2);
   StepProblem problem;
   problem.h = h;
+  problem.friction = interaction.friction;
+  problem.boundary_friction = interaction.friction_at_boundaries();
+  problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.start = start_velocities(system, state, motions);
   problem.free = problem.start;
   for (Index i = 0; i < system.disks(); ++i) {
@@ -150,12 +154,8 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   add_wall_bodies(problem, system, where, motions, second);
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
-    const StepContact& c = problem.geometry[k];
-    const bool boundary = c.b >= system.disks() || !system.free(c.a) || !system.free(c.b);
     problem.contacts.push_back(
-        solver_contact(c, second[k], problem, interaction,
-                       boundary ? interaction.friction_at_boundaries() : interaction.friction,
-                       scheme.penetration_correction));
+        solver_contact(problem.geometry[k], second[k], problem, interaction, scheme.penetration_correction));
   }
   if (warm_start) start_from(problem.contacts, problem.geometry, state.impulses);
   return problem;

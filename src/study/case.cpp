@@ -42,12 +42,40 @@ std::string field_lines(const Parameters& parameters) {
   return lines;
 }
 
+// One subdomain, or by the graph of contacts.
+Partition partition_without_geometry(const Partitioner& partitioner, const ReferenceProblem& problem,
+                                     const std::string& path) {
+  if (const auto* metis = std::get_if<MetisPartitioner>(&partitioner)) return by_metis(problem, *metis);
+  const auto [nx, ny] = std::get<GridPartitioner>(partitioner).grid;
+  if (nx != 1 || ny != 1)
+    throw Error(fmt::format(
+        "{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is "
+        "known, met a grid of {} x {}",
+        path, nx, ny));
+  return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
+}
+
+Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
+  if (!one.prescribed.empty())
+    throw Error(fmt::format(
+        "{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
+        file.path, one.prescribed.size()));
+  Model model;
+  model.name = one.name;
+  model.problem = reference_problem(file.problem, file.path);
+  model.partition = partition_without_geometry(one.partition, model.problem, file.path);
+  model.parts = decompose(model.problem, model.partition);
+  return model;
+}
+
 }  // namespace
 
 void override_case(Case& one, std::string_view path, std::string_view value) {
   const auto dot = path.find('.');
   const std::string_view section = path.substr(0, dot);
   const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
+  if (std::holds_alternative<ContactProblemFile>(one.packing) && section != "partition")
+    throw Error(fmt::format("{}: this case is a contact problem; expected partition.* alone", path));
   if (section == "packing") {
     auto* generator = std::get_if<Generator>(&one.packing);
     if (generator == nullptr)
@@ -72,6 +100,12 @@ void override_case(Case& one, std::string_view path, std::string_view value) {
 }
 
 std::string to_toml(const Case& one) {
+  const std::string partition =
+      "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, one.partition);
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
+    return fmt::format("title = {}\n\n[problem]\nfile = {}\n", field_text(one.title),
+                       field_text(file->path)) +
+           partition;
   std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(one.title));
   if (const auto* file = std::get_if<PackingFile>(&one.packing)) {
     text += fmt::format("file = {}\n", field_text(file->path));
@@ -97,7 +131,7 @@ std::string to_toml(const Case& one) {
         break;
     }
   }
-  text += "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, one.partition);
+  text += partition;
   if (!one.loads.none()) text += "\n[loads]\n" + field_lines(one.loads);
   for (const PrescribedVelocity& velocity : one.prescribed)
     text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain,
@@ -106,6 +140,9 @@ std::string to_toml(const Case& one) {
 }
 
 Packing packing_of(const Case& one, const Monitor& monitor) {
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
+    throw Error(
+        fmt::format("{}: expected a packing, met a contact problem, which has no geometry", file->path));
   Packing packing = std::holds_alternative<PackingFile>(one.packing)
                         ? std::get<PackingFile>(one.packing).packing
                         : generate(std::get<Generator>(one.packing), monitor);
@@ -113,7 +150,16 @@ Packing packing_of(const Case& one, const Monitor& monitor) {
   return one.masses.model ? with_masses(std::move(packing), one.masses) : packing;
 }
 
+void require_geometry(const Model& model, std::string_view what) {
+  if (!model.has_geometry())
+    throw Error(
+        fmt::format("{}: {}: expected a packing, met a contact problem, of which no geometry is known",
+                    model.name, what));
+}
+
 Model build(const Case& one, const Monitor& monitor) {
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
+    return build_contact_problem(one, *file);
   Model model;
   model.name = one.name;
   model.packing = with_masses(packing_of(one, monitor), one.masses);

@@ -20,19 +20,33 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
 }
 
 // Connected pieces of the contact graph, by union-find over its grains.
-Index components(const ContactNetwork& network) {
-  std::vector<Index> parent(at(network.grains));
+Index components(const ReferenceProblem& problem) {
+  std::vector<Index> parent(at(problem.grains()));
   std::iota(parent.begin(), parent.end(), Index{0});
   const auto root = [&](Index i) {
     while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
     return i;
   };
-  for (const Contact& contact : network.contacts) parent[at(root(contact.a))] = root(contact.b);
-  const std::vector<Index> contacts = contact_counts(network);
+  std::vector<char> touched(at(problem.grains()), 0);
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const std::vector<Index> grains = grains_of_contact(problem, c);
+    for (const Index grain : grains) {
+      touched[at(grain)] = 1;
+      parent[at(root(grains.front()))] = root(grain);
+    }
+  }
   Index pieces = 0;
-  for (Index i = 0; i < network.grains; ++i)
-    if (contacts[at(i)] > 0 && root(i) == i) ++pieces;
+  for (Index i = 0; i < problem.grains(); ++i)
+    if (touched[at(i)] && root(i) == i) ++pieces;
   return pieces;
+}
+
+// Contacts per grain, on average; a contact with a support counts for one grain.
+double coordination_number(const Model& model) {
+  Index touches = 0;
+  for (Index c = 0; c < model.contacts(); ++c)
+    touches += count(grains_of_contact(model.problem, model.problem.columns_per_contact * c));
+  return static_cast<double>(touches) / static_cast<double>(model.grains());
 }
 
 // Rattlers and the coordination number of what remains without them.
@@ -51,11 +65,11 @@ void count_rattlers(const ContactNetwork& network, Inspection& result) {
 
 Inspection inspect(const Model& model, const InspectionOptions& options) {
   Inspection result;
-  result.ranks = model.network.size() <= options.ranks_up_to;
+  result.ranks = model.contacts() <= options.ranks_up_to;
   if (result.ranks) {
     result.whole = degrees(reassemble(model.parts), true);
   } else {
-    result.whole.contacts = model.network.size();
+    result.whole.contacts = model.problem.contacts();
     for (const Index multiplicity : model.parts.multiplicity) result.whole.grains += multiplicity > 0;
   }
   Index local_hyperstaticity = 0;
@@ -69,10 +83,10 @@ Inspection inspect(const Model& model, const InspectionOptions& options) {
     if (multiplicity == 0) ++result.isolated_grains;
     if (multiplicity >= 2) ++result.interface_grains[multiplicity];
   }
-  result.components = components(model.network);
-  result.coordination_number =
-      2.0 * static_cast<double>(model.network.size()) / static_cast<double>(model.packing.size());
+  result.components = components(model.problem);
+  result.coordination_number = coordination_number(model);
   result.interface_dofs = model.parts.interface_size();
+  if (!model.has_geometry()) return result;
   result.solid_fraction = solid_fraction(model.packing);
   count_rattlers(model.network, result);
   result.sizes = size_histogram(model.packing);

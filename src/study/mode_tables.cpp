@@ -56,6 +56,7 @@ std::vector<Column> mode_impulse_columns() {
 
 void mode_impulse_rows(const Model& model, const ModeParameters& parameters, const Mode& mode,
                        const RowSink& sink) {
+  require_geometry(model, "mode");
   if (!mode.found()) return;
   const Packing& p = model.packing;
   for (Index k = 0; k < count(model.parts.gluing); ++k) {
@@ -83,6 +84,7 @@ std::vector<Column> mode_velocity_columns() {
 }
 
 void mode_velocity_rows(const Model& model, const Mode& mode, const RowSink& sink) {
+  require_geometry(model, "mode");
   if (!mode.found()) return;
   const Packing& p = model.packing;
   const auto grains = copies_of_grains(model.parts, mode);

@@ -28,6 +28,7 @@ std::vector<Column> link_columns(ContactSet contacts) {
 }
 
 ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts) {
+  require_geometry(model, "links");
   const bool loaded = !model.problem.arriving_velocity.isZero(0);
   const ContactChoice choice = choose_contacts(model, !loaded                       ? ContactSet::all
                                                       : contacts == ContactSet::all ? ContactSet::active
@@ -57,6 +58,7 @@ std::vector<Column> grain_columns() {
 }
 
 void grain_rows(const Model& model, const RowSink& sink) {
+  require_geometry(model, "grains");
   const std::vector<Index> contacts = contact_counts(model.network);
   const Packing& p = model.packing;
   for (Index i = 0; i < p.size(); ++i)
@@ -75,6 +77,7 @@ std::vector<Column> size_columns() {
 }
 
 void size_rows(const Model& model, const RowSink& sink) {
+  require_geometry(model, "sizes of grains");
   const std::vector<SizeClass> classes = size_histogram(model.packing);
   double area = 0;
   for (const SizeClass& one : classes) area += one.area;

@@ -56,13 +56,13 @@ class Spectra {
 
 // The eta in [low, high] where a decreasing function of log eta vanishes; 0 where it is negative throughout.
 template <class Function>
-double decreasing_root(double low, double high, Function&& f) {
+double decreasing_root(double low, double high, Function&& f, double tolerance = root_tolerance) {
   const auto of_log = [&](double x) { return f(std::exp(x)); };
   double upper = std::log(high);
   // Decade by decade from above: the ends grow like 1/eta below their root, so the bracket should be narrow.
   while (true) {
     const double lower = std::max(upper - std::log(10.0), std::log(low));
-    if (of_log(lower) >= 0) return std::exp(find_root(of_log, lower, upper, root_tolerance).x);
+    if (of_log(lower) >= 0) return std::exp(find_root(of_log, lower, upper, tolerance).x);
     if (lower <= std::log(low)) return 0;
     upper = lower;
   }
@@ -225,6 +225,20 @@ Index optima(const Model& model, const SweepParameters& sweep, const RowSink& si
     if (!report(monitor, i + 1, total)) break;
   }
   return failed;
+}
+
+double optimal_eta(const Decomposition& parts, const Decomposition& active) {
+  const InterfaceOperator system = InterfaceFamily(active).at(0.0);
+  Spectra spectra(parts, system, {});
+  const double scale = system.scale().mean();
+  const double low = scale * std::pow(10.0, -decades), high = scale * std::pow(10.0, decades);
+  const auto imbalance = [&](double eta) {
+    const Ends ends = spectra.at(eta);
+    return ends.min + ends.max - 2;
+  };
+  if (imbalance(high) >= 0) return high;
+  const double root = decreasing_root(low, high, imbalance, 1e-3);
+  return root > 0 ? root : low;
 }
 
 }  // namespace nscdd

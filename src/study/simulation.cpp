@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/simulation.hpp>
+#include <nscdd/study/step_decomposition.hpp>
 
 #include <fmt/format.h>
 
@@ -17,7 +18,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Without progress for this long, a criterion that rounding or cycling holds up will not fall any more.
+// Without progress for this long, and for as long as it took to get there, a criterion that rounding or
+// cycling holds up will not fall any more.
 constexpr Index patience = 1000;
 constexpr double explosion = 1e6;
 
@@ -41,8 +43,8 @@ class StatusChanges {
     Index changes = 0;
     std::size_t k = 0;
     for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
-      for (const DiskContact& c : subdomain.contacts) {
-        const ContactStatus now = status_of(law, c);
+      for (std::size_t c = 0; c < subdomain.contacts.size(); ++c) {
+        const ContactStatus now = status_of(law, subdomain.contacts.contact(c, subdomain.velocities));
         if (k == statuses_.size()) statuses_.push_back(ContactStatus::open);
         changes += statuses_[k] != now;
         statuses_[k++] = now;
@@ -53,85 +55,6 @@ class StatusChanges {
  private:
   std::vector<ContactStatus> statuses_;
 };
-
-// Decides when the iterations of a step end.
-class Watch {
- public:
-  explicit Watch(const StepSolver& solver) : solver_(&solver) {}
-
-  std::optional<SolverStatus> judge(const IterationRecord& record, double value, double impulses) {
-    if (!std::isfinite(impulses) || !std::isfinite(record.gluing)) return SolverStatus::no_number;
-    if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, impulses);
-    if (impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
-    if (value <= solver_->tolerance) return SolverStatus::converged;
-    if (value < best_) {
-      best_ = value;
-      best_iteration_ = record.iteration;
-    }
-    if (record.iteration >= solver_->maximum_iterations) return SolverStatus::maximum_reached;
-    if (value < infinity && record.iteration - best_iteration_ >= patience) return SolverStatus::stalled;
-    return std::nullopt;
-  }
-
- private:
-  const StepSolver* solver_;
-  double best_ = infinity, first_impulses_ = 0;
-  Index best_iteration_ = 0;
-};
-
-ContactNetwork network_of(const StepProblem& problem, Index disks) {
-  ContactNetwork network;
-  network.grains = disks;
-  for (const StepContact& c : problem.geometry)
-    network.contacts.push_back({c.a, c.b, c.normal, c.point, c.gap});
-  return network;
-}
-
-Packing free_grains(const GranularSystem& system, const GranularState& state) {
-  Packing packing;
-  for (Index i = 0; i < system.disks(); ++i) {
-    if (!system.free(i)) continue;
-    packing.x.push_back(state.x[at(i)]);
-    packing.y.push_back(state.y[at(i)]);
-    packing.radius.push_back(system.radius[at(i)]);
-  }
-  return packing;
-}
-
-// Normal directions only: METIS needs to know which contacts share a grain.
-ReferenceProblem normal_problem(const StepProblem& problem, Index disks) {
-  ReferenceProblem result = reference_problem(problem, disks);
-  SparseMatrix h(result.h.rows(), count(problem.contacts));
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index c = 0; c < count(problem.contacts); ++c)
-    for (SparseMatrix::InnerIterator e(result.h, 2 * c); e; ++e)
-      entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(c), e.value());
-  h.setFromTriplets(entries.begin(), entries.end());
-  result.h = std::move(h);
-  return result;
-}
-
-// Contacts that carried an impulse in the last step: both directions where they stuck, the normal one where
-// they slid. All of them where there is no step before.
-std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
-  std::vector<char> kept(2 * problem.contacts.size(), simulation.state.impulses.empty() ? 1 : 0);
-  auto old = simulation.state.impulses.begin();
-  const auto end = simulation.state.impulses.end();
-  const ContactLaw law = contact_law(simulation.dynamics.interaction, problem.h);
-  for (std::size_t k = 0; k < problem.contacts.size(); ++k) {
-    const auto key = std::pair(problem.geometry[k].a, problem.geometry[k].b);
-    while (old != end && std::pair(old->a, old->b) < key) ++old;
-    if (old == end) break;
-    if (std::pair(old->a, old->b) != key) continue;
-    DiskContact contact = problem.contacts[k];
-    contact.impulse_n = old->impulse.n;
-    contact.impulse_t = old->impulse.t;
-    const ContactStatus status = status_of(law, contact);
-    kept[2 * k] = status != ContactStatus::open;
-    kept[2 * k + 1] = status == ContactStatus::stick;
-  }
-  return kept;
-}
 
 }  // namespace
 
@@ -151,47 +74,63 @@ std::string_view to_string(SolverStatus status) {
   return "no_number";
 }
 
-Partition partition_step(const Simulation& simulation, const StepProblem& problem) {
-  const Index disks = simulation.system.disks();
-  if (simulation.dynamics.solver.algorithm == "nlgs")
-    return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  if (const auto* metis = std::get_if<MetisPartitioner>(&simulation.partitioner))
-    return by_metis(normal_problem(problem, disks), *metis);
-  return by_grid(free_grains(simulation.system, simulation.state), network_of(problem, disks),
-                 std::get<GridPartitioner>(simulation.partitioner));
+IterationWatch::IterationWatch(const StepSolver& solver) : solver_(solver) {}
+
+std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
+                                                  const ContactResidual& residual) {
+  const double value = criterion_value(solver_.criterion, record, residual);
+  if (!std::isfinite(record.impulses) || !std::isfinite(record.gluing)) return SolverStatus::no_number;
+  if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
+  if (record.impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
+  if (value <= solver_.tolerance) return SolverStatus::converged;
+  if (value < best_) {
+    best_ = value;
+    best_iteration_ = record.iteration;
+  }
+  if (record.iteration >= solver_.maximum_iterations) return SolverStatus::maximum_reached;
+  if (value < infinity && record.iteration - best_iteration_ >= std::max(patience, best_iteration_))
+    return SolverStatus::stalled;
+  return std::nullopt;
 }
 
-InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
-                                    const Partition& partition, double eta) {
-  const ReferenceProblem reference = reference_problem(problem, simulation.system.disks());
-  const Decomposition all = decompose(reference, partition_of_columns(partition));
-  if (simulation.dynamics.solver.network == "active")
-    return InterfaceFamily(restrict_contacts(all, active_columns(simulation, problem))).at(eta);
-  return InterfaceFamily(all).at(eta);
+PreparedStep prepare_solution(const Simulation& simulation) {
+  const Dynamics& dynamics = simulation.dynamics;
+  const StepSolver& solver = dynamics.solver;
+  StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
+                                     solver.warm_start);
+  Partition partition = partition_step(simulation, problem);
+  const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
+  GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
+  double eta = not_a_number;
+  std::optional<InterfaceOperator> enriched;
+  if (solver.algorithm == "enriched" && parts.interface_size() > 0) {
+    eta = solver.eta == "optimal" ? best_eta(simulation, problem, partition)
+                                  : parse_number(solver.eta, "solver.eta");
+    if (!(eta > 0))
+      throw Error(fmt::format("solver.eta: expected a number > 0 or \"optimal\", met {}", solver.eta));
+    enriched = enriched_operator(simulation, problem, partition, eta);
+  }
+  GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver,
+                             enriched);
+  iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
+  return {std::move(problem), std::move(partition), std::move(enriched), eta, std::move(iteration)};
 }
 
 SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
   const auto begin = Clock::now();
+  PreparedStep prepared = prepare_solution(simulation);
+  GranularTwoStage& iteration = prepared.iteration;
   SolvedStep step;
-  step.problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
-                              solver.warm_start);
-  step.partition = partition_step(simulation, step.problem);
+  step.problem = std::move(prepared.problem);
+  step.partition = std::move(prepared.partition);
   const ContactLaw law = contact_law(dynamics.interaction, step.problem.h);
-  const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-  std::optional<InterfaceOperator> enriched;
   StepReport& report = step.report;
-  GranularDecomposition parts = decompose(step.problem, step.partition, solver.order, seed);
-  report.interface_size = parts.interface_size();
-  if (solver.algorithm == "enriched" && parts.interface_size() > 0) {
-    report.eta = parse_number(solver.eta, "solver.eta");
-    enriched = enriched_operator(simulation, step.problem, step.partition, report.eta);
-  }
-  GranularTwoStage iteration(std::move(parts), law, solver, std::move(enriched));
-  iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
+  report.interface_size = iteration.parts().interface_size();
+  report.eta = prepared.eta;
   report.setup_seconds = seconds_since(begin);
-  Watch watch(solver);
+  IterationWatch watch(solver);
   StatusChanges statuses;
   for (;;) {
     const auto start = Clock::now();
@@ -205,8 +144,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
             .residual = report.residual,
             .status_changes = statuses.update(iteration, law),
             .seconds = report.solve_seconds});
-    const double value = criterion_value(solver.criterion, report.last, report.residual);
-    if (const auto status = watch.judge(report.last, value, report.last.impulses)) {
+    if (const auto status = watch.judge(report.last, report.residual)) {
       report.status = *status;
       break;
     }
@@ -225,7 +163,17 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
 StepReport take_step(Simulation& simulation, SolvedStep step) {
   step.report.energy = finish_step(simulation.system, simulation.state, step.problem,
                                    simulation.dynamics.time, step.contacts, step.velocities);
-  simulation.state.gluing = std::move(step.gluing);
+  GranularState& state = simulation.state;
+  if (decomposes_afresh(simulation, step.report.step - 1)) {
+    state.decomposed_at = step.report.step - 1;
+    state.eta = std::isnan(step.report.eta) ? 0 : step.report.eta;
+  }
+  state.gluing = std::move(step.gluing);
+  state.subdomains.clear();
+  if (simulation.dynamics.solver.redecompose > 1)
+    for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
+      state.subdomains.push_back(
+          {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
   step.report.time = simulation.state.time;
   return step.report;
 }

@@ -162,9 +162,10 @@ std::vector<Column> case_columns() {
 
 Row case_cells(const Model& model, const Selection& selection, ContactSet contacts) {
   Row row;
-  append(row, {model.name, integer(model.packing.size()), integer(model.network.size()),
-               integer(selection.active_contacts), integer(model.partition.subdomains),
-               integer(model.parts.interface_size()), std::string(to_string(contacts)), selection.rule});
+  append(row, {model.name, integer(model.grains()), integer(model.contacts()),
+               integer(selection.active_contacts / model.problem.columns_per_contact),
+               integer(model.partition.subdomains), integer(model.parts.interface_size()),
+               std::string(to_string(contacts)), selection.rule});
   return row;
 }
 

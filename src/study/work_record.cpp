@@ -26,11 +26,28 @@ std::string content(const Packing& packing) {
   return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
 }
 
+std::string content(const GlobalFrictionProblem& problem) {
+  std::vector<double> all;
+  for (const SparseMatrix* matrix : {&problem.mass, &problem.h})
+    for (Index j = 0; j < matrix->cols(); ++j)
+      for (SparseMatrix::InnerIterator e(*matrix, j); e; ++e)
+        all.insert(all.end(), {static_cast<double>(e.row()), static_cast<double>(j), e.value()});
+  for (const Vector* values : {&problem.f, &problem.w, &problem.friction})
+    all.insert(all.end(), values->begin(), values->end());
+  return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
+}
+
+// The name of a file, wherever it lies, with its content.
+std::string file_text(const std::string& path, const std::string& content) {
+  return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
+}
+
 std::string case_text(Case one) {
   std::string text = fmt::format("name = {}\n", field_text(one.name));
   if (auto* file = std::get_if<PackingFile>(&one.packing))
-    file->path =
-        fmt::format("{} ({})", std::filesystem::path(file->path).filename().string(), content(file->packing));
+    file->path = file_text(file->path, content(file->packing));
+  if (auto* file = std::get_if<ContactProblemFile>(&one.packing))
+    file->path = file_text(file->path, content(file->problem));
   return text + to_toml(one);
 }
 

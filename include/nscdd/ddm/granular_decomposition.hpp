@@ -4,6 +4,7 @@
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/partition.hpp>
+#include <nscdd/mechanics/contact_rows.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/mechanics/time_stepping.hpp>
 
@@ -16,7 +17,7 @@ namespace nscdd {
 struct GranularSubdomain {
   std::vector<Index> bodies;   ///< numbers in the step problem, ascending
   std::vector<Index> numbers;  ///< of the contacts in the step problem
-  std::vector<DiskContact> contacts;
+  ContactRows contacts;
   std::vector<DiskVelocity> velocities;
 };
 

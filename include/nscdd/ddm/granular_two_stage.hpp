@@ -16,6 +16,9 @@ struct IterationRecord {
   Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
   double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
+  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|: a drift of impulses that the networks carry either way keeps Z up,
+  /// not this.
+  double interface_second_change = 0;
   double gluing = 0;                ///< |sum A_E V_E| / |V| over the copies of shared grains, after Stage 1
   double impulses = 0;              ///< |r_i|^2, (N s)^2
 };
@@ -52,10 +55,7 @@ class GranularTwoStage {
 
  private:
   SweepSums stage_one();
-  Vector jumps() const;
-  double glued_speed() const;
   Vector preconditioned(const Vector& jumps) const;
-  Vector generic_solve(const Vector& jumps) const;
   void correct(const Vector& change);
   Vector conjugate_step(const Vector& jumps, SweepSums& sums);
 
@@ -63,7 +63,7 @@ class GranularTwoStage {
   ContactLaw law_;
   StepSolver solver_;
   std::optional<InterfaceOperator> enriched_;
-  Vector interface_impulses_;
+  Vector interface_impulses_, last_change_;
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
   std::vector<std::vector<LocalVector>> before_;         // impulses before Stage 1, where n_GS > 1
   Index iteration_ = 0, sweeps_ = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/mechanics/disk_contacts.hpp>
+#include <nscdd/mechanics/contact_rows.hpp>
 
 #include <span>
 
@@ -29,7 +29,7 @@ struct ContactResidual {
 
 /// Sums over the given contacts at the velocities v; nothing is changed. With a cohesive law the natural map
 /// is that of the shifted impulses; with a viscous law it is r' - r.
-ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
                                  std::span<const DiskVelocity> v);
 
 /// Status of each contact under the law: open, stick or slide.

@@ -20,9 +20,15 @@ struct DiskVelocity {
 /// Mass over inertia in the speed of the rim: I / R^2 = mass / 2 of a full disk.
 inline constexpr double rim_mass_ratio = 2.0;
 
+/// W of a contact of two disks: W_nn = 1/m_a + 1/m_b, W_tt = 3 W_nn (rim mass 1/2), W_nt = 0.
+inline DiagonalDelassus disk_delassus(const DiskVelocity& a, const DiskVelocity& b) {
+  const double inverse = 1 / (a.inverse_mass + b.inverse_mass);
+  return {inverse, inverse * (1 / (1 + rim_mass_ratio))};
+}
+
 /// One contact of a <- b in the frame (n, t), n from a to b, t = n turned by +90 degrees:
 ///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a) - rim_a - rim_b,
-/// W_nn = 1/m_a + 1/m_b, W_tt = 3 W_nn, W_nt = 0. What a sweep touches lies together in memory: 80 bytes.
+/// with everything a law may ask. Sweeps use the shorter ContactRows.
 struct DiskContact {
   std::int32_t a = 0, b = 0;          ///< positions in the array of velocities
   double normal_x = 1, normal_y = 0;  ///< n
@@ -64,29 +70,6 @@ inline LocalVector stopping_impulse(const DiskContact& c, std::span<const DiskVe
   const LocalVector relative = relative_velocity(c, v);
   return {c.impulse_n - c.inverse_w.inverse_n * (relative.n + c.bias_n),
           c.impulse_t - c.inverse_w.inverse_t * (relative.t + c.bias_t)};
-}
-
-/// One nonlinear Gauss-Seidel sweep, contacts in the order they lie in memory or in reverse: each takes the
-/// impulse its law gives at the present velocities (relaxed by `relaxation`), its disks are updated at once.
-/// Velocities carry the off-diagonal part of W, which is never formed.
-template <class Law>
-SweepSums gauss_seidel_sweep(const Law& law, std::span<DiskContact> contacts, std::span<DiskVelocity> v,
-                             double relaxation = 1, bool reverse = false) {
-  SweepSums sums;
-  const auto visit = [&](DiskContact& c) {
-    const LocalVector r = law.impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
-    const LocalVector change{relaxation * (r.n - c.impulse_n), relaxation * (r.t - c.impulse_t)};
-    c.impulse_n += change.n;
-    c.impulse_t += change.t;
-    apply_impulse(c, change, v);
-    sums.change += change.n * change.n + change.t * change.t;
-    sums.impulses += c.impulse_n * c.impulse_n + c.impulse_t * c.impulse_t;
-  };
-  if (reverse)
-    for (auto c = contacts.rbegin(); c != contacts.rend(); ++c) visit(*c);
-  else
-    for (DiskContact& c : contacts) visit(c);
-  return sums;
 }
 
 }  // namespace nscdd

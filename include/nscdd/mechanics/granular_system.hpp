@@ -35,16 +35,24 @@ struct RememberedGluing {
   double x = 0, y = 0, rim = 0;
 };
 
+/// Subdomain that a contact was given at the last decomposition.
+struct RememberedSubdomain {
+  Index a = 0, b = 0, subdomain = 0;
+};
+
 /// All that moves: with it a run can go on exactly.
 struct GranularState {
-  Index step = 0;                              ///< steps done
-  double time = 0;                             ///< s
-  std::vector<double> x, y, angle;             ///< of every disk, m and rad
-  std::vector<double> velocity_x, velocity_y;  ///< m/s
-  std::vector<double> spin;                    ///< rad/s
-  std::vector<Pose> poses;                     ///< of every boundary
-  std::vector<RememberedImpulse> impulses;     ///< of the last step, ascending by (a, b)
+  Index step = 0;                               ///< steps done
+  double time = 0;                              ///< s
+  std::vector<double> x, y, angle;              ///< of every disk, m and rad
+  std::vector<double> velocity_x, velocity_y;   ///< m/s
+  std::vector<double> spin;                     ///< rad/s
+  std::vector<Pose> poses;                      ///< of every boundary
+  std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
+  std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
+  Index decomposed_at = -1;                     ///< step whose contacts were partitioned afresh last
+  double eta = 0;  ///< best flexibility found at that step, where it is asked for, 1/kg
 };
 
 /// The state at time 0: grains at rest where the packing has them, boundaries at their centres.

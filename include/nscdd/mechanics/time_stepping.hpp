@@ -52,11 +52,13 @@ struct StepContact {
 /// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall
 /// does there.
 struct StepProblem {
-  double h = 0;                       ///< s
-  std::vector<StepContact> geometry;  ///< ascending by (a, b)
-  std::vector<DiskContact> contacts;  ///< the same contacts for the solver, impulses to start from
-  std::vector<DiskVelocity> start;    ///< V^- of the bodies (of driven ones: in this step)
-  std::vector<DiskVelocity> free;     ///< V^- + h M^-1 F
+  double friction = 0, boundary_friction = 0;  ///< between free disks; where one is driven
+  bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
+  double h = 0;                                ///< s
+  std::vector<StepContact> geometry;           ///< ascending by (a, b)
+  std::vector<DiskContact> contacts;           ///< the same contacts for the solver, impulses to start from
+  std::vector<DiskVelocity> start;             ///< V^- of the bodies (of driven ones: in this step)
+  std::vector<DiskVelocity> free;              ///< V^- + h M^-1 F
 };
 
 /// Finds contacts and sets the problem up; impulses start from those of the last step where `warm_start`,

@@ -5,6 +5,7 @@
 #include <nscdd/core/monitor.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/partitioner.hpp>
+#include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/packing/contact_network.hpp>
 #include <nscdd/packing/generator.hpp>
@@ -23,11 +24,18 @@ struct PackingFile {
   Packing packing;
 };
 
+/// A frictional contact problem read from a file, which takes the place of a packing: M and H without
+/// geometry.
+struct ContactProblemFile {
+  std::string path;
+  GlobalFrictionProblem problem;
+};
+
 /// Everything that defines a problem to be studied: a case file, resolved.
 struct Case {
   std::string name;  ///< stem of the file; the `case` column of every table
   std::string title;
-  std::variant<Generator, PackingFile> packing = Generator{TriangularStrip{}};
+  std::variant<Generator, PackingFile, ContactProblemFile> packing = Generator{TriangularStrip{}};
   ContactDetection contacts;
   Masses masses;
   Partitioner partition = GridPartitioner{};
@@ -45,20 +53,29 @@ void override_case(Case& one, std::string_view key, std::string_view value);
 std::string to_toml(const Case& one);
 
 /// The packing of a case, generated or as read from its file, with masses where the case says how. Throws
-/// Error for a packing or masses that cannot be used.
+/// Error for a packing or masses that cannot be used, and for a contact problem, which has none.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
 /// A case made ready for analysis.
 struct Model {
   std::string name;
-  Packing packing;  ///< with masses
-  ContactNetwork network;
+  Packing packing;         ///< with masses; empty for a contact problem, as is the network
+  ContactNetwork network;  ///< contacts with their geometry
   ReferenceProblem problem;
   Partition partition;
   Decomposition parts;
+
+  Index grains() const { return problem.grains(); }
+  Index contacts() const { return problem.contacts() / problem.columns_per_contact; }
+  bool has_geometry() const { return packing.size() > 0; }
 };
 
-/// Generates or takes over the packing, sets masses, finds contacts, assembles and decomposes.
+/// Throws Error, naming what asks for it, where the model is a contact problem, of which no geometry is
+/// known.
+void require_geometry(const Model& model, std::string_view what);
+
+/// Generates or takes over the packing, sets masses, finds contacts, assembles and decomposes. A contact
+/// problem has all this behind it and is only decomposed, along no regular grid.
 /// Throws Error for whatever cannot be used (see the functions called). The monitor follows the generator.
 Model build(const Case& one, const Monitor& monitor = {});
 

@@ -47,4 +47,12 @@ struct GranularScene {
 };
 GranularScene scene(const Packing& packing, const Dynamics& dynamics);
 
+/// A granular system and how it moves. `state` is all that changes.
+struct Simulation {
+  GranularSystem system;
+  GranularState state;
+  Dynamics dynamics;
+  Partitioner partitioner = GridPartitioner{};
+};
+
 }  // namespace nscdd

@@ -13,7 +13,7 @@ namespace nscdd {
 /// left out.
 struct NetworkDegrees {
   Index grains = 0;
-  Index contacts = 0;
+  Index contacts = 0;        ///< links, columns of H: two of each contact with friction
   Index rank = 0;            ///< rank of the Delassus operator
   Index rigid_modes = 0;     ///< grain motions that no contact sees: d n - rank
   Index hyperstaticity = 0;  ///< self-stresses: contacts - rank
@@ -32,6 +32,7 @@ struct Inspection {
   /// hyperstaticity of the whole minus that of the subdomains (self-stresses that cross the interface).
   Index unit_multiplicity = 0;
   bool ranks = false;  ///< ranks were computed
+  // What follows is of packings alone.
   SolidFraction solid_fraction;
   Index rattlers = 0;  ///< grains that no load can reach, see rattlers() in packing/statistics.hpp
   double coordination_without_rattlers = 0;  ///< of the other grains among themselves; nan without any

@@ -54,6 +54,12 @@ struct Optimum {
 /// eta. Throws Error where the active set is asked for and nothing is prescribed.
 Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
 
+/// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, S =
+/// X_0 of `active` (the same gluing on fewer contacts), to a relative 1e-3: what a run needs, where `optimum`
+/// reports. The largest of the range where even there the ends lie above 1 + 1 = 2, the smallest where eta
+/// may go to zero.
+double optimal_eta(const Decomposition& parts, const Decomposition& active);
+
 /// Columns and row of a table of optima, described in docs/formats.md.
 std::vector<Column> optimum_columns();
 Row optimum_row(const Model& model, const OptimumParameters& parameters, const Optimum& best);

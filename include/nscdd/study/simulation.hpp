@@ -15,7 +15,7 @@ namespace nscdd {
 /// How the iterations of a step ended.
 enum class SolverStatus {
   converged,        ///< the criterion fell to its tolerance
-  stalled,          ///< the criterion has not fallen for 1 000 iterations
+  stalled,          ///< no fall of the criterion for 1 000 iterations and half of all
   maximum_reached,  ///< as many iterations as allowed
   diverged,         ///< impulses grew a million times beyond their first size
   no_number,        ///< an impulse or velocity is no number
@@ -58,13 +58,28 @@ struct SolvedStep {
   StepReport report;
 };
 
-/// A granular system and how it moves. `state` is all that changes.
-struct Simulation {
-  GranularSystem system;
-  GranularState state;
-  Dynamics dynamics;
-  Partitioner partitioner = GridPartitioner{};
+/// Decides when the iterations of a step end.
+class IterationWatch {
+ public:
+  explicit IterationWatch(const StepSolver& solver);
+  /// Status at the end, none to go on. `residual` is looked at where the criterion needs it.
+  std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
+
+ private:
+  StepSolver solver_;
+  double best_ = infinity, first_impulses_ = 0;
+  Index best_iteration_ = 0;
 };
+
+/// The next step of a simulation, ready to be iterated.
+struct PreparedStep {
+  StepProblem problem;
+  Partition partition;                        ///< of its contacts
+  std::optional<InterfaceOperator> enriched;  ///< X_eta, none for the generic algorithm
+  double eta = not_a_number;                  ///< its flexibility, 1/kg
+  GranularTwoStage iteration;
+};
+PreparedStep prepare_solution(const Simulation& simulation);
 
 /// Prepares and solves the next step from the state without taking it. Each iteration goes to `sink` where
 /// there is one (indicators cost about a sweep each).
@@ -76,12 +91,5 @@ StepReport take_step(Simulation& simulation, SolvedStep step);
 /// Where a solver broke down: "contact of disks 3 and 7" or "disk 5", the first with a value that is no
 /// number or, where all are, the largest impulse.
 std::string describe_breakdown(const SolvedStep& step);
-
-/// The partition of the contacts of a step: kept for contacts known from `redecompose` > 1 steps before.
-Partition partition_step(const Simulation& simulation, const StepProblem& problem);
-
-/// X_eta of the linear Stage 2 of a step, on the contacts its network has.
-InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
-                                    const Partition& partition, double eta);
 
 }  // namespace nscdd

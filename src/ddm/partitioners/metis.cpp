@@ -11,20 +11,33 @@
 namespace nscdd {
 namespace {
 
+// Grains that the columns of a contact act on, ascending.
+std::vector<Index> grains_of_columns(const ReferenceProblem& problem, Index contact) {
+  const Index k = problem.columns_per_contact;
+  std::vector<Index> grains = grains_of_contact(problem, k * contact);
+  for (Index j = 1; j < k; ++j)
+    for (const Index grain : grains_of_contact(problem, k * contact + j)) grains.push_back(grain);
+  if (k > 1) {
+    std::sort(grains.begin(), grains.end());
+    grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
+  }
+  return grains;
+}
+
 // Adjacency of the contact graph in METIS's compressed rows.
 struct Graph {
   std::vector<idx_t> start{0}, neighbours;
 };
 
-Graph contact_graph(const ReferenceProblem& problem) {
+Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
   std::vector<std::vector<Index>> contacts_of_grain(at(problem.grains()));
-  for (Index c = 0; c < problem.contacts(); ++c)
-    for (const Index grain : grains_of_contact(problem, c)) contacts_of_grain[at(grain)].push_back(c);
+  for (Index c = 0; c < contacts; ++c)
+    for (const Index grain : grains_of_columns(problem, c)) contacts_of_grain[at(grain)].push_back(c);
   Graph graph;
   std::vector<Index> others;
-  for (Index c = 0; c < problem.contacts(); ++c) {
+  for (Index c = 0; c < contacts; ++c) {
     others.clear();
-    for (const Index grain : grains_of_contact(problem, c))
+    for (const Index grain : grains_of_columns(problem, c))
       for (const Index other : contacts_of_grain[at(grain)])
         if (other != c) others.push_back(other);
     std::sort(others.begin(), others.end());
@@ -42,17 +55,18 @@ Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& part
                       .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
   // METIS takes neither an empty graph nor more parts than vertices; one contact per part is then as good.
   if (partitioner.metis == 1 || problem.contacts() == 0) return partition;
-  if (partitioner.metis >= problem.contacts()) {
-    for (Index c = 0; c < problem.contacts(); ++c) partition.subdomain_of_contact[at(c)] = c;
+  const Index columns = problem.columns_per_contact, contacts = problem.contacts() / columns;
+  if (partitioner.metis >= contacts) {
+    for (Index c = 0; c < problem.contacts(); ++c) partition.subdomain_of_contact[at(c)] = c / columns;
     return partition;
   }
-  Graph graph = contact_graph(problem);
-  idx_t vertices = static_cast<idx_t>(problem.contacts()), constraints = 1;
+  Graph graph = contact_graph(problem, contacts);
+  idx_t vertices = static_cast<idx_t>(contacts), constraints = 1;
   idx_t parts = static_cast<idx_t>(partitioner.metis), cut = 0;
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = static_cast<idx_t>(partitioner.seed);
-  std::vector<idx_t> part(at(problem.contacts()));
+  std::vector<idx_t> part(at(contacts));
   const auto lock = one_metis_at_a_time();
   const int status =
       METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbours.data(), nullptr,
@@ -60,7 +74,8 @@ Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& part
   if (status != METIS_OK)
     throw Error(fmt::format("METIS: expected a partition into {} subdomains, met status {}",
                             partitioner.metis, status));
-  std::copy(part.begin(), part.end(), partition.subdomain_of_contact.begin());
+  for (Index c = 0; c < problem.contacts(); ++c)
+    partition.subdomain_of_contact[at(c)] = part[at(c / columns)];
   return partition;
 }
 

@@ -16,30 +16,25 @@ struct Coulomb {
 
   /// Solves v = W (r - stop) together with the law, exactly: open, stick or slide. `stop` = r - W^-1 v of the
   /// present state is the impulse that would bring the contact to rest, N s.
-  /// W coupled and friction large may admit several solutions (open is preferred, then stick) or none (then
-  /// the contact opens).
+  /// W coupled and friction > W_nn / |W_nt| may admit several solutions, open among them: it is preferred.
+  /// There is always one.
   template <class Delassus>
   LocalVector impulse(LocalVector stop, const Delassus& w, double friction) const {
     if constexpr (Delassus::coupled) {
       const LocalVector free = w.apply({-stop.n, -stop.t});
       if (free.n >= 0) return {};
       if (std::abs(stop.t) <= friction * stop.n) return stop;
-      return slide(free, w, stop.t < 0 ? -friction : friction);
+      // v_n = 0 holds on the line W_nn r_n + W_nt r_t = -free_n, which meets the cone at r_t = 0 and leaves
+      // it for `stop` through the edge on its side, with the velocity against the impulse: that crossing
+      // always exists, and is the one solution. (No test of v_t: rounding must not open a contact that just
+      // slips.)
+      const double slope = std::copysign(friction, stop.t);
+      const double n = std::max(0.0, -free.n / (w.nn + slope * w.nt));
+      return {n, slope * n};
     } else {
       const double n = std::max(0.0, stop.n);
-      return {n, std::clamp(stop.t, -friction * n, friction * n)};
+      return {n, std::max(-friction * n, std::min(friction * n, stop.t))};
     }
-  }
-
- private:
-  // v_n = 0 with the impulse along (1, s), s = +-friction: the sign asked for first, then the other.
-  static LocalVector slide(LocalVector free, const FullDelassus& w, double s) {
-    for (const double slope : {s, -s}) {
-      const double n = -free.n / (w.nn + slope * w.nt);
-      const double v_t = free.t + (w.nt + slope * w.tt) * n;
-      if (n > 0 && slope * v_t <= 0) return {n, slope * n};
-    }
-    return {};
   }
 };
 

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/mechanics/local_contact.hpp>
+#include <nscdd/mechanics/reference_problem.hpp>
+
+#include <string>
+
+namespace nscdd {
+
+/// A plane frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities
+/// u,
+///     u = W r + q,
+/// such that every contact obeys Signorini's and Coulomb's laws. Rows 2 c and 2 c + 1 are the normal and the
+/// tangential component of contact c; W is stored in full. Contacts carry impulses (N s) and velocities
+/// (m/s); a file in forces and displacements reads just as well.
+struct LocalFrictionProblem {
+  SparseMatrix w;   ///< W, 2c x 2c, symmetric, 1/kg
+  Vector q;         ///< relative velocities without contact impulses, 2c entries
+  Vector friction;  ///< coefficient of friction >= 0, c entries
+
+  Index contacts() const { return friction.size(); }
+};
+
+/// The same with the velocities v of the bodies:
+///     M v = H r + f,   u = H^T v + w.
+struct GlobalFrictionProblem {
+  SparseMatrix mass;  ///< M, n x n, symmetric positive definite, stored in full, kg (kg m^2)
+  SparseMatrix h;     ///< H, n x 2c
+  Vector f;           ///< impulses of the loads and the momentum before, n entries
+  Vector w;           ///< relative velocities that moving supports add, 2c entries
+  Vector friction;    ///< c entries
+
+  Index contacts() const { return friction.size(); }
+};
+
+/// How far entries (i, j) and (j, i) of W or M may lie apart, relative to the largest entry: text files of
+/// Siconos carry six digits.
+inline constexpr double symmetry_tolerance = 1e-5;
+
+/// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a
+/// negative coefficient of friction, W or M that is not symmetric, and a contact whose 2 x 2 block of W is
+/// not positive definite. That M is positive definite is found by `reduce`.
+void check(const LocalFrictionProblem& problem, const std::string& name = "problem");
+void check(const GlobalFrictionProblem& problem, const std::string& name = "problem");
+
+/// The diagonal block W_c of a contact; its off-diagonal entry is the mean of both stored ones.
+FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact);
+
+/// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. M is inverted block by block along the
+/// connected pieces of its pattern (a piece per body in most problems), so that W is as sparse as contacts
+/// that share a piece: dense Cholesky for small pieces, sparse for large ones. Throws Error, beginning with
+/// `name`, for a problem that `check` refuses and an M that is not positive definite.
+LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name = "problem");
+
+/// The linear study's view of a problem of plane bodies: M diagonal, three rows per body (two translations
+/// and a rotation), V^- = M^-1 f; a contact is two links, its normal and its tangent. The velocities w of
+/// supports change no operator and are left out. Throws Error, beginning with `name`, for a problem that
+/// `check` refuses, an M that is not diagonal and positive, and rows that are not three per body.
+ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name = "problem");
+
+/// v = M^-1 (H r + f), n entries. The problem must be one that `reduce` accepts.
+Vector body_velocities(const GlobalFrictionProblem& problem, const Vector& impulses);
+
+}  // namespace nscdd

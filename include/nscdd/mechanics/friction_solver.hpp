@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/mechanics/friction_problem.hpp>
+
+#include <functional>
+#include <string_view>
+
+namespace nscdd {
+
+/// The order in which a sweep goes through the contacts: as numbered, or from the last to the first.
+enum class SweepOrder { natural, reverse };
+
+struct FrictionSolverOptions {
+  double tolerance = 1e-8;  ///< on FrictionState::residual
+  Index maximum_sweeps = 100'000;
+  double relaxation = 1;  ///< omega in r_c <- r_c + omega (r_c' - r_c), in (0, 2)
+  SweepOrder order = SweepOrder::natural;
+  Index check_every = 10;  ///< sweeps between evaluations of the residual
+  /// Checks that the smallest residual so far may go without having fallen by 1 % before the solver gives up.
+  Index patience = 1000;
+};
+
+/// How good impulses are, and what the contacts do under them.
+struct FrictionState {
+  Vector velocities;  ///< u = W r + q, 2c entries
+  /// Natural map m_c of every contact with rho_c = 1 / W_nn of that contact, N s:
+  ///     || m || / max(|| r ||, || r^1 ||),   r^1_c the impulse contact c takes were it alone;
+  /// the latter is a scale for impulses near zero. 0 where m = 0.
+  double residual = 0;
+  /// As Siconos 4.4 computes it (fc2d_compute_error, called with the norm of q): || m || with rho = 1 for
+  /// every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
+  /// divided by || q ||.) It mixes velocities and impulses: its value depends on the units.
+  double siconos_residual = 0;
+  Index open = 0, stick = 0, slide = 0;  ///< contacts by status; a contact without friction slides
+};
+
+/// Evaluates impulses r, 2c entries. Sums in a fixed order: equal input gives equal bits.
+FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses);
+
+enum class FrictionStatus {
+  converged,        ///< residual <= tolerance
+  stalled,          ///< the smallest residual has not fallen by 1 % over `patience` checks
+  maximum_reached,  ///< of the sweeps
+  diverged,         ///< impulses grew to 10^12 times those that contacts or the guess began with
+  not_finite,       ///< impulses or residual are not finite
+  stopped,          ///< by the observer
+};
+
+std::string_view to_string(FrictionStatus status);
+
+/// One evaluation of the residual, after that many sweeps.
+struct FrictionCheck {
+  Index sweeps = 0;
+  double residual = 0, siconos_residual = 0;
+  Index open = 0, stick = 0, slide = 0;
+};
+
+/// Called at every check, the one before the first sweep included; returning false asks the solver to stop.
+using FrictionObserver = std::function<bool(const FrictionCheck&)>;
+
+struct FrictionSolution {
+  Vector impulses;      ///< r, 2c entries: those of the last sweep
+  FrictionState state;  ///< of these impulses
+  Index sweeps = 0;
+  FrictionStatus status = FrictionStatus::converged;
+};
+
+/// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2
+/// problem exactly, the others held, relaxed by omega. W is kept as compressed rows of 2 x 2 blocks.
+/// `guess`: impulses to start from, 2c entries, or empty for none. The problem must pass `check`. With much
+/// friction a solution need not exist, nor be unique, nor need the sweeps converge: the status says what
+/// came of them. Throws Error for a guess of another length and options out of their bounds.
+FrictionSolution solve_friction(const LocalFrictionProblem& problem,
+                                const FrictionSolverOptions& options = {}, const Vector& guess = {},
+                                const FrictionObserver& observer = {});
+
+}  // namespace nscdd

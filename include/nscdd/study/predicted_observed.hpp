@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/core/table.hpp>
+#include <nscdd/study/simulation.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// A run of a step beside the local theory of its convergence.
+struct PredictedObserved {
+  Index interface_size = 0, active = 0, stick = 0, slide = 0;  ///< at the statuses compared
+  double predicted = not_a_number;        ///< radius of the frozen iteration with n_GS sweeps
+  double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 grains
+  bool complex_pair = false;              ///< the dominant eigenvalue of `predicted` is one of a pair
+  bool converged = false;                 ///< of the prediction
+  double observed = not_a_number;         ///< factor per iteration; NaN where no stretch decayed enough
+  double observed_error = not_a_number;   ///< standard error of the fit
+  Index first = 0, last = 0;              ///< iterations of the stretch fitted
+  Index iterations = 0;                   ///< run in all
+  SolverStatus status = SolverStatus::maximum_reached;
+};
+
+/// Runs the iterations of the next step of a simulation to their end, and looks for the stretch of iterations
+/// without a change of status in which the corrections of F_Gamma decayed most. Near a solution, and between
+/// changes of status on the way to it, the run is the frozen linear iteration: corrections F_i - F_{i-1} tend
+/// to a constant drift (impulses that the networks carry either way; zero where there are none) with the
+/// subdominant radius as their rate. So the rate is fitted to |F_i - 2 F_{i-1} + F_{i-2}| over the last half
+/// of the stretch, and compared with the radius at the statuses of that stretch.
+PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor = {});
+
+}  // namespace nscdd

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/study/dynamics.hpp>
+
+namespace nscdd {
+
+/// The partition of the contacts of a step, afresh every `redecompose` steps, else with known contacts kept.
+Partition partition_step(const Simulation& simulation, const StepProblem& problem);
+bool decomposes_afresh(const Simulation& simulation, Index step);
+
+/// The flexibility of smallest predicted radius (see optimal_eta) for the network that 100 sweeps of the
+/// undecomposed step find, sought anew with every decomposition.
+double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
+
+/// X_eta of the linear Stage 2 of a step, on the contacts its network has.
+InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
+                                    const Partition& partition, double eta);
+
+}  // namespace nscdd

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "interruption.hpp"
+#include "progress.hpp"
+#include "provenance.hpp"
+#include "verbs.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/fclib.hpp>
+#include <nscdd/io/output_file.hpp>
+#include <nscdd/mechanics/friction_solver.hpp>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+namespace nscdd::app {
+namespace {
+
+struct Options {
+  std::string file, order = "natural", convergence, output;
+  FrictionSolverOptions solver;
+  Index guess = 0;
+  bool force = false;
+  Context context;
+};
+
+std::vector<Column> check_columns() {
+  return {{"sweeps", "1", "Gauss-Seidel sweeps done"},
+          {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses"},
+          {"siconos_residual", "1",
+           "natural map with rho = 1, relative to the largest of r, u and q, as Siconos has it"},
+          {"open", "1", "contacts without an impulse"},
+          {"stick", "1", "contacts with an impulse inside the cone of friction"},
+          {"slide", "1", "contacts with an impulse on the edge of the cone"}};
+}
+
+Row check_row(const FrictionCheck& check) {
+  return {std::int64_t{check.sweeps}, check.residual,
+          check.siconos_residual,     std::int64_t{check.open},
+          std::int64_t{check.stick},  std::int64_t{check.slide}};
+}
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
+  return std::get<LocalFrictionProblem>(file.problem);
+}
+
+Vector starting_impulses(const FclibFile& file, const Options& options) {
+  if (options.guess == 0) return {};
+  if (options.guess > count(file.guesses))
+    throw Error(fmt::format("--guess: expected one of the {} guesses of {}, met {}", file.guesses.size(),
+                            options.file, options.guess));
+  return file.guesses[at(options.guess - 1)].r;
+}
+
+void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
+  if (file.info.title) fmt::print("title                {}\n", *file.info.title);
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
+    fmt::print("problem              global, {} velocities of bodies\n", global->mass.rows());
+  else
+    fmt::print("problem              local\n");
+  fmt::print("contacts             {}\n", local.contacts());
+  if (local.contacts() > 0)
+    fmt::print("friction             {} ... {}\n", field_text(local.friction.minCoeff()),
+               field_text(local.friction.maxCoeff()));
+  fmt::print("entries of W         {}\n", local.w.nonZeros());
+}
+
+void print_solution(const FrictionSolution& solution, double tolerance, double duration) {
+  const FrictionState& state = solution.state;
+  fmt::print("status               {}\n", to_string(solution.status));
+  fmt::print("sweeps               {}\n", solution.sweeps);
+  fmt::print(
+      "residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
+      state.residual, field_text(tolerance));
+  fmt::print("residual of Siconos  {:.3e} (natural map, rho = 1, relative to the largest of r, u and q)\n",
+             state.siconos_residual);
+  fmt::print("open contacts        {}\n", state.open);
+  fmt::print("sticking contacts    {}\n", state.stick);
+  fmt::print("sliding contacts     {}\n", state.slide);
+  fmt::print("seconds              {:.3g}\n", duration);
+}
+
+// A result is a solution only where it is one; else it is a guess to go on from.
+void write_result(FclibFile file, const FrictionSolution& solution, const Options& options,
+                  OutputFile& output) {
+  FclibSolution result{{}, solution.state.velocities, solution.impulses};
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
+    result.v = body_velocities(*global, solution.impulses);
+  file.solution.reset();
+  if (solution.status == FrictionStatus::converged) {
+    file.solution = result;
+  } else if (solution.status == FrictionStatus::not_finite) {
+    note(fmt::format("{}: the impulses are not finite and are left out", options.output));
+  } else {
+    file.guesses.push_back(result);
+    note(fmt::format("{}: not converged: the impulses are written as guess {}, not as the solution",
+                     options.output, file.guesses.size()));
+  }
+  output.bytes(to_hdf5(file, provenance(options.context, {})));
+  output.finish();
+}
+
+void check_names(const Options& options) {
+  for (const auto& [option, name] :
+       {std::pair{"--convergence", options.convergence}, std::pair{"--output", options.output}}) {
+    if (name == "-")
+      throw Error(fmt::format("{}: expected a file name, met -; standard output is for the report", option));
+    if (!name.empty()) require_distinct(options.file, name);
+  }
+  if (!options.convergence.empty()) require_distinct(options.convergence, options.output);
+}
+
+int run(const Options& options) {
+  check_names(options);
+  const FclibFile file = read_fclib(options.file);
+  const LocalFrictionProblem local = local_problem(file, options.file);
+  const Vector guess = starting_impulses(file, options);
+  FrictionSolverOptions solver = options.solver;
+  solver.order = options.order == "natural" ? SweepOrder::natural : SweepOrder::reverse;
+  // Both are opened before the work, and named after it: a run that fails leaves neither.
+  std::optional<CsvWriter> csv;
+  if (!options.convergence.empty()) csv.emplace(options.convergence, options.force, check_columns());
+  std::optional<OutputFile> output;
+  if (!options.output.empty()) output.emplace(options.output, options.force);
+  Interruption interruption;
+  FrictionSolution solution;
+  const double started = seconds();
+  {
+    Progress progress("solve");
+    const Monitor monitor = interruption.watch(progress.monitor());
+    solution = solve_friction(local, solver, guess, [&](const FrictionCheck& check) {
+      if (csv) csv->write(check_row(check));
+      return report(monitor, check.sweeps, solver.maximum_sweeps);
+    });
+  }
+  const double duration = seconds() - started;
+  if (solution.status == FrictionStatus::stopped) {
+    if (csv) csv->leave();
+    note(fmt::format("interrupted after {} sweeps, residual {:.3e}", solution.sweeps,
+                     solution.state.residual));
+    return interrupted_exit_code;
+  }
+  if (csv) csv->finish();
+  print_problem(file, local);
+  print_solution(solution, solver.tolerance, duration);
+  if (output) write_result(file, solution, options, *output);
+  return solution.status == FrictionStatus::converged ? 0 : 1;
+}
+
+}  // namespace
+
+std::function<int()> declare_solve(CLI::App& command, const Context& context) {
+  auto options = std::make_shared<Options>();
+  options->context = context;
+  command.add_option("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB")
+      ->required();
+  command.add_option("--tolerance", options->solver.tolerance, "on the residual")->capture_default_str();
+  command.add_option("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most")
+      ->capture_default_str();
+  command
+      .add_option("--relaxation", options->solver.relaxation,
+                  "omega in r <- r + omega (r' - r), between 0 and 2")
+      ->capture_default_str();
+  command.add_option("--order", options->order, "of the contacts in a sweep")
+      ->check(CLI::IsMember({"natural", "reverse"}))
+      ->capture_default_str();
+  command.add_option("--check-every", options->solver.check_every, "sweeps from one residual to the next")
+      ->capture_default_str();
+  command
+      .add_option("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--convergence", options->convergence,
+                     "write one row per residual there, as CSV, each when it is known");
+  command.add_option("-o,--output", options->output,
+                     "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");
+  command.add_flag("--force", options->force, "replace existing outputs");
+  command.footer(
+      "Nonlinear Gauss-Seidel with exact local solutions. Exit code 0: converged, 1: not (the status says "
+      "why).\n"
+      "Examples:\n"
+      "  nscdd solve box.hdf5\n"
+      "  nscdd solve box.hdf5 --tolerance 1e-10 --convergence box.csv -o solved.hdf5");
+  return [options] { return run(*options); };
+}
+
+}  // namespace nscdd::app

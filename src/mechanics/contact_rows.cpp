@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/mechanics/contact_rows.hpp>
+
+namespace nscdd {
+namespace {
+
+// Decided once, outside the loop.
+template <bool relaxed, bool tangential_bias, class Law>
+SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> velocities,
+                double relaxation) {
+  SweepSums sums;
+  DiskVelocity* const v = velocities.data();
+  const double frictions[2] = {contacts.friction, contacts.boundary_friction};
+  const std::size_t n = contacts.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const ContactRows::Row& c = contacts.rows[k];
+    LocalVector& r = contacts.impulses[k];
+    DiskVelocity& a = v[c.a];
+    DiskVelocity& b = v[c.b];
+    const double dx = b.x - a.x, dy = b.y - a.y;
+    const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias_n;
+    double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim);
+    if constexpr (tangential_bias) v_t += contacts.bias_t[k];
+    const DiagonalDelassus w = disk_delassus(a, b);
+    const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
+    LocalVector next = law.impulse({r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t}, w, frictions[driven]);
+    if constexpr (relaxed) {
+      next.n = r.n + relaxation * (next.n - r.n);
+      next.t = r.t + relaxation * (next.t - r.t);
+    }
+    const double change_n = next.n - r.n, change_t = next.t - r.t;
+    r = next;
+    const double px = c.normal_x * change_n - c.normal_y * change_t;
+    const double py = c.normal_y * change_n + c.normal_x * change_t;
+    a.x -= a.inverse_mass * px;
+    a.y -= a.inverse_mass * py;
+    a.rim -= rim_mass_ratio * a.inverse_mass * change_t;
+    b.x += b.inverse_mass * px;
+    b.y += b.inverse_mass * py;
+    b.rim -= rim_mass_ratio * b.inverse_mass * change_t;
+    sums.change += change_n * change_n + change_t * change_t;
+    sums.impulses += next.n * next.n + next.t * next.t;
+  }
+  return sums;
+}
+
+}  // namespace
+
+DiskContact ContactRows::contact(std::size_t k, std::span<const DiskVelocity> v) const {
+  const Row& row = rows[k];
+  const DiskVelocity& a = v[static_cast<std::size_t>(row.a)];
+  const DiskVelocity& b = v[static_cast<std::size_t>(row.b)];
+  DiskContact c;
+  c.a = row.a;
+  c.b = row.b;
+  c.normal_x = row.normal_x;
+  c.normal_y = row.normal_y;
+  c.inverse_w = disk_delassus(a, b);
+  c.bias_n = row.bias_n;
+  c.bias_t = bias_t.empty() ? 0.0 : bias_t[k];
+  c.friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction;
+  c.impulse_n = impulses[k].n;
+  c.impulse_t = impulses[k].t;
+  return c;
+}
+
+SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows& contacts, std::span<DiskVelocity> v,
+                             double relaxation) {
+  return std::visit(
+      [&](const auto& one) {
+        const bool biased = !contacts.bias_t.empty();
+        if (relaxation == 1)
+          return biased ? sweep<false, true>(one, contacts, v, relaxation)
+                        : sweep<false, false>(one, contacts, v, relaxation);
+        return biased ? sweep<true, true>(one, contacts, v, relaxation)
+                      : sweep<true, false>(one, contacts, v, relaxation);
+      },
+      law);
+}
+
+}  // namespace nscdd

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/mechanics/contact_law.hpp>
+#include <nscdd/mechanics/friction_solver.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace nscdd {
+namespace {
+
+constexpr double progress_wanted = 0.99;  // of the smallest residual, within `patience` checks
+constexpr double growth_allowed = 1e12;
+
+// [nn nt; tn tt] of a pair of contacts.
+struct Block {
+  double nn = 0, nt = 0, tn = 0, tt = 0;
+};
+
+// W as compressed rows of 2 x 2 blocks, with the diagonal ones apart for the law.
+struct BlockRows {
+  std::vector<Index> start;
+  std::vector<int> contact;
+  std::vector<Block> block;
+  std::vector<FullDelassus> diagonal;
+};
+
+// One row of blocks, gathered column by column of W^T.
+void append_row(const Eigen::SparseMatrix<double, Eigen::RowMajor>& w, Index c, BlockRows& rows) {
+  const auto begin = rows.contact.size();
+  for (const Index row : {2 * c, 2 * c + 1})
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator e(w, row); e; ++e)
+      rows.contact.push_back(static_cast<int>(e.col() / 2));
+  const auto from = rows.contact.begin() + static_cast<std::ptrdiff_t>(begin);
+  std::sort(from, rows.contact.end());
+  rows.contact.erase(std::unique(from, rows.contact.end()), rows.contact.end());
+  rows.block.resize(rows.contact.size());
+  for (const Index row : {2 * c, 2 * c + 1}) {
+    std::size_t k = begin;
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator e(w, row); e; ++e) {
+      while (rows.contact[k] != e.col() / 2) ++k;
+      Block& b = rows.block[k];
+      (row % 2 == 0 ? (e.col() % 2 == 0 ? b.nn : b.nt) : (e.col() % 2 == 0 ? b.tn : b.tt)) = e.value();
+    }
+  }
+  rows.start.push_back(count(rows.contact));
+}
+
+BlockRows block_rows(const LocalFrictionProblem& problem) {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> w = problem.w;
+  BlockRows rows;
+  rows.start.push_back(0);
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    append_row(w, c, rows);
+    rows.diagonal.push_back(diagonal_block(problem, c));
+  }
+  return rows;
+}
+
+LocalVector component(const Vector& values, Index c) { return {values[2 * c], values[2 * c + 1]}; }
+
+// Velocity of contact c under the present impulses.
+LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector& impulses, Index c) {
+  LocalVector u = component(q, c);
+  for (Index k = rows.start[at(c)]; k < rows.start[at(c + 1)]; ++k) {
+    const Block& b = rows.block[at(k)];
+    const Index other = 2 * static_cast<Index>(rows.contact[at(k)]);
+    const double n = impulses[other], t = impulses[other + 1];
+    u.n += b.nn * n + b.nt * t;
+    u.t += b.tn * n + b.tt * t;
+  }
+  return u;
+}
+
+// The impulse that would bring contact c to rest, the others held:  r_c - W_c^-1 u_c.
+LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) {
+  const LocalVector change = w.solve(u);
+  return {impulse.n - change.n, impulse.t - change.t};
+}
+
+void sweep_once(const BlockRows& rows, const LocalFrictionProblem& problem,
+                const FrictionSolverOptions& options, Vector& impulses) {
+  const Index contacts = problem.contacts();
+  for (Index k = 0; k < contacts; ++k) {
+    const Index c = options.order == SweepOrder::natural ? k : contacts - 1 - k;
+    const FullDelassus& w = rows.diagonal[at(c)];
+    const LocalVector stop = stopping(w, component(impulses, c), velocity(rows, problem.q, impulses, c));
+    const LocalVector found = Coulomb{}.impulse(stop, w, problem.friction[c]);
+    if (options.relaxation == 1) {  // bit for bit the local solution
+      impulses[2 * c] = found.n;
+      impulses[2 * c + 1] = found.t;
+    } else {
+      impulses[2 * c] += options.relaxation * (found.n - impulses[2 * c]);
+      impulses[2 * c + 1] += options.relaxation * (found.t - impulses[2 * c + 1]);
+    }
+  }
+}
+
+// || r^1 ||: impulses of the contacts, each alone.
+double lone_impulses(const LocalFrictionProblem& problem) {
+  double squares = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const FullDelassus w = diagonal_block(problem, c);
+    const LocalVector r = Coulomb{}.impulse(stopping(w, {}, component(problem.q, c)), w, problem.friction[c]);
+    squares += r.n * r.n + r.t * r.t;
+  }
+  return std::sqrt(squares);
+}
+
+double natural_map_norm(const LocalFrictionProblem& problem, const Vector& impulses, const Vector& velocities,
+                        const Vector& rho) {
+  double squares = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const LocalVector m =
+        natural_map(component(impulses, c), component(velocities, c), problem.friction[c], rho[c]);
+    squares += m.n * m.n + m.t * m.t;
+  }
+  return std::sqrt(squares);
+}
+
+// `alone`: lone_impulses, which do not change from check to check.
+FrictionState state_of(const LocalFrictionProblem& problem, const Vector& impulses, double alone) {
+  FrictionState state;
+  state.velocities = problem.w * impulses + problem.q;
+  Vector rho(problem.contacts());
+  for (Index c = 0; c < problem.contacts(); ++c) rho[c] = 1 / problem.w.coeff(2 * c, 2 * c);
+  const double map = natural_map_norm(problem, impulses, state.velocities, rho);
+  state.residual = map == 0 ? 0 : map / std::max(impulses.norm(), alone);
+  state.siconos_residual =
+      natural_map_norm(problem, impulses, state.velocities, Vector::Ones(problem.contacts()));
+  const double size = std::max({impulses.norm(), state.velocities.norm(), problem.q.norm()});
+  if (size > std::numeric_limits<double>::epsilon()) state.siconos_residual /= size;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const ContactStatus status = contact_status(component(impulses, c), problem.friction[c]);
+    ++(status == ContactStatus::open    ? state.open
+       : status == ContactStatus::stick ? state.stick
+                                        : state.slide);
+  }
+  return state;
+}
+
+void check_options(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
+                   const Vector& guess) {
+  if (guess.size() != 0 && guess.size() != 2 * problem.contacts())
+    throw Error(fmt::format("guess of the impulses: expected 2 x contacts = {} numbers, met {}",
+                            2 * problem.contacts(), guess.size()));
+  if (!(options.tolerance > 0))
+    throw Error(fmt::format("tolerance: expected a number > 0, met {}", options.tolerance));
+  if (!(options.relaxation > 0 && options.relaxation < 2))
+    throw Error(fmt::format("relaxation: expected a number between 0 and 2, met {}", options.relaxation));
+  if (options.maximum_sweeps < 0 || options.check_every < 1 || options.patience < 1)
+    throw Error(fmt::format(
+        "sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
+        options.maximum_sweeps, options.check_every, options.patience));
+}
+
+// What the residuals so far say of going on.
+class Judge {
+ public:
+  Judge(const FrictionSolverOptions& options, double scale) : options_(options), scale_(scale) {}
+
+  // True where the sweeps are to end, with `status` why.
+  bool over(const FrictionState& state, const Vector& impulses, FrictionStatus& status) {
+    const double size = impulses.norm();
+    if (std::isnan(state.residual) || !std::isfinite(size)) {
+      status = FrictionStatus::not_finite;
+    } else if (state.residual <= options_.tolerance) {
+      status = FrictionStatus::converged;
+    } else if (size > growth_allowed * scale_) {
+      status = FrictionStatus::diverged;
+    } else if (state.residual < progress_wanted * smallest_) {
+      smallest_ = state.residual;
+      checks_without_progress_ = 0;
+      return false;
+    } else if (++checks_without_progress_ >= options_.patience) {
+      status = FrictionStatus::stalled;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+ private:
+  const FrictionSolverOptions& options_;
+  double scale_, smallest_ = infinity;
+  Index checks_without_progress_ = 0;
+};
+
+}  // namespace
+
+std::string_view to_string(FrictionStatus status) {
+  switch (status) {
+    case FrictionStatus::converged:
+      return "converged";
+    case FrictionStatus::stalled:
+      return "stalled";
+    case FrictionStatus::maximum_reached:
+      return "maximum_reached";
+    case FrictionStatus::diverged:
+      return "diverged";
+    case FrictionStatus::not_finite:
+      return "not_finite";
+    case FrictionStatus::stopped:
+      return "stopped";
+  }
+  return "stopped";
+}
+
+FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
+  return state_of(problem, impulses, lone_impulses(problem));
+}
+
+FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
+                                const Vector& guess, const FrictionObserver& observer) {
+  check_options(problem, options, guess);
+  FrictionSolution solution;
+  solution.impulses = guess.size() == 0 ? Vector::Zero(2 * problem.contacts()) : guess;
+  const BlockRows rows = block_rows(problem);
+  const double alone = lone_impulses(problem);
+  Judge judge(options, std::max(alone, solution.impulses.norm()));
+  while (true) {
+    solution.state = state_of(problem, solution.impulses, alone);
+    const FrictionState& now = solution.state;
+    const bool over = judge.over(now, solution.impulses, solution.status);
+    const bool go_on = !observer || observer({solution.sweeps, now.residual, now.siconos_residual, now.open,
+                                              now.stick, now.slide});
+    if (over) return solution;
+    if (!go_on || solution.sweeps >= options.maximum_sweeps) {
+      solution.status = go_on ? FrictionStatus::maximum_reached : FrictionStatus::stopped;
+      return solution;
+    }
+    const Index many = std::min(options.check_every, options.maximum_sweeps - solution.sweeps);
+    for (Index k = 0; k < many; ++k) sweep_once(rows, problem, options, solution.impulses);
+    solution.sweeps += many;
+  }
+}
+
+}  // namespace nscdd

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/ddm/frozen_iteration.hpp>
+#include <nscdd/linalg/linear_fit.hpp>
+#include <nscdd/study/predicted_observed.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+constexpr double rounding = 1e-13;    // below this the second differences of F are noise
+constexpr double least_decay = 1e-2;  // a stretch must show at least this much of a decay
+constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
+constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth its dense factorisations
+
+// Iterations without a change of status.
+struct Stretch {
+  Index first = 0;
+  std::vector<double> decay;  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as it stands out of rounding
+  std::vector<ContactStatus> statuses;
+
+  double depth() const { return decay.size() < 2 * shortest ? 1.0 : decay.back() / decay.front(); }
+};
+
+// Follows a run and keeps the stretch that decayed most.
+class Stretches {
+ public:
+  void record(Index iteration, double second_change, std::vector<ContactStatus> statuses) {
+    if (statuses != now_.statuses) {
+      close();
+      now_ = {.first = iteration, .decay = {}, .statuses = std::move(statuses)};
+      ended_ = false;
+    }
+    ended_ = ended_ || !(second_change > rounding);
+    if (!ended_) now_.decay.push_back(second_change);
+  }
+  Stretch best() {
+    close();
+    return best_;
+  }
+
+ private:
+  void close() {
+    if (now_.depth() < best_.depth()) best_ = now_;
+  }
+  Stretch now_, best_;
+  bool ended_ = false;
+};
+
+std::vector<ContactStatus> statuses_of(const GranularTwoStage& iteration, const ContactLaw& law,
+                                       std::size_t contacts) {
+  std::vector<ContactStatus> result(contacts, ContactStatus::open);
+  for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      result[at(subdomain.numbers[k])] = status_of(law, subdomain.contacts.contact(k, subdomain.velocities));
+  return result;
+}
+
+void fit(PredictedObserved& result, const Stretch& stretch) {
+  if (stretch.depth() > least_decay) return;
+  const std::size_t begin = stretch.decay.size() / 2;
+  std::vector<double> x, y;
+  for (std::size_t k = begin; k < stretch.decay.size(); ++k) {
+    x.push_back(static_cast<double>(k - begin));
+    y.push_back(std::log(stretch.decay[k]));
+  }
+  const LinearFit line = linear_fit(x, y);
+  result.observed = std::exp(line.slope);
+  result.observed_error = result.observed * line.slope_error;
+  result.first = stretch.first + static_cast<Index>(begin);
+  result.last = stretch.first + count(stretch.decay) - 1;
+}
+
+void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>& statuses) {
+  for (const ContactStatus status : statuses) {
+    result.active += status != ContactStatus::open;
+    result.stick += status == ContactStatus::stick;
+  }
+  result.slide = result.active - result.stick;
+}
+
+}  // namespace
+
+PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  PreparedStep step = prepare_solution(simulation);
+  const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
+  const GranularDecomposition parts = step.iteration.parts();
+  Stretches stretches;
+  IterationWatch watch(solver);
+  PredictedObserved result;
+  result.interface_size = parts.interface_size();
+  for (;;) {
+    const IterationRecord record = step.iteration.iterate();
+    stretches.record(record.iteration, record.interface_second_change,
+                     statuses_of(step.iteration, law, step.problem.contacts.size()));
+    result.iterations = record.iteration;
+    const ContactResidual none;
+    if (const auto status = watch.judge(record, none)) {
+      result.status = *status;
+      break;
+    }
+    if (!report(monitor, record.iteration, solver.maximum_iterations)) break;
+  }
+  const Stretch best = stretches.best();
+  if (best.statuses.empty()) return result;
+  count_statuses(result, best.statuses);
+  fit(result, best);
+  const FrozenRadius frozen = frozen_radius(FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps,
+                                                            step.enriched, solver.interface_relaxation));
+  result.predicted = frozen.value;
+  result.complex_pair = frozen.dominant.imag() > 0;
+  result.converged = frozen.converged;
+  if (simulation.system.disks() <= dense_grains)
+    result.predicted_exact =
+        frozen_radius(frozen_contraction(parts, best.statuses, step.enriched, solver.interface_relaxation))
+            .value;
+  return result;
+}
+
+}  // namespace nscdd

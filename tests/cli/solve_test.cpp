@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `nscdd solve`, and contact problems in place of cases.
+#include "../support/fclib_files.hpp"
+#include "../support/problems.hpp"
+#include "session.hpp"
+#include <nscdd/io/fclib.hpp>
+#include <nscdd/mechanics/friction_solver.hpp>
+
+#include <doctest/doctest.h>
+
+#include <sstream>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+GlobalFrictionProblem box() { return random_bodies_problem(4, 12, 20); }
+
+// The value of a line "name   value ..." of a report.
+std::string value(const std::string& report, const std::string& name) {
+  std::istringstream lines(report);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind(name + " ", 0) == 0) {
+      std::istringstream rest(line.substr(name.size()));
+      std::string first;
+      rest >> first;
+      return first;
+    }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("solve: a report, the convergence and the solution, of a global and a local problem") {
+  const Session session;
+  session.file("global.hdf5", raw_global(box(), Storage::rows).bytes());
+  session.file("local.hdf5", raw_local(reduce(box()), Storage::triplets).bytes());
+  const std::string report =
+      answer(session, "solve global.hdf5 --tolerance 1e-10 --convergence c.csv -o solved.hdf5");
+  CHECK(value(report, "status") == "converged");
+  CHECK(value(report, "contacts") == "20");
+  CHECK(value(report, "problem") == "global,");
+  CHECK(std::stod(value(report, "residual")) <= 1e-10);
+  const Index open = std::stol(value(report, "open contacts")),
+              stick = std::stol(value(report, "sticking contacts")),
+              slide = std::stol(value(report, "sliding contacts"));
+  CHECK(open + stick + slide == 20);
+  CHECK(open < 20);
+
+  const CsvTable checks = read_table(session.read("c.csv"));
+  REQUIRE(checks.rows.size() >= 2);
+  CHECK(checks.number(0, "sweeps") == 0);
+  CHECK(checks.text(checks.rows.size() - 1, "sweeps") == value(report, "sweeps"));
+  CHECK(checks.number(checks.rows.size() - 1, "residual") <= 1e-10);
+  CHECK(checks.number(checks.rows.size() - 1, "slide") == static_cast<double>(slide));
+
+  const FclibFile solved = fclib_from_hdf5(session.read("solved.hdf5"), "solved.hdf5");
+  REQUIRE(solved.solution);
+  const FrictionState state = friction_state(reduce(box()), solved.solution->r);
+  CHECK(state.residual <= 1e-10);
+  CHECK((state.velocities - solved.solution->u).norm() < 1e-13);
+  CHECK((box().h.transpose() * solved.solution->v + box().w - solved.solution->u).norm() < 1e-12);
+
+  const std::string local = answer(session, "solve local.hdf5 --tolerance 1e-10 -o local-solved.hdf5");
+  CHECK(value(local, "problem") == "local");
+  CHECK(value(local, "sweeps") == value(report, "sweeps"));
+  const FclibFile also = fclib_from_hdf5(session.read("local-solved.hdf5"), "local-solved.hdf5");
+  REQUIRE(also.solution);
+  CHECK((also.solution->r - solved.solution->r).norm() < 1e-8);
+}
+
+TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
+  const Session session;
+  session.file("p.hdf5", raw_global(box()).bytes());
+  const Outcome short_run =
+      session.run(words("solve p.hdf5 --maximum-sweeps 3 -o some.hdf5 --tolerance 1e-12"));
+  CHECK(short_run.exit_code == 1);
+  CHECK(value(short_run.standard_output, "status") == "maximum_reached");
+  CHECK(value(short_run.standard_output, "sweeps") == "3");
+  CHECK(short_run.standard_error.find("written as guess 1, not as the solution") != std::string::npos);
+  const FclibFile some = fclib_from_hdf5(session.read("some.hdf5"), "some.hdf5");
+  CHECK_FALSE(some.solution);
+  CHECK(some.guesses.size() == 1);
+  const std::string rest = answer(session,
+                                  "solve some.hdf5 --guess 1 --tolerance 1e-8 -o done.hdf5 --order reverse "
+                                  "--relaxation 0.9");
+  CHECK(value(rest, "status") == "converged");
+  CHECK(value(answer(session, "solve some.hdf5 --guess 1 --tolerance 1e30"), "sweeps") == "0");
+  check_refused(session, "solve some.hdf5 --guess 2", {"--guess", "expected one of the 1 guesses", "met 2"});
+}
+
+TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
+  const Session session;
+  const std::string good = raw_global(box()).bytes();
+  session.file("p.hdf5", good);
+  session.file("old.hdf5", "precious");
+  session.file("old.csv", "precious");
+  session.file("cut.hdf5", good.substr(0, good.size() / 2));
+  session.file("text.hdf5", "no problem at all\n");
+  RawFclib solid = raw_global(box());
+  solid.integers["fclib_global/spacedim"] = {3};
+  session.file("solid.hdf5", solid.bytes());
+  RawFclib outside = raw_global(box());
+  outside.integers["fclib_global/H/i"][2] = 36;
+  session.file("outside.hdf5", outside.bytes());
+  check_refused(session, "solve p.hdf5 -o old.hdf5", {"old.hdf5", "exists already"});
+  check_refused(session, "solve p.hdf5 --convergence old.csv", {"old.csv", "exists already"});
+  check_refused(session, "solve p.hdf5 -o p.hdf5 --force", {"p.hdf5", "the same twice"});
+  check_refused(session, "solve p.hdf5 --convergence x -o x", {"the same twice"});
+  check_refused(session, "solve p.hdf5 -o -", {"--output", "expected a file name"});
+  check_refused(session, "solve none.hdf5", {"none.hdf5"});
+  check_refused(session, "solve cut.hdf5", {"cut.hdf5", "expected an HDF5 file"});
+  check_refused(session, "solve text.hdf5 -o new.hdf5", {"text.hdf5", "expected an HDF5 file"});
+  check_refused(session, "solve solid.hdf5",
+                {"solid.hdf5: fclib_global: not supported: a global problem in three dimensions"});
+  check_refused(session, "solve outside.hdf5", {"fclib_global/H/i", "met 36 at position 2"});
+  check_refused(session, "solve p.hdf5 --tolerance 0", {"tolerance", "expected a number > 0"});
+  check_refused(session, "solve p.hdf5 --relaxation 2", {"relaxation"});
+  check_refused(session, "solve p.hdf5 --order random", {"--order"});
+  CHECK_FALSE(session.has("new.hdf5"));
+  CHECK(session.run(words("solve p.hdf5 -o old.hdf5 --force")).exit_code == 0);
+  CHECK(fclib_from_hdf5(session.read("old.hdf5"), "old.hdf5").solution.has_value());
+}
+
+TEST_CASE("a global problem goes through sweep, optimum and inspect like any case") {
+  const Session session;
+  session.file("p.hdf5", raw_global(box()).bytes());
+  session.file("local.hdf5", raw_local(reduce(box())).bytes());
+  session.file("case.toml", "[problem]\nfile = \"p.hdf5\"\n[partition]\nmetis = 3\n");
+  const CsvTable rows = table(session, "sweep p.hdf5 --subdomains metis:3 --epsilon 0.1,1 --csv -");
+  REQUIRE(rows.rows.size() == 2);
+  CHECK(rows.text(0, "grains") == "12");
+  CHECK(rows.text(0, "contacts") == "20");
+  CHECK(rows.text(0, "active_contacts") == "20");
+  CHECK(rows.number(0, "interface_dofs") > 0);
+  CHECK(rows.number(0, "spectral_radius") > rows.number(1, "spectral_radius"));
+  CHECK(rows.number(0, "spectral_radius") < 1);
+  const CsvTable same = table(session, "sweep case.toml --epsilon 0.1,1 --csv -");
+  CHECK(same.text(0, "spectral_radius") == rows.text(0, "spectral_radius"));
+  CHECK(
+      answer(session, "optimum p.hdf5 --subdomains metis:3 --contacts all --epsilon 0.1").find("best_eta") !=
+      std::string::npos);
+  const std::string report = answer(session, "inspect p.hdf5 --subdomains metis:3");
+  CHECK(value(report, "contacts") == "20");
+  CHECK(report.find("solid fraction") == std::string::npos);
+
+  check_refused(session, "sweep p.hdf5 --subdomains 2x1 --epsilon 1 --csv -",
+                {"p.hdf5", "expected subdomains metis:N"});
+  check_refused(session, "sweep local.hdf5 --subdomains metis:2 --epsilon 1 --csv -",
+                {"local.hdf5: expected a global problem"});
+  check_refused(session, "sweep p.hdf5 --subdomains metis:3 --epsilon 1 --contacts active --csv -",
+                {"expected --contacts all for a problem with friction"});
+  check_refused(session, "sweep p.hdf5 --subdomains metis:3 --epsilon 1 --density 2 --csv -",
+                {"masses.density: this case is a contact problem"});
+  check_refused(session, "network p.hdf5 --subdomains metis:3", {"links: expected a packing"});
+  check_refused(session, "inspect p.hdf5 --histogram h.csv", {"sizes of grains: expected a packing"});
+  check_refused(session, "modes p.hdf5 --subdomains metis:3 --epsilon 1 --output m",
+                {"modes: expected a packing"});
+  check_refused(session, "generate p.hdf5 -o g.csv", {"p.hdf5: expected a packing"});
+}

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The linear study of a frictional contact problem given by M and H.
+#include "../support/fclib_files.hpp"
+#include "../support/literal_formulas.hpp"
+#include "../support/problems.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/study/inspection.hpp>
+#include <nscdd/study/network_tables.hpp>
+#include <nscdd/study/sweep.hpp>
+#include <nscdd/study/work_record.hpp>
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+Case lattice() {
+  Case one = random_lattice(3, 7, 6, {1, 1});
+  one.prescribed.clear();
+  one.loads.compression = {1.0, 0.5};
+  one.partition = MetisPartitioner{.metis = 4};
+  return one;
+}
+
+// The contact problem of a packing, with its tangents or with columns of zeros in their place.
+Case as_problem(const Case& one, bool with_tangents) {
+  const Model model = build(one);
+  Case problem = one;
+  ContactProblemFile file{"lattice.hdf5",
+                          with_rotations(model.packing, model.network, model.problem.arriving_velocity, 0.3)};
+  if (!with_tangents)
+    for (Index c = 1; c < file.problem.h.cols(); c += 2)
+      for (SparseMatrix::InnerIterator e(file.problem.h, c); e; ++e) e.valueRef() = 0;
+  problem.packing = file;
+  problem.loads = {};
+  return problem;
+}
+
+double radius(const Model& model, double epsilon, double eta) {
+  SweepParameters parameters;
+  parameters.epsilon = {epsilon};
+  parameters.eta = {eta};
+  double value = not_a_number;
+  const std::size_t column = Table{sweep_columns(), {}}.column("spectral_radius");
+  sweep(model, parameters, [&](const Row& row) { value = std::get<double>(row[column]); });
+  return value;
+}
+
+// Interface operator sum A_E (M_E + K_E / flexibility)^-1 A_E^T from M, H and the grains of the subdomains
+// alone, with a gluing of its own: each further copy of a grain to the first.
+Matrix dense_interface(const GlobalFrictionProblem& problem, const std::vector<std::vector<Index>>& contacts,
+                       double flexibility) {
+  const Matrix mass = problem.mass, h = problem.h;
+  const Index bodies = mass.rows() / 3;
+  std::vector<std::vector<char>> holds;
+  Vector multiplicity = Vector::Zero(bodies);
+  for (const auto& of_one : contacts) {
+    holds.emplace_back(at(bodies), 0);
+    for (Index b = 0; b < bodies; ++b)
+      for (const Index c : of_one)
+        if (h.block(3 * b, 2 * c, 3, 2).norm() > 0) holds.back()[at(b)] = 1;
+    for (Index b = 0; b < bodies; ++b) multiplicity[b] += holds.back()[at(b)];
+  }
+  std::vector<std::array<Index, 3>> rows;  // body, subdomain of its first copy, of another one
+  for (Index b = 0; b < bodies; ++b) {
+    Index first = -1;
+    for (Index e = 0; e < count(holds); ++e) {
+      if (!holds[at(e)][at(b)]) continue;
+      if (first < 0)
+        first = e;
+      else
+        rows.push_back({b, first, e});
+    }
+  }
+  Matrix x = Matrix::Zero(3 * count(rows), 3 * count(rows));
+  for (Index e = 0; e < count(contacts); ++e) {
+    Matrix k = Matrix::Zero(mass.rows(), mass.rows());
+    for (Index b = 0; b < bodies; ++b)
+      for (Index i = 3 * b; i < 3 * b + 3; ++i) k(i, i) = mass(i, i) / std::max(1.0, multiplicity[b]);
+    for (const Index c : contacts[at(e)])
+      if (std::isfinite(flexibility))
+        k += h.middleCols(2 * c, 2) * h.middleCols(2 * c, 2).transpose() / flexibility;
+    Matrix a = Matrix::Zero(3 * count(rows), mass.rows());
+    for (Index r = 0; r < count(rows); ++r)
+      for (const Index side : {1, 2})
+        if (rows[at(r)][at(side)] == e)
+          a.block(3 * r, 3 * rows[at(r)][0], 3, 3) = (side == 1 ? 1.0 : -1.0) * Matrix::Identity(3, 3);
+    x += a * k.ldlt().solve(a.transpose());
+  }
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("radii of a frictional problem are those of the formulas, dense and from M and H alone") {
+  const Case one = as_problem(lattice(), true);
+  const Model model = build(one);
+  CHECK(model.problem.dofs_per_grain == 3);
+  CHECK(model.parts.interface_size() % 3 == 0);
+  REQUIRE(model.parts.interface_size() > 0);
+  std::vector<std::vector<Index>> contacts(at(model.partition.subdomains));
+  for (Index c = 0; c < model.contacts(); ++c) {
+    const Index e = model.partition.subdomain_of_contact[at(2 * c)];
+    CHECK(model.partition.subdomain_of_contact[at(2 * c + 1)] == e);  // normal and tangent stay together
+    contacts[at(e)].push_back(c);
+  }
+  const auto& problem = std::get<ContactProblemFile>(one.packing).problem;
+  for (const double epsilon : {0.05, 1.0, 20.0})
+    for (const double eta : {0.3, infinity}) {
+      const Matrix system = dense_interface(problem, contacts, epsilon);
+      const Matrix preconditioner = dense_interface(problem, contacts, eta);
+      const Matrix b = Matrix::Identity(system.rows(), system.rows()) - preconditioner.ldlt().solve(system);
+      const double expected = b.eigenvalues().cwiseAbs().maxCoeff();
+      CHECK(radius(model, epsilon, eta) == doctest::Approx(expected).epsilon(1e-9));
+      if (eta == infinity) {
+        const LiteralFormulas paper(model.parts);
+        CHECK(contraction_eigenvalues(paper.x(), paper.y(epsilon)).cwiseAbs().maxCoeff() ==
+              doctest::Approx(expected).epsilon(1e-9));
+      }
+    }
+}
+
+TEST_CASE("without tangents a contact problem has the radii of the packing it was made of") {
+  const Model packing = build(lattice());
+  const Model problem = build(as_problem(lattice(), false));
+  CHECK(problem.contacts() == packing.contacts());
+  CHECK(problem.grains() == packing.grains());
+  for (Index c = 0; c < packing.contacts(); ++c)
+    CHECK(problem.partition.subdomain_of_contact[at(2 * c)] == packing.partition.subdomain_of_contact[at(c)]);
+  for (const double epsilon : {0.02, 1.0, 50.0})
+    for (const double eta : {0.2, infinity})
+      CHECK(radius(problem, epsilon, eta) == doctest::Approx(radius(packing, epsilon, eta)).epsilon(1e-9));
+  for (Index i = 0; i < packing.grains(); ++i)
+    CHECK((problem.problem.arriving_velocity.segment(3 * i, 2) -
+           packing.problem.arriving_velocity.segment(2 * i, 2))
+              .norm() < 1e-14);
+}
+
+TEST_CASE("friction takes motions away: fewer rigid modes, the same network") {
+  const Inspection packing = inspect(build(lattice()));
+  const Inspection problem = inspect(build(as_problem(lattice(), true)));
+  CHECK(problem.components == packing.components);
+  CHECK(problem.coordination_number == packing.coordination_number);
+  CHECK(problem.isolated_grains == packing.isolated_grains);
+  CHECK(problem.whole.contacts == 2 * packing.whole.contacts);
+  // A translation and a rotation of the whole for each piece, if nothing else slips.
+  CHECK(problem.whole.rigid_modes >= 3 * packing.components);
+  CHECK(problem.whole.rigid_modes < packing.whole.rigid_modes + packing.whole.grains);
+}
+
+TEST_CASE("what a contact problem cannot do is refused") {
+  Case one = as_problem(lattice(), true);
+  const Model model = build(one);
+  const auto nowhere = [](const Row&) {};
+  CHECK_THROWS_WITH_AS(link_rows(model, nowhere), doctest::Contains("links: expected a packing"), Error);
+  CHECK_THROWS_WITH_AS(grain_rows(model, nowhere), doctest::Contains("grains: expected a packing"), Error);
+  CHECK_THROWS_WITH_AS(packing_of(one), doctest::Contains("expected a packing"), Error);
+  CHECK_THROWS_WITH_AS(choose_contacts(model, ContactSet::active),
+                       doctest::Contains("expected --contacts all for a problem with friction, met active"),
+                       Error);
+  for (const char* key : {"packing.grains", "contacts.tolerance", "masses.density", "loads.shear"})
+    CHECK_THROWS_WITH_AS(override_case(one, key, "1"), doctest::Contains("expected partition.* alone"),
+                         Error);
+  override_case(one, "partition.metis", "3");
+  CHECK(build(one).partition.subdomains == 3);
+  one.prescribed = {{0, {1, 0}}};
+  CHECK_THROWS_WITH_AS(build(one), doctest::Contains("no prescribed velocities"), Error);
+  one.prescribed.clear();
+  one.partition = GridPartitioner{{2, 1}};
+  CHECK_THROWS_WITH_AS(build(one), doctest::Contains("expected subdomains metis:N"), Error);
+  one.partition = GridPartitioner{};
+  CHECK(build(one).parts.interface_size() == 0);
+  auto& problem = std::get<ContactProblemFile>(one.packing).problem;
+  problem.mass.coeffRef(0, 1) = problem.mass.coeffRef(1, 0) = 0.1;
+  CHECK_THROWS_WITH_AS(
+      build(one),
+      doctest::Contains("lattice.hdf5: M: expected a diagonal matrix, met 0.1 at row 1, column 0"), Error);
+  problem.mass.coeffRef(0, 1) = problem.mass.coeffRef(1, 0) = 0;
+  CHECK_NOTHROW(build(one));
+  problem.mass.coeffRef(5, 5) = 0;
+  CHECK_THROWS_WITH_AS(build(one), doctest::Contains("expected positive numbers on the diagonal"), Error);
+}
+
+TEST_CASE("a case with a contact problem reads back from its file") {
+  Case one = as_problem(lattice(), true);
+  one.name = "one";
+  const PackingReader no_packing = [](const std::string&) -> Packing { throw Error("no packing"); };
+  const Case back = parse_case(to_toml(one), "one.toml", no_packing, [&](const std::string& path) {
+    CHECK(path == "lattice.hdf5");
+    return std::get<ContactProblemFile>(one.packing).problem;
+  });
+  CHECK(to_toml(back) == to_toml(one));
+  CHECK_THROWS_WITH_AS(parse_case(to_toml(one), "one.toml", no_packing),
+                       doctest::Contains("problem.file: lattice.hdf5: expected no contact problem here"),
+                       Error);
+  CHECK_THROWS_WITH_AS(
+      parse_case("[problem]\nfile = \"p\"\n[partition]\nmetis = 2\n[masses]\ndensity = 1\n", "c.toml",
+                 no_packing, [](const std::string&) { return GlobalFrictionProblem{}; }),
+      doctest::Contains("unknown key 'masses'"), Error);
+}
+
+TEST_CASE("rows of a contact problem are gone on with for the same content alone, wherever the file lies") {
+  StudyTable table;
+  table.cases = {as_problem(lattice(), true)};
+  StudyTable other = table;
+  auto& file = std::get<ContactProblemFile>(other.cases[0].packing);
+  file.path = "elsewhere/lattice.hdf5";
+  CHECK(difference(work_record(table), work_record(other)).empty());
+  file.problem.h.coeffRef(0, 0) *= 1 + 1e-15;
+  CHECK(difference(work_record(table), work_record(other)).find("the case differs") == 0);
+}

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fclib_files.hpp"
+
+#include <nscdd/linalg/random.hpp>
+
+#include <hdf5.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace nscdd::testing {
+namespace {
+
+void put_matrix(RawFclib& raw, const std::string& path, const SparseMatrix& matrix, Storage storage) {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = matrix;
+  const bool triplets = storage == Storage::triplets || storage == Storage::csparse_triplets;
+  const int entries = static_cast<int>(matrix.nonZeros());
+  raw.integers[path + "/m"] = {static_cast<int>(matrix.rows())};
+  raw.integers[path + "/n"] = {static_cast<int>(matrix.cols())};
+  raw.integers[path + "/nzmax"] = {entries};
+  raw.integers[path + "/nz"] = {triplets ? entries : storage == Storage::columns ? -1 : -2};
+  std::vector<int>& p = raw.integers[path + "/p"];
+  std::vector<int>& i = raw.integers[path + "/i"];
+  std::vector<double>& x = raw.numbers[path + "/x"];
+  if (storage == Storage::columns) {
+    p.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.cols() + 1);
+    i.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + entries);
+    x.assign(matrix.valuePtr(), matrix.valuePtr() + entries);
+  } else if (storage == Storage::rows) {
+    p.assign(by_rows.outerIndexPtr(), by_rows.outerIndexPtr() + matrix.rows() + 1);
+    i.assign(by_rows.innerIndexPtr(), by_rows.innerIndexPtr() + entries);
+    x.assign(by_rows.valuePtr(), by_rows.valuePtr() + entries);
+  } else {
+    for (Index row = matrix.rows() - 1; row >= 0; --row)  // in no order a reader could count on
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator e(by_rows, row); e; ++e) {
+        p.push_back(static_cast<int>(e.row()));
+        i.push_back(static_cast<int>(e.col()));
+        x.push_back(e.value());
+      }
+    if (storage == Storage::csparse_triplets) std::swap(p, i);
+  }
+}
+
+std::vector<double> list(const Vector& values) { return {values.data(), values.data() + values.size()}; }
+
+void require(bool holds) {
+  if (!holds) throw std::runtime_error("HDF5: the test's own file cannot be written");
+}
+
+template <class Value>
+void write_all(hid_t file, const std::map<std::string, std::vector<Value>>& all, hid_t type) {
+  const hid_t properties = H5Pcreate(H5P_LINK_CREATE);
+  H5Pset_create_intermediate_group(properties, 1);
+  for (const auto& [path, values] : all) {
+    const hsize_t size = values.size();
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t dataset = H5Dcreate2(file, path.c_str(), type, space, properties, H5P_DEFAULT, H5P_DEFAULT);
+    require(dataset >= 0);
+    require(size == 0 || H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0);
+    H5Dclose(dataset);
+    H5Sclose(space);
+  }
+  H5Pclose(properties);
+}
+
+template <class Value>
+void remove_from(std::map<std::string, std::vector<Value>>& all, const std::string& path) {
+  std::erase_if(all,
+                [&](const auto& one) { return one.first == path || one.first.rfind(path + "/", 0) == 0; });
+}
+
+template <class Value>
+void move_in(std::map<std::string, std::vector<Value>>& all, const std::string& from, const std::string& to) {
+  std::map<std::string, std::vector<Value>> moved;
+  for (auto& [path, values] : all)
+    moved[path.rfind(from + "/", 0) == 0 ? to + path.substr(from.size()) : path] = values;
+  all = moved;
+}
+
+}  // namespace
+
+void RawFclib::remove(const std::string& path) {
+  remove_from(integers, path);
+  remove_from(numbers, path);
+}
+
+void RawFclib::move(const std::string& from, const std::string& to) {
+  move_in(integers, from, to);
+  move_in(numbers, from, to);
+}
+
+std::string RawFclib::bytes() const {
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_fapl_core(access, 1 << 16, false);
+  const hid_t file = H5Fcreate("raw", H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  require(file >= 0);
+  write_all(file, integers, H5T_NATIVE_INT);
+  write_all(file, numbers, H5T_NATIVE_DOUBLE);
+  H5Fflush(file, H5F_SCOPE_GLOBAL);
+  std::string image(static_cast<std::size_t>(H5Fget_file_image(file, nullptr, 0)), '\0');
+  require(H5Fget_file_image(file, image.data(), image.size()) == static_cast<ssize_t>(image.size()));
+  H5Fclose(file);
+  H5Pclose(access);
+  return image;
+}
+
+RawFclib raw_local(const LocalFrictionProblem& problem, Storage storage) {
+  RawFclib raw;
+  raw.integers["fclib_local/spacedim"] = {2};
+  put_matrix(raw, "fclib_local/W", problem.w, storage);
+  raw.numbers["fclib_local/vectors/q"] = list(problem.q);
+  raw.numbers["fclib_local/vectors/mu"] = list(problem.friction);
+  return raw;
+}
+
+RawFclib raw_global(const GlobalFrictionProblem& problem, Storage storage) {
+  RawFclib raw;
+  raw.integers["fclib_global/spacedim"] = {2};
+  put_matrix(raw, "fclib_global/M", problem.mass, storage);
+  put_matrix(raw, "fclib_global/H", problem.h, storage);
+  raw.numbers["fclib_global/vectors/f"] = list(problem.f);
+  raw.numbers["fclib_global/vectors/w"] = list(problem.w);
+  raw.numbers["fclib_global/vectors/mu"] = list(problem.friction);
+  return raw;
+}
+
+GlobalFrictionProblem random_bodies_problem(std::uint64_t seed, Index bodies, Index contacts) {
+  RandomStream random(seed);
+  std::vector<Eigen::Triplet<double>> mass, h;
+  const auto put = [](auto& entries, Index row, Index column, double value) {
+    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  };
+  Vector radius(bodies);
+  for (Index b = 0; b < bodies; ++b) {
+    radius[b] = 0.5 + random.uniform();
+    const double m = 1 + random.uniform();
+    for (Index k = 0; k < 3; ++k) put(mass, 3 * b + k, 3 * b + k, k < 2 ? m : m * radius[b] * radius[b] / 2);
+  }
+  for (Index c = 0; c < contacts; ++c) {
+    // The first contacts join neighbours; further ones hold a body against a wall.
+    const bool wall = c + 1 >= bodies;
+    const Index i = wall ? c % bodies : c + 1;
+    const double angle = 7 * random.uniform(), x = std::cos(angle), y = std::sin(angle);
+    for (const double side : {1.0, -1.0}) {
+      if (side < 0 && wall) continue;
+      const Index body = side > 0 ? i : c;
+      put(h, 3 * body, 2 * c, side * x);
+      put(h, 3 * body + 1, 2 * c, side * y);
+      put(h, 3 * body, 2 * c + 1, -side * y);
+      put(h, 3 * body + 1, 2 * c + 1, side * x);
+      put(h, 3 * body + 2, 2 * c + 1, -radius[body]);
+    }
+  }
+  GlobalFrictionProblem problem;
+  problem.mass.resize(3 * bodies, 3 * bodies);
+  problem.mass.setFromTriplets(mass.begin(), mass.end());
+  problem.h.resize(3 * bodies, 2 * contacts);
+  problem.h.setFromTriplets(h.begin(), h.end());
+  problem.f = random.normal_vector(3 * bodies);
+  problem.w = 0.1 * random.normal_vector(2 * contacts);
+  problem.friction.resize(contacts);
+  for (Index c = 0; c < contacts; ++c) problem.friction[c] = 0.6 * random.uniform();
+  return problem;
+}
+
+GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwork& network,
+                                     const Vector& arriving_velocity, double friction) {
+  std::vector<Eigen::Triplet<double>> mass, h;
+  const auto put = [](auto& entries, Index row, Index column, double value) {
+    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  };
+  GlobalFrictionProblem problem;
+  problem.f = Vector::Zero(3 * packing.size());
+  for (Index i = 0; i < packing.size(); ++i) {
+    const double m = packing.mass[at(i)], r = packing.radius[at(i)];
+    for (Index k = 0; k < 3; ++k) put(mass, 3 * i + k, 3 * i + k, k < 2 ? m : m * r * r / 2);
+    problem.f.segment(3 * i, 2) = m * arriving_velocity.segment(2 * i, 2);
+  }
+  for (Index c = 0; c < network.size(); ++c) {
+    const Contact& contact = network.contacts[at(c)];
+    const double x = contact.normal[0], y = contact.normal[1];  // from a to b
+    for (const auto& [grain, side] : {std::pair{contact.a, -1.0}, std::pair{contact.b, 1.0}}) {
+      put(h, 3 * grain, 2 * c, side * x);
+      put(h, 3 * grain + 1, 2 * c, side * y);
+      put(h, 3 * grain, 2 * c + 1, -side * y);
+      put(h, 3 * grain + 1, 2 * c + 1, side * x);
+      put(h, 3 * grain + 2, 2 * c + 1, -packing.radius[at(grain)]);
+    }
+  }
+  problem.mass.resize(3 * packing.size(), 3 * packing.size());
+  problem.mass.setFromTriplets(mass.begin(), mass.end());
+  problem.h.resize(3 * packing.size(), 2 * network.size());
+  problem.h.setFromTriplets(h.begin(), h.end());
+  problem.w = Vector::Zero(2 * network.size());
+  problem.friction = Vector::Constant(network.size(), friction);
+  return problem;
+}
+
+}  // namespace nscdd::testing

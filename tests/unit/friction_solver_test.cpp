@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/problems.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/mechanics/contact_law.hpp>
+#include <nscdd/mechanics/friction_solver.hpp>
+#include <nscdd/mechanics/unilateral.hpp>
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+SparseMatrix sparse(const Matrix& dense) { return dense.sparseView(); }
+
+// W = A A^T + shift, friction in [0, most).
+LocalFrictionProblem random_problem(std::uint64_t seed, Index contacts, double most) {
+  RandomStream random(seed);
+  const Index size = 2 * contacts;
+  Matrix a(size, size);
+  for (Index j = 0; j < size; ++j) a.col(j) = random.normal_vector(size);
+  LocalFrictionProblem problem;
+  problem.w = sparse(a * a.transpose() / static_cast<double>(size) + 0.3 * Matrix::Identity(size, size));
+  problem.q = random.normal_vector(size);
+  problem.friction.resize(contacts);
+  for (Index c = 0; c < contacts; ++c) problem.friction[c] = most * random.uniform();
+  return problem;
+}
+
+bool obeys(const LocalFrictionProblem& problem, const Vector& r, const Vector& u, double tolerance) {
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const double n = r[2 * c], t = r[2 * c + 1], u_n = u[2 * c], u_t = u[2 * c + 1], mu = problem.friction[c];
+    if (n < -tolerance || u_n < -tolerance || std::abs(n * u_n) > tolerance) return false;
+    if (std::abs(t) > mu * n + tolerance) return false;
+    // Power of friction: as negative as the cone allows.
+    if (std::abs(u_t * t + mu * n * std::abs(u_t)) > tolerance) return false;
+  }
+  return true;
+}
+
+// Every solution, by trying the 4^c combinations of statuses: the equations of a combination are linear.
+std::vector<Vector> every_solution(const LocalFrictionProblem& problem) {
+  const Index c = problem.contacts(), size = 2 * c;
+  const Matrix w = problem.w;
+  std::vector<Vector> found;
+  for (Index code = 0; code < Index{1} << (2 * c); ++code) {
+    Matrix a = Matrix::Zero(size, size);
+    Vector b = Vector::Zero(size);
+    for (Index k = 0; k < c; ++k) {
+      const Index status = (code >> (2 * k)) & 3;
+      for (const Index row : {2 * k, 2 * k + 1}) {
+        if (status == 0) {
+          a(row, row) = 1;  // open: r = 0
+        } else if (status == 1 || row == 2 * k) {
+          a.row(row) = w.row(row);  // stick: u = 0; slide: u_n = 0
+          b[row] = -problem.q[row];
+        } else {
+          a(row, row) = 1;  // slide: r_t = -+ friction r_n
+          a(row, row - 1) = status == 2 ? problem.friction[k] : -problem.friction[k];
+        }
+      }
+    }
+    const Vector r = a.fullPivLu().solve(b);
+    if (!r.allFinite() || !obeys(problem, r, w * r + problem.q, 1e-11)) continue;
+    bool known = false;
+    for (const Vector& other : found) known = known || (other - r).norm() < 1e-8;
+    if (!known) found.push_back(r);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("Gauss-Seidel finds the solution that enumeration of all statuses finds") {
+  Index unique = 0, sliding = 0, sticking = 0, open = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const Index contacts = 1 + static_cast<Index>(seed % 4);
+    const LocalFrictionProblem problem = random_problem(seed, contacts, 0.5);
+    check(problem);
+    const std::vector<Vector> solutions = every_solution(problem);
+    REQUIRE_FALSE(solutions.empty());
+    FrictionSolverOptions options;
+    options.tolerance = 1e-12;
+    const FrictionSolution found = solve_friction(problem, options);
+    CAPTURE(seed);
+    REQUIRE(found.status == FrictionStatus::converged);
+    double nearest = infinity;
+    for (const Vector& solution : solutions) {
+      nearest = std::min(nearest, (solution - found.impulses).norm());
+      CHECK(friction_state(problem, solution).residual < 1e-11);
+    }
+    CHECK(nearest < 1e-9);
+    CHECK(found.state.open + found.state.stick + found.state.slide == contacts);
+    unique += solutions.size() == 1;
+    open += found.state.open;
+    sticking += found.state.stick;
+    sliding += found.state.slide;
+  }
+  CHECK(unique > 50);
+  CHECK(open > 10);
+  CHECK(sticking > 5);
+  CHECK(sliding > 10);
+}
+
+TEST_CASE("one contact: the local solution obeys the law for any friction, on the edge of the cone too") {
+  RandomStream random(5);
+  for (Index k = 0; k < 4000; ++k) {
+    const double nn = 0.1 + random.uniform(), tt = 0.1 + random.uniform();
+    const FullDelassus w{nn, (2 * random.uniform() - 1) * 0.999 * std::sqrt(nn * tt), tt};
+    const double friction = k % 5 == 0 ? 0.0 : 6 * random.uniform() * random.uniform();
+    LocalVector stop{random.normal(), random.normal()};
+    if (k % 3 == 0)
+      stop = {std::abs(stop.n), friction * std::abs(stop.n) * (1 + 1e-16 * static_cast<double>(k % 7 - 3))};
+    if (k % 6 == 0) stop.t = std::nextafter(stop.t, k % 4 == 0 ? 100.0 : -100.0);
+    const LocalVector r = Coulomb{}.impulse(stop, w, friction);
+    const LocalVector v = w.apply({r.n - stop.n, r.t - stop.t});
+    const LocalVector m = natural_map(r, v, friction, 1 / nn);
+    CAPTURE(k);
+    // Where W is nearly singular the slip velocity loses digits with n = -free_n / (W_nn + s W_nt).
+    CHECK(std::hypot(m.n, m.t) <= 1e-9 * (1 + std::hypot(r.n, r.t)));
+    if (w.apply(stop).n > 1e-9) CHECK(r.n > 0);  // a contact that closes never opens
+  }
+}
+
+TEST_CASE("projection on the cone: the nearest point of it, for no friction too") {
+  RandomStream random(8);
+  for (Index k = 0; k < 300; ++k) {
+    const double friction = k % 3 == 0 ? 0.0 : 2 * random.uniform();
+    const LocalVector point{random.normal(), k % 4 == 0 ? 0.0 : random.normal()};
+    const LocalVector p = project_on_cone(point, friction);
+    CHECK(p.n >= 0);
+    CHECK(std::abs(p.t) <= friction * p.n * (1 + 1e-15));
+    const double distance = std::hypot(point.n - p.n, point.t - p.t);
+    for (const double slope : {-friction, -friction / 2, 0.0, friction})
+      for (const double n : {0.0, 0.5 * p.n, 0.999 * p.n, 1.001 * p.n, 1e-3, 2.0})
+        CHECK(std::hypot(point.n - n, point.t - slope * n) >= distance - 1e-15);
+  }
+}
+
+TEST_CASE("order and relaxation lead to the same solution, a guess that solves needs no sweep") {
+  const LocalFrictionProblem problem = random_problem(12, 4, 0.4);
+  REQUIRE(every_solution(problem).size() == 1);
+  FrictionSolverOptions options;
+  options.tolerance = 1e-12;
+  const FrictionSolution plain = solve_friction(problem, options);
+  for (const double relaxation : {0.7, 1.2}) {
+    options.relaxation = relaxation;
+    options.order = SweepOrder::reverse;
+    const FrictionSolution other = solve_friction(problem, options);
+    CHECK(other.status == FrictionStatus::converged);
+    CHECK((other.impulses - plain.impulses).norm() < 1e-10);
+  }
+  const FrictionSolution again = solve_friction(problem, {}, plain.impulses);
+  CHECK(again.sweeps == 0);
+  CHECK(again.impulses == plain.impulses);
+}
+
+TEST_CASE("without friction it is the unilateral problem") {
+  Case squeezed = random_lattice(4, 6, 6, {1, 1});
+  squeezed.prescribed.clear();
+  squeezed.loads.compression = {1.0, 0.3};
+  const ReferenceProblem reference = build(squeezed).problem;
+  const SparseMatrix w =
+      reference.h.transpose() * reference.inertia.cwiseInverse().asDiagonal() * reference.h;
+  const Index contacts = reference.contacts();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index c = 0; c < contacts; ++c) {
+    for (SparseMatrix::InnerIterator e(w, c); e; ++e)
+      entries.emplace_back(static_cast<int>(2 * e.row()), static_cast<int>(2 * c), e.value());
+    entries.emplace_back(static_cast<int>(2 * c + 1), static_cast<int>(2 * c + 1), 1.0);
+  }
+  LocalFrictionProblem problem;
+  problem.w.resize(2 * contacts, 2 * contacts);
+  problem.w.setFromTriplets(entries.begin(), entries.end());
+  problem.q = Vector::Zero(2 * contacts);
+  const Vector approach = reference.h.transpose() * reference.arriving_velocity;
+  for (Index c = 0; c < contacts; ++c) problem.q[2 * c] = approach[c];
+  problem.friction = Vector::Zero(contacts);
+  FrictionSolverOptions options;
+  options.tolerance = 1e-12;
+  const FrictionSolution found = solve_friction(problem, options);
+  CAPTURE(found.state.residual);
+  CAPTURE(found.sweeps);
+  REQUIRE(found.status == FrictionStatus::converged);
+  const UnilateralImpulses expected = unilateral_impulses(reference);
+  REQUIRE(expected.converged);
+  for (Index c = 0; c < contacts; ++c)
+    CHECK(found.state.velocities[2 * c] == doctest::Approx(expected.separation[c]).epsilon(1e-6).scale(1));
+  CHECK(found.state.stick == 0);
+}
+
+TEST_CASE("Siconos' residual: rho = 1, relative to the largest of r, u and q") {
+  LocalFrictionProblem problem;
+  problem.w = sparse((Matrix(2, 2) << 2, 0, 0, 3).finished());
+  problem.q = (Vector(2) << -3, 4).finished();
+  problem.friction = Vector::Constant(1, 0.5);
+  // r = 0: u = q; r - rho (u + mu |u_t| n) = (3 - 2, -4) projects to (1 + 0.5 4)/(1.25) (1, -0.5).
+  const FrictionState state = friction_state(problem, Vector::Zero(2));
+  CHECK(state.siconos_residual == doctest::Approx(2.4 * std::sqrt(1.25) / 5));
+  // rho = 1/2: (0.5, -2) projects to 1.2 (1, -0.5); alone the contact takes (1.5, -0.75).
+  CHECK(state.residual == doctest::Approx(1.2 / 1.5));
+  CHECK(state.velocities == problem.q);
+  CHECK(state.open == 1);
+  // r = (10, 0): u = (17, 4), and r - (u + mu |u_t| n) = (-9, -4) projects to zero.
+  const FrictionState pressed = friction_state(problem, (Vector(2) << 10, 0).finished());
+  CHECK(pressed.siconos_residual == doctest::Approx(10 / std::hypot(17, 4)));
+  CHECK(pressed.stick == 1);
+}
+
+TEST_CASE("what came of the sweeps is said") {
+  const LocalFrictionProblem problem = random_problem(7, 20, 0.4);
+  SUBCASE("maximum") {
+    FrictionSolverOptions options;
+    options.maximum_sweeps = 3;
+    options.tolerance = 1e-15;
+    const FrictionSolution found = solve_friction(problem, options);
+    CHECK(found.status == FrictionStatus::maximum_reached);
+    CHECK(found.sweeps == 3);
+  }
+  SUBCASE("stalled: a tolerance below rounding") {
+    FrictionSolverOptions options;
+    options.tolerance = 1e-30;
+    const FrictionSolution found = solve_friction(problem, options);
+    CHECK((found.status == FrictionStatus::stalled || found.state.residual == 0));
+    CHECK(found.state.residual < 1e-14);
+  }
+  SUBCASE("stopped by the observer, which saw every check") {
+    std::vector<Index> seen;
+    FrictionSolverOptions options;
+    options.tolerance = 1e-15;
+    options.check_every = 2;
+    const FrictionSolution found = solve_friction(problem, options, {}, [&](const FrictionCheck& check) {
+      seen.push_back(check.sweeps);
+      return check.sweeps < 4;
+    });
+    CHECK(found.status == FrictionStatus::stopped);
+    CHECK(seen == std::vector<Index>{0, 2, 4});
+  }
+  SUBCASE("diverged: W not positive definite across contacts") {
+    LocalFrictionProblem wild;
+    wild.w = sparse((Matrix(4, 4) << 1, 0, -3, 0, 0, 1, 0, 0, -3, 0, 1, 0, 0, 0, 0, 1).finished());
+    wild.q = (Vector(4) << -1, 0, -1, 0).finished();
+    wild.friction = Vector::Zero(2);
+    CHECK(solve_friction(wild).status == FrictionStatus::diverged);
+  }
+  SUBCASE("not a number") {
+    CHECK(solve_friction(problem, {}, Vector::Constant(40, not_a_number)).status ==
+          FrictionStatus::not_finite);
+  }
+  SUBCASE("no contact at all") {
+    const LocalFrictionProblem empty{SparseMatrix(0, 0), Vector(0), Vector(0)};
+    CHECK(solve_friction(empty).status == FrictionStatus::converged);
+  }
+  CHECK_THROWS_AS(solve_friction(problem, {}, Vector::Zero(3)), Error);
+  CHECK_THROWS_AS(solve_friction(problem, {.relaxation = 2.0}), Error);
+  CHECK_THROWS_AS(solve_friction(problem, {.tolerance = 0.0}), Error);
+}
