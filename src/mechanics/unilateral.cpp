@@ -39,7 +39,7 @@ Solution by_projected_gradients(const SparseMatrix& b, const Vector& load, const
 
 }  // namespace
 
-Index UnilateralImpulses::count(ContactStatus wanted) const {
+Index UnilateralImpulses::count(UnilateralStatus wanted) const {
   return std::count(status.begin(), status.end(), wanted);
 }
 
@@ -67,11 +67,11 @@ UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const Un
   result.status.reserve(at(contacts));
   for (Index c = 0; c < contacts; ++c) {
     const double r = found.scaled_impulses[c], w = scaled_separation[c];
-    result.status.push_back(std::max(r, w) <= threshold ? ContactStatus::idle
-                            : r > w                     ? ContactStatus::carrying
-                                                        : ContactStatus::open);
+    result.status.push_back(std::max(r, w) <= threshold ? UnilateralStatus::idle
+                            : r > w                     ? UnilateralStatus::carrying
+                                                        : UnilateralStatus::open);
     // An interior point leaves a remainder of the order of tolerance^2 on contacts that open.
-    if (result.status.back() == ContactStatus::open) found.scaled_impulses[c] = 0;
+    if (result.status.back() == UnilateralStatus::open) found.scaled_impulses[c] = 0;
   }
   result.impulses = found.scaled_impulses.cwiseQuotient(root);
   result.velocities = problem.arriving_velocity +

@@ -11,12 +11,12 @@ namespace {
 
 // Impulses are unique where the columns of H of all contacts that stay closed are independent. (Where they
 // are not, they may still be, if no self-stress spares the idle ones; that is not looked into.)
-bool unique_impulses(const ReferenceProblem& problem, const std::vector<ContactStatus>& status) {
+bool unique_impulses(const ReferenceProblem& problem, const std::vector<UnilateralStatus>& status) {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<char> touched(at(problem.grains()), 0);
   Index closed = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    if (status[at(c)] == ContactStatus::open) continue;
+    if (status[at(c)] == UnilateralStatus::open) continue;
     for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e)
       entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(closed), e.value());
     for (const Index grain : grains_of_contact(problem, c)) touched[at(grain)] = 1;
@@ -48,11 +48,12 @@ ContactChoice complementary(const ReferenceProblem& problem) {
   const UnilateralImpulses solved = unilateral_impulses(problem);
   const bool unique = unique_impulses(problem, solved.status);
   ContactChoice choice;
-  for (const ContactStatus status : solved.status) choice.active.push_back(status == ContactStatus::carrying);
+  for (const UnilateralStatus status : solved.status)
+    choice.active.push_back(status == UnilateralStatus::carrying);
   choice.impulses = solved.impulses;
   choice.rule = unique ? "complementarity (unique)" : "complementarity (maximal)";
   choice.solution = unique ? "unilateral_unique" : "unilateral_maximal";
-  choice.idle = solved.count(ContactStatus::idle);
+  choice.idle = solved.count(UnilateralStatus::idle);
   choice.certain = solved.converged;
   return choice;
 }

@@ -31,6 +31,8 @@ std::string case_text(Case one) {
   if (auto* file = std::get_if<PackingFile>(&one.packing))
     file->path =
         fmt::format("{} ({})", std::filesystem::path(file->path).filename().string(), content(file->packing));
+  if (auto* settled = std::get_if<SettledPacking>(&one.packing))
+    settled->from = fmt::format("{} ({})", settled->from, content(settled->packing));
   return text + to_toml(one);
 }
 

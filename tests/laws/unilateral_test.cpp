@@ -100,11 +100,11 @@ TEST_CASE("unilateral: two disks share their momentum, or part") {
     CHECK(hit.impulses[0] == doctest::Approx(0.75));
     CHECK(hit.velocities[0] == doctest::Approx(-0.75));
     CHECK(hit.velocities[2] == doctest::Approx(-0.75));
-    CHECK(hit.count(ContactStatus::carrying) == 1);
+    CHECK(hit.count(UnilateralStatus::carrying) == 1);
     const UnilateralImpulses leaving = unilateral_impulses(
         assemble(packing, detect_contacts(packing), {{1, {1.0, 0.0}}}), {.method = method});
     CHECK(leaving.impulses[0] == 0);
-    CHECK(leaving.count(ContactStatus::open) == 1);
+    CHECK(leaving.count(UnilateralStatus::open) == 1);
     CHECK(leaving.residual == 0);
     CHECK(leaving.converged);
   }
@@ -128,8 +128,9 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
       CHECK(found.converged);
       CHECK((found.separation - expected).cwiseAbs().maxCoeff() < 1e-7);
       for (Index c = 0; c < problem.contacts(); ++c)
-        if (found.status[at(c)] == ContactStatus::open) CHECK(expected[c] > 0);
-      if (found.count(ContactStatus::open) > 0 && found.count(ContactStatus::carrying) > 0) ++partly_open;
+        if (found.status[at(c)] == UnilateralStatus::open) CHECK(expected[c] > 0);
+      if (found.count(UnilateralStatus::open) > 0 && found.count(UnilateralStatus::carrying) > 0)
+        ++partly_open;
     }
     hyperstatic += w.completeOrthogonalDecomposition().rank() < problem.contacts();
     ++cases;
@@ -153,7 +154,7 @@ TEST_CASE(
       unilateral_impulses(problem, {.method = UnilateralMethod::projected_gradients, .tolerance = 1e-12});
   CHECK((least.impulses - bilateral.impulses).norm() < 1e-7 * bilateral.impulses.norm());
   const UnilateralImpulses inner = unilateral_impulses(problem);
-  CHECK(inner.count(ContactStatus::carrying) == problem.contacts());
+  CHECK(inner.count(UnilateralStatus::carrying) == problem.contacts());
   CHECK(inner.velocities.cwiseAbs().maxCoeff() < 1e-7);
   // An isostatic packing has one answer for all.
   Case pair = strip(3);
@@ -236,8 +237,8 @@ TEST_CASE("unilateral: the interior point carries wherever another solution does
         unilateral_impulses(problem, {.method = UnilateralMethod::projected_gradients, .tolerance = 1e-10});
     const double largest = gradients.impulses.maxCoeff();
     for (Index c = 0; c < problem.contacts(); ++c) {
-      if (gradients.impulses[c] > 1e-4 * largest) CHECK(interior.status[at(c)] == ContactStatus::carrying);
-      more += interior.status[at(c)] == ContactStatus::carrying && gradients.impulses[c] == 0;
+      if (gradients.impulses[c] > 1e-4 * largest) CHECK(interior.status[at(c)] == UnilateralStatus::carrying);
+      more += interior.status[at(c)] == UnilateralStatus::carrying && gradients.impulses[c] == 0;
     }
   }
   CHECK(more > 0);
@@ -264,20 +265,20 @@ TEST_CASE("unilateral: masses over eight decades") {
     problem.inertia.segment(2 * i, 2).setConstant(std::pow(10.0, 8 * random.uniform() - 4));
   const UnilateralImpulses found = unilateral_impulses(problem);
   CHECK(found.converged);
-  CHECK(found.count(ContactStatus::carrying) > 0);
+  CHECK(found.count(UnilateralStatus::carrying) > 0);
 }
 
 TEST_CASE("unilateral: contacts that nothing moves are idle, a load that pulls opens all") {
   const Packing packing{{0.0, 1.0, 5.0, 6.0}, {0, 0, 0, 0}, {0.5, 0.5, 0.5, 0.5}, {1, 1, 1, 1}};
   const ReferenceProblem problem = assemble(packing, detect_contacts(packing), {{1, {-1.0, 0.0}}});
   const UnilateralImpulses found = unilateral_impulses(problem);
-  CHECK(found.status == std::vector<ContactStatus>{ContactStatus::carrying, ContactStatus::idle});
+  CHECK(found.status == std::vector<UnilateralStatus>{UnilateralStatus::carrying, UnilateralStatus::idle});
   Case one = random_lattice(1, 8, 8, {1, 1});
   one.prescribed.clear();
   one.loads = {{-1.0, -1.0}, 0.0};
   const ReferenceProblem pulled = build(one).problem;
   const UnilateralImpulses apart = unilateral_impulses(pulled);
-  CHECK(apart.count(ContactStatus::open) == pulled.contacts());
+  CHECK(apart.count(UnilateralStatus::open) == pulled.contacts());
   CHECK(apart.impulses.isZero(0));
   CHECK(apart.velocities == pulled.arriving_velocity);
 }
@@ -305,7 +306,7 @@ TEST_CASE("unilateral: a packing without contacts, and one without a load") {
   CHECK(none.impulses.size() == 0);
   Case still = strip(4);
   still.prescribed.clear();
-  CHECK(unilateral_impulses(build(still).problem).count(ContactStatus::idle) == 5);
+  CHECK(unilateral_impulses(build(still).problem).count(UnilateralStatus::idle) == 5);
   CHECK_THROWS_WITH_AS(choose_contacts(build(still), ContactSet::unilateral),
                        doctest::Contains("expected a prescribed velocity"), Error);
 }

@@ -23,7 +23,7 @@ struct UnilateralOptions {
 };
 
 /// What a contact does in a frictionless impact.
-enum class ContactStatus : char {
+enum class UnilateralStatus : char {
   open,      ///< w > 0: separates
   idle,      ///< r = 0 and w = 0, both within the tolerance: weakly active
   carrying,  ///< r > 0
@@ -34,12 +34,12 @@ struct UnilateralImpulses {
   Vector impulses;    ///< r >= 0, kg m/s, one per contact
   Vector velocities;  ///< V = V^- + M^-1 H r, d n entries, m/s
   Vector separation;  ///< w = H^T V, one per contact, m/s
-  std::vector<ContactStatus> status;
+  std::vector<UnilateralStatus> status;
   double residual = 0;    ///< max |min(r_i sqrt(W_ii), w_i / sqrt(W_ii))| / max (|b_i| / sqrt(W_ii))
   Index iterations = 0;   ///< factorisations, or products with W, as the method has it
   bool converged = true;  ///< residual <= tolerance
 
-  Index count(ContactStatus wanted) const;
+  Index count(UnilateralStatus wanted) const;
 };
 
 /// Solves the frictionless Signorini conditions in velocities, of every contact at once:
