@@ -94,7 +94,7 @@ void leave_out_large(Study& study) {
 
 // Large tables may do without one.
 bool has_baseline(const StudyTable& table, const std::string& baseline) {
-  return !table.large || fs::exists(baseline);
+  return table.baseline && (!table.large || fs::exists(baseline));
 }
 
 // Before hours of work rather than after them.

@@ -175,6 +175,14 @@ void require_geometry(const Model& model, std::string_view what) {
                     model.name, what));
 }
 
+Simulation simulation_of(const Case& one, const Monitor& monitor) {
+  if (!one.dynamics)
+    throw Error(
+        fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
+  GranularScene start = scene(with_masses(packing_of(one, monitor), one.masses), *one.dynamics);
+  return {std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+}
+
 Model build(const Case& one, const Monitor& monitor) {
   if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
     return build_contact_problem(one, *file);

@@ -68,6 +68,10 @@ std::string to_toml(const Case& one);
 /// Throws Error for a packing or masses that cannot be used, and for a contact problem, which has none.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
+/// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error for a case
+/// without [dynamics].
+Simulation simulation_of(const Case& one, const Monitor& monitor = {});
+
 /// A case made ready for analysis.
 struct Model {
   std::string name;
