@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// With the linear law the granular iteration is the one of the spectral analysis: the same map of F_Gamma,
+// the same iterates where Stage 1 is inexact, and the rate that the spectrum foretells.
+#include "../support/granular.hpp"
+#include <nscdd/ddm/contraction.hpp>
+#include <nscdd/ddm/inexact_stage_one.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/study/step_decomposition.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// A lattice of random velocities; what the law adds to v is left out, so that the step is linear.
+struct LinearStep {
+  Simulation simulation;
+  StepProblem problem;
+  Partition partition;
+  Decomposition parts;  // the same, for the spectral code
+
+  LinearStep(std::array<Index, 2> grid, bool with_floor) {
+    Dynamics dynamics = tight();
+    dynamics.solver.algorithm = "generic";
+    if (with_floor) dynamics.boundaries = {wall("floor", {0, -0.5}, {1, -0.5})};
+    simulation = shaken_lattice(5, 5, dynamics, grid);
+    problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
+    for (DiskContact& c : problem.contacts) c.bias_n = 0;
+    partition = partition_step(simulation, problem);
+    parts = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  }
+
+  GranularTwoStage iteration(double epsilon, double eta, Index sweeps, double omega = 1) const {
+    StepSolver solver;
+    solver.gauss_seidel_sweeps = sweeps;
+    solver.interface_relaxation = omega;
+    std::optional<InterfaceOperator> enriched;
+    if (eta < infinity) {
+      solver.algorithm = "enriched";
+      enriched = InterfaceFamily(parts).at(eta);
+    }
+    GranularTwoStage result(decompose(problem, partition, "natural", 1), LinearViscous{epsilon}, solver,
+                            enriched);
+    result.start({});
+    return result;
+  }
+};
+
+Scheme scheme_of(double eta) {
+  if (eta < infinity) return Enriched{.eta = eta};
+  return Generic{};
+}
+
+// |change of F| from one iteration to the next when it has become small, mean of ten ratios.
+double observed_rate(GranularTwoStage iteration, Index most) {
+  Vector before = iteration.interface_impulses(), change;
+  double first = 0, last = 0;
+  std::vector<double> logarithms;
+  for (Index k = 0; k < most; ++k) {
+    iteration.iterate();
+    change = iteration.interface_impulses() - before;
+    before = iteration.interface_impulses();
+    last = change.norm();
+    if (k == 0) first = last;
+    logarithms.push_back(std::log(last));
+    if (last < 1e-9 * first || last > 1e9 * first) break;
+  }
+  const std::size_t n = logarithms.size();
+  return std::exp((logarithms[n - 1] - logarithms[n - 11]) / 10);
+}
+
+}  // namespace
+
+TEST_CASE("linear law, exact Stage 1: changes of F follow the contraction operator, vector by vector") {
+  for (const bool with_floor : {false, true})
+    for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 2}})
+      for (const double eta : {0.3, 2.0, infinity})
+        for (const double omega : {1.0, 0.7}) {
+          CAPTURE(with_floor);
+          CAPTURE(grid[0]);
+          CAPTURE(eta);
+          CAPTURE(omega);
+          const LinearStep step(grid, with_floor);
+          const double epsilon = 1.0;
+          GranularTwoStage iteration = step.iteration(epsilon, eta, 400, omega);
+          Contraction b = contraction(step.parts, scheme_of(eta), LinearViscous{epsilon});
+          b.relaxation = omega;
+          REQUIRE(b.rows() == iteration.interface_impulses().size());
+          iteration.iterate();
+          Vector before = iteration.interface_impulses(), change = before;
+          REQUIRE(change.norm() > 0.1);
+          for (int k = 0; k < 6; ++k) {
+            iteration.iterate();
+            const Vector next = iteration.interface_impulses() - before;
+            before = iteration.interface_impulses();
+            CHECK((next - b.apply(change)).norm() < 1e-9 * change.norm());
+            change = next;
+          }
+        }
+}
+
+TEST_CASE("linear law, exact Stage 1: the observed rate is the spectral radius, generic and enriched") {
+  for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}})
+    for (const double eta : {0.1, 0.5, 4.0, infinity}) {
+      CAPTURE(grid[1]);
+      CAPTURE(eta);
+      const LinearStep step(grid, true);
+      const double epsilon = 0.4;
+      const double expected =
+          spectral_radius(contraction(step.parts, scheme_of(eta), LinearViscous{epsilon})).value;
+      const double observed = observed_rate(step.iteration(epsilon, eta, 400), 400);
+      CHECK(observed == doctest::Approx(expected).epsilon(5e-3));
+    }
+}
+
+TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code's two-stage iteration") {
+  for (const Index sweeps : {1, 3})
+    for (const double eta : {0.7, infinity}) {
+      CAPTURE(sweeps);
+      CAPTURE(eta);
+      const LinearStep step({2, 2}, true);
+      const LinearViscous law{.epsilon = 0.5};
+      GranularTwoStage granular = step.iteration(law.epsilon, eta, sweeps);
+      const TwoStageIteration linear(step.parts, law, InterfaceFamily(step.parts).at(eta), sweeps);
+      const auto loads = impact_loads(
+          step.parts, reference_problem(step.problem, step.simulation.system.disks()).arriving_velocity);
+      TwoStageState state = linear.zero_state();
+      for (int k = 0; k < 5; ++k) {
+        granular.iterate();
+        state = linear.iterate(std::move(state), &loads);
+        CHECK((granular.interface_impulses() - state.interface_impulses).norm() <
+              1e-10 * state.interface_impulses.norm());
+        for (std::size_t e = 0; e < state.impulses.size(); ++e)
+          for (std::size_t c = 0; c < granular.parts().subdomains[e].contacts.size(); ++c) {
+            const LocalVector r = granular.parts().subdomains[e].contacts.impulses[c];
+            const auto column = static_cast<Index>(2 * c);
+            CHECK(std::abs(r.n - state.impulses[e][column]) < 1e-10);
+            CHECK(std::abs(r.t - state.impulses[e][column + 1]) < 1e-10);
+          }
+      }
+      const InexactRadius radius = inexact_radius({linear});
+      if (std::abs(radius.dominant.imag()) > 1e-12) continue;  // a pair: the change of F does not just shrink
+      CHECK(observed_rate(std::move(granular), 3000) == doctest::Approx(radius.value).epsilon(5e-3));
+    }
+}

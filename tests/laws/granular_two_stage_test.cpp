@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Algorithm 1 on the contact problem of a step: one subdomain is Gauss-Seidel to the last bit, any number of
+// subdomains comes to the same velocities, whatever the variant, and no bit depends on threads.
+#include "../support/granular.hpp"
+#include <nscdd/linalg/threads.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+bool same_bits(const SolvedStep& a, const SolvedStep& b) {
+  if (a.contacts.size() != b.contacts.size() || a.velocities.size() != b.velocities.size()) return false;
+  for (std::size_t k = 0; k < a.contacts.size(); ++k)
+    if (!same_bits(a.contacts[k].impulse_n, b.contacts[k].impulse_n) ||
+        !same_bits(a.contacts[k].impulse_t, b.contacts[k].impulse_t))
+      return false;
+  for (std::size_t i = 0; i < a.velocities.size(); ++i)
+    if (!same_bits(a.velocities[i].x, b.velocities[i].x) ||
+        !same_bits(a.velocities[i].y, b.velocities[i].y) ||
+        !same_bits(a.velocities[i].rim, b.velocities[i].rim))
+      return false;
+  return true;
+}
+
+// Bits of everything that moves, [FNV-1a].
+std::uint64_t hash_of(const GranularState& s) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto add = [&](double value) {
+    unsigned char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    for (const unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211ULL;
+  };
+  for (const auto* field : {&s.x, &s.y, &s.angle, &s.velocity_x, &s.velocity_y, &s.spin})
+    for (const double value : *field) add(value);
+  for (const RememberedImpulse& one : s.impulses) {
+    add(one.impulse.n);
+    add(one.impulse.t);
+  }
+  for (const RememberedGluing& one : s.gluing)
+    for (const double value : {one.x, one.y, one.rim}) add(value);
+  return hash;
+}
+
+Dynamics shaking(const std::string& law) {
+  Dynamics dynamics = tight();
+  dynamics.interaction.law = law;
+  dynamics.interaction.friction = 0.4;
+  dynamics.solver.tolerance = 1e-11;
+  return dynamics;
+}
+
+// |natural map| / |r| of Coulomb's law, contact by contact.
+double relative_natural_map(const std::vector<DiskContact>& contacts, const std::vector<DiskVelocity>& v) {
+  double map = 0, impulses = 0;
+  for (const DiskContact& c : contacts) {
+    const LocalVector w = relative_velocity(c, v), r{c.impulse_n, c.impulse_t};
+    const LocalVector one =
+        natural_map(r, {w.n + c.bias_n, w.t + c.bias_t}, c.friction, c.inverse_w.inverse_n);
+    map += one.n * one.n + one.t * one.t;
+    impulses += r.n * r.n + r.t * r.t;
+  }
+  return std::sqrt(map / impulses);
+}
+
+struct Variant {
+  std::string name, algorithm = "generic", eta = "1";
+  Index sweeps = 1;
+  std::string method = "richardson", enrichment = "every_iteration", network = "all";
+  double omega = 1;
+};
+
+void set(StepSolver& solver, const Variant& v) {
+  solver.algorithm = v.algorithm;
+  solver.eta = v.eta;
+  solver.gauss_seidel_sweeps = v.sweeps;
+  solver.interface_method = v.method;
+  solver.enrichment = v.enrichment;
+  solver.network = v.network;
+  solver.interface_relaxation = v.omega;
+}
+
+std::vector<Variant> variants() {
+  return {
+      {.name = "generic"},
+      {.name = "generic, 10 sweeps", .sweeps = 10},
+      {.name = "generic, relaxed", .sweeps = 2, .omega = 0.6},
+      {.name = "generic, conjugate gradient", .sweeps = 10, .method = "conjugate_gradient"},
+      {.name = "enriched, eta 10", .algorithm = "enriched", .eta = "10"},
+      {.name = "enriched, eta 1", .algorithm = "enriched", .eta = "1", .sweeps = 10},
+      {.name = "enriched, eta 1, relaxed", .algorithm = "enriched", .eta = "1", .sweeps = 10, .omega = 0.5},
+      {.name = "enriched, conjugate gradient",
+       .algorithm = "enriched",
+       .eta = "3",
+       .sweeps = 10,
+       .method = "conjugate_gradient"},
+      {.name = "enriched once",
+       .algorithm = "enriched",
+       .eta = "0.5",
+       .sweeps = 3,
+       .enrichment = "first_iteration"}};
+}
+
+// One sweep as a textbook has it: contact by contact v = H^T V, the local solution, V += M^-1 H (change of
+// r).
+void sweep_by_hand(const ContactLaw& law, std::vector<DiskContact>& contacts, std::vector<DiskVelocity>& v) {
+  for (DiskContact& c : contacts) {
+    DiskVelocity &a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
+    const double dx = b.x - a.x, dy = b.y - a.y;
+    const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias_n;
+    const double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim) + c.bias_t;
+    const LocalVector stop{c.impulse_n - c.inverse_w.inverse_n * v_n,
+                           c.impulse_t - c.inverse_w.inverse_t * v_t};
+    const LocalVector r =
+        std::visit([&](const auto& one) { return one.impulse(stop, c.inverse_w, c.friction); }, law);
+    apply_impulse(c, {r.n - c.impulse_n, r.t - c.impulse_t}, v);
+    c.impulse_n = r.n;
+    c.impulse_t = r.t;
+  }
+}
+
+// The step solved so that gluing is closed too: iterates until both indicators are small.
+SolvedStep closely(const Simulation& simulation, double& gluing) {
+  Simulation one = simulation;
+  one.dynamics.solver.criterion = "none";
+  one.dynamics.solver.maximum_iterations = 6000;
+  SolvedStep step = solve_step(one);
+  gluing = step.report.last.gluing;
+  return step;
+}
+
+}  // namespace
+
+TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop over sweeps, bit for bit") {
+  for (const std::string order : {"natural", "reverse", "random", "coloured", "interleaved"})
+    for (const std::string law : {"coulomb", "frictionless", "cohesive", "linear_viscous"}) {
+      CAPTURE(order);
+      CAPTURE(law);
+      Dynamics dynamics = shaking(law);
+      dynamics.interaction.cohesion = 20;
+      dynamics.interaction.epsilon = 0.1;
+      dynamics.solver.order = order;
+      dynamics.solver.criterion = "none";
+      dynamics.solver.maximum_iterations = 12;
+      Simulation simulation = shaken_lattice(7, 6, dynamics, {1, 1});
+      const SolvedStep plain = solve_step(simulation);
+      for (const std::string algorithm : {"generic", "enriched"}) {
+        simulation.dynamics.solver.algorithm = algorithm;
+        CHECK(same_bits(solve_step(simulation), plain));
+      }
+      simulation.dynamics.solver.gauss_seidel_sweeps = 4;  // 3 iterations of 4 are 12 sweeps
+      simulation.dynamics.solver.maximum_iterations = 3;
+      CHECK(same_bits(solve_step(simulation), plain));
+      // By hand, without any decomposition.
+      const StepProblem& problem = plain.problem;
+      const ContactLaw any = contact_law(dynamics.interaction, problem.h);
+      const std::vector<Index> visit = contact_order(order, problem.contacts, problem.free, 1);
+      std::vector<DiskContact> contacts;
+      for (const Index c : visit) contacts.push_back(problem.contacts[at(c)]);
+      std::vector<DiskVelocity> v = problem.free;
+      for (int k = 0; k < 12; ++k) sweep_by_hand(any, contacts, v);
+      SolvedStep by_hand = plain;
+      for (std::size_t k = 0; k < visit.size(); ++k) by_hand.contacts[at(visit[k])] = contacts[k];
+      by_hand.velocities = v;
+      CHECK(same_bits(by_hand, plain));
+    }
+}
+
+TEST_CASE("frictionless: any subdomains, variant and order come to the velocities of the whole") {
+  Dynamics dynamics = shaking("frictionless");
+  const Simulation whole = shaken_lattice(6, 6, dynamics);
+  const SolvedStep reference = solve_step(whole);
+  REQUIRE(reference.report.status == SolverStatus::converged);
+  for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
+    for (const Variant& variant : variants()) {
+      CAPTURE(grid[0]);
+      CAPTURE(grid[1]);
+      CAPTURE(variant.name);
+      Simulation divided = whole;
+      divided.partitioner = GridPartitioner{grid};
+      set(divided.dynamics.solver, variant);
+      double gluing = 1;
+      const SolvedStep step = closely(divided, gluing);
+      CHECK(step.report.interface_size > 0);
+      CHECK(gluing < 1e-9);
+      CHECK(step.report.residual.relative_natural_map() < 1e-9);
+      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-8);
+    }
+  for (const std::string order : {"reverse", "random", "coloured", "interleaved"}) {
+    CAPTURE(order);
+    Simulation other = whole;
+    other.dynamics.solver.order = order;
+    const SolvedStep step = solve_step(other);
+    CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-9);
+  }
+}
+
+TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law and momentum is theirs") {
+  const Dynamics dynamics = shaking("coulomb");
+  const Simulation whole = shaken_lattice(6, 6, dynamics);
+  for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
+    for (const Variant& variant : variants()) {
+      CAPTURE(grid[0]);
+      CAPTURE(grid[1]);
+      CAPTURE(variant.name);
+      Simulation divided = whole;
+      divided.partitioner = GridPartitioner{grid};
+      set(divided.dynamics.solver, variant);
+      double gluing = 1;
+      const SolvedStep step = closely(divided, gluing);
+      CHECK(gluing < 1e-8);
+      // The law at the whole masses and the velocities that V_free + M^-1 H r gives, nothing of the copies.
+      const std::vector<DiskVelocity> v = velocities_of(step.problem, step.contacts);
+      CHECK(relative_natural_map(step.contacts, v) < 1e-8);
+      CHECK(largest_difference(step.velocities, v, whole.system.disks()) < 1e-10);
+    }
+}
+
+TEST_CASE("mean velocities of copies are V_free + M^-1 H r at every iteration, converged or not") {
+  for (const Variant& variant : variants())
+    for (const Index iterations : {Index{1}, Index{2}, Index{7}}) {
+      CAPTURE(variant.name);
+      CAPTURE(iterations);
+      Dynamics dynamics = shaking("coulomb");
+      set(dynamics.solver, variant);
+      dynamics.solver.criterion = "none";
+      dynamics.solver.maximum_iterations = iterations;
+      const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 2});
+      const SolvedStep step = solve_step(simulation);
+      CHECK(largest_difference(step.velocities, velocities_of(step.problem, step.contacts),
+                               simulation.system.disks()) < 1e-12);
+    }
+}
+
+TEST_CASE("METIS parts come to the velocities of the whole as well") {
+  Simulation simulation = shaken_lattice(6, 6, shaking("frictionless"));
+  const SolvedStep reference = solve_step(simulation);
+  simulation.partitioner = MetisPartitioner{.metis = 5, .seed = 1};
+  set(simulation.dynamics.solver, {.name = "generic", .sweeps = 5});
+  double gluing = 1;
+  const SolvedStep step = closely(simulation, gluing);
+  CHECK(gluing < 1e-9);
+  CHECK(largest_difference(step.velocities, reference.velocities, simulation.system.disks()) < 1e-8);
+}
+
+TEST_CASE("semi-implicit: the interface is solved once, then left alone") {
+  Dynamics dynamics = shaking("frictionless");
+  set(dynamics.solver,
+      {.name = "", .algorithm = "enriched", .eta = "0.1", .sweeps = 3, .enrichment = "semi_implicit"});
+  dynamics.solver.criterion = "none";
+  dynamics.solver.maximum_iterations = 1;
+  Simulation simulation = shaken_lattice(6, 6, dynamics, {2, 2});
+  const SolvedStep first = solve_step(simulation);
+  simulation.dynamics.solver.maximum_iterations = 40;
+  Index rows = 0;
+  const SolvedStep last = solve_step(simulation, [&](const IterationRow& row) {
+    ++rows;
+    if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
+  });
+  CHECK(rows == 40);
+  CHECK(first.interface_impulses.norm() > 0);
+  CHECK(first.interface_impulses == last.interface_impulses);
+}
+
+TEST_CASE("determinism: 300 grains, 40 steps, the same final state to the last bit for 1 to 4 threads") {
+  for (const std::string algorithm : {"generic", "enriched"}) {
+    CAPTURE(algorithm);
+    std::uint64_t first = 0;
+    for (Index threads = 1; threads <= 4; ++threads) {
+      const ThreadLimit limit(threads);
+      Dynamics dynamics;
+      dynamics.solver.algorithm = algorithm;
+      dynamics.solver.maximum_iterations = 30;
+      dynamics.solver.warm_start = true;
+      Simulation simulation = box_of_grains(300, dynamics, {3, 2});
+      with_threads([&] {
+        for (int k = 0; k < 40; ++k) take_step(simulation, solve_step(simulation));
+      });
+      const std::uint64_t hash = hash_of(simulation.state);
+      if (threads == 1) first = hash;
+      CHECK(hash == first);
+    }
+  }
+}
+
+TEST_CASE("warm start: a step solved again from its own solution is solved at once, divided or not") {
+  for (const std::string algorithm : {"nlgs", "generic"}) {
+    CAPTURE(algorithm);
+    Dynamics dynamics = tight();
+    dynamics.solver.algorithm = algorithm;
+    dynamics.solver.criterion = "zeta";
+    dynamics.solver.tolerance = 1e-12;
+    dynamics.solver.warm_start = true;
+    dynamics.boundaries = {floor_wall()};
+    // Blocks at rest: the impulses of one step are those of the next.
+    std::vector<Grain> grains;
+    for (int k = 0; k < 5; ++k) grains.push_back({.x = 0, .y = 0.5 + k});
+    Simulation simulation = simulation_of(grains, dynamics, {1, 3});
+    const Index cold = advance(simulation).last.iteration;
+    CHECK(cold > 20);
+    advance(simulation, 3);
+    CHECK(advance(simulation).last.iteration <= 2);
+  }
+}

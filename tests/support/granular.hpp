@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/study/simulation.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// Small granular scenes for tests. Gravity is (0, -g) unless a test says otherwise.
+namespace nscdd::testing {
+
+inline constexpr double g = 9.81;  ///< m/s^2
+
+/// One disk of a scene: where it is, how fast it starts.
+struct Grain {
+  double x = 0, y = 0, radius = 0.5, mass = 1;
+  double velocity_x = 0, velocity_y = 0, spin = 0;
+};
+
+/// Parameters under which a step is solved to rounding: natural map below 1e-13, at most 200 000 sweeps.
+Dynamics tight();
+
+/// The straight wall through `from` and `to`, grains on its left.
+BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to,
+                  Motion motion = {});
+
+/// Floor y = 0 at rest.
+BoundarySpec floor_wall();
+
+/// Uniform motion.
+Motion moving(RigidVelocity velocity, std::array<double, 2> centre = {0, 0});
+
+Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics,
+                         std::array<Index, 2> grid = {1, 1});
+
+/// Solves and takes one step; requires that the solver converged.
+StepReport advance(Simulation& simulation);
+StepReport advance(Simulation& simulation, Index steps);  ///< of the last step
+
+/// Impulse of a contact in the last step taken, zero where there was none. Wall w is number disks + w.
+LocalVector impulse_between(const GranularState& state, Index a, Index b);
+
+/// Grains of radii 0.1 ... 0.198 m dropped into a box with a floor and two walls, density 2 500 kg/m^2.
+Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
+                         Index seed = 1);
+
+/// Hexagonal lattice of touching unit disks, unit masses, every grain with its own random velocity.
+Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics,
+                          std::array<Index, 2> grid = {1, 1}, std::uint64_t seed = 1);
+
+/// max |V_a - V_b| over disks and components, m/s.
+double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b,
+                          Index disks);
+
+/// Largest speed of a velocity, m/s.
+double largest_speed(const std::vector<DiskVelocity>& v, Index disks);
+
+}  // namespace nscdd::testing

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a step ends: every status, and nothing that is no number passes for converged.
+#include "../support/granular.hpp"
+#include <nscdd/core/error.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+TEST_CASE("status: converged, maximum reached, and as many iterations as asked for without a criterion") {
+  Dynamics dynamics;
+  dynamics.solver.tolerance = 1e-6;
+  Simulation s = shaken_lattice(5, 5, dynamics);
+  const SolvedStep converged = solve_step(s);
+  CHECK(converged.report.status == SolverStatus::converged);
+  CHECK(converged.report.last.zeta <= 1e-6);
+  s.dynamics.solver.maximum_iterations = 3;
+  CHECK(solve_step(s).report.status == SolverStatus::maximum_reached);
+  CHECK(solve_step(s).report.last.iteration == 3);
+  s.dynamics.solver.maximum_iterations = 77;
+  s.dynamics.solver.criterion = "none";
+  const SolvedStep none = solve_step(s);
+  CHECK(none.report.status == SolverStatus::maximum_reached);
+  CHECK(none.report.last.iteration == 77);
+}
+
+TEST_CASE("status: stalled when rounding keeps a criterion from falling for 1 000 iterations") {
+  Dynamics dynamics;
+  dynamics.solver.criterion = "natural_map";
+  dynamics.solver.tolerance = 1e-30;
+  dynamics.solver.maximum_iterations = 100'000;
+  const SolvedStep step = solve_step(shaken_lattice(4, 4, dynamics));
+  CHECK(step.report.status == SolverStatus::stalled);
+  CHECK(step.report.last.iteration < 20'000);
+  CHECK(step.report.residual.relative_natural_map() < 1e-13);
+}
+
+TEST_CASE("status: diverged under an enrichment that is far too stiff, and the state is as it was") {
+  Dynamics dynamics;
+  dynamics.interaction.friction = 0.3;
+  dynamics.solver.algorithm = "enriched";
+  dynamics.solver.eta = "1e-9";
+  dynamics.solver.gauss_seidel_sweeps = 1;
+  dynamics.solver.maximum_iterations = 100'000;
+  const Simulation s = shaken_lattice(6, 6, dynamics, {2, 2});
+  const SolvedStep step = solve_step(s);
+  CHECK(step.report.status == SolverStatus::diverged);
+  CHECK(s.state.step == 0);
+  CHECK(describe_breakdown(step).find("largest impulse") != std::string::npos);
+}
+
+TEST_CASE("criterion interface_change without an interface does not pass the first sweep for converged") {
+  for (const std::string algorithm : {"nlgs", "generic"}) {
+    CAPTURE(algorithm);
+    Dynamics dynamics;
+    dynamics.solver.algorithm = algorithm;
+    dynamics.solver.criterion = "interface_change";
+    dynamics.solver.tolerance = 1e-8;
+    const SolvedStep step = solve_step(shaken_lattice(6, 6, dynamics));
+    CHECK(step.report.status == SolverStatus::converged);
+    CHECK(step.report.residual.relative_natural_map() < 1e-5);
+  }
+}
+
+TEST_CASE("criterion interface_change of the semi-implicit scheme waits for the impulses") {
+  Dynamics dynamics;
+  dynamics.solver.algorithm = "enriched";
+  dynamics.solver.enrichment = "semi_implicit";
+  dynamics.solver.criterion = "interface_change";
+  dynamics.solver.tolerance = 1e-8;
+  const SolvedStep step = solve_step(shaken_lattice(6, 6, dynamics, {2, 1}));
+  CHECK(step.report.last.zeta < 1e-6);
+}
+
+TEST_CASE("no number: velocities or interface impulses that are none are never called converged") {
+  // 1 / mass overflows: V_free + M^-1 H r is no number after the first sweep.
+  for (const std::string law : {"coulomb", "frictionless", "cohesive", "linear_viscous"})
+    for (const std::string criterion : {"zeta", "natural_map", "quad_dv", "interface_change"})
+      for (const std::string algorithm : {"nlgs", "generic"}) {
+        CAPTURE(law);
+        CAPTURE(criterion);
+        CAPTURE(algorithm);
+        Dynamics dynamics;
+        dynamics.interaction.law = law;
+        dynamics.interaction.cohesion = 1;
+        dynamics.interaction.epsilon = 0.1;
+        dynamics.solver.criterion = criterion;
+        dynamics.solver.algorithm = algorithm;
+        Simulation s = shaken_lattice(4, 4, dynamics, {2, 1});
+        s.system.mass[5] = 1e-310;
+        const SolvedStep step = solve_step(s);
+        bool finite = true;
+        for (Index i = 0; i < s.system.disks(); ++i)
+          finite = finite && std::isfinite(step.velocities[at(i)].x + step.velocities[at(i)].rim);
+        CHECK((finite || step.report.status == SolverStatus::no_number));
+      }
+}
+
+TEST_CASE("describe_breakdown names what is no number") {
+  Dynamics dynamics;
+  Simulation s = shaken_lattice(3, 2, dynamics);
+  SolvedStep step = solve_step(s);
+  SolvedStep broken = step;
+  broken.contacts[2].impulse_t = not_a_number;
+  const StepContact& c = step.problem.geometry[2];
+  CHECK(describe_breakdown(broken) == "contact of bodies " + std::to_string(c.a) + " and " +
+                                          std::to_string(c.b) + ": impulse is no number");
+  broken = step;
+  broken.velocities[4].rim = infinity;
+  CHECK(describe_breakdown(broken) == "disk 4: velocity is no number");
+  SolvedStep empty;
+  CHECK(describe_breakdown(empty) == "no contact");
+}
+
+TEST_CASE("a case that asks for an eta that is no number is refused") {
+  Dynamics dynamics;
+  dynamics.solver.algorithm = "enriched";
+  dynamics.solver.maximum_iterations = 5;
+  dynamics.solver.eta = "fast";
+  const Simulation bad = shaken_lattice(4, 4, dynamics, {2, 1});
+  CHECK_THROWS_WITH_AS(solve_step(bad), doctest::Contains("fast"), Error);
+  for (const std::string eta : {"0", "-1", "nan"}) {
+    CAPTURE(eta);
+    Simulation s = bad;
+    s.dynamics.solver.eta = eta;
+    CHECK_THROWS_AS(solve_step(s), Error);
+  }
+}

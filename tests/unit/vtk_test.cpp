@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is written for ParaView, read back by VTK itself (tests/unit/read_vtk.py).
+#include "../support/granular.hpp"
+#include "../support/run_program.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/vtk.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <sstream>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+using Arrays = std::map<std::string, std::vector<double>>;
+
+// Every array of a file as VTK has it; a test fails where VTK does not read it.
+std::string read_by_vtk(const std::filesystem::path& file) {
+  const std::filesystem::path out = file.string() + ".txt";
+  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/unit/read_vtk.py").string() +
+                              "' '" + file.string() + "' > '" + out.string() + "'";
+  REQUIRE_MESSAGE(std::system(command.c_str()) == 0,
+                  "VTK (Debian package python3-vtk9) does not read the file");
+  return read_file(out);
+}
+
+Arrays arrays_of(const std::string& text) {
+  Arrays result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string name, word;
+    words >> name;
+    std::vector<double>& values = result[name];
+    while (words >> word) values.push_back(std::strtod(word.c_str(), nullptr));
+  }
+  return result;
+}
+
+using Values = std::vector<double>;
+
+VtkFrame two_grains_and_a_wall() {
+  VtkFrame frame;
+  frame.time = 0.1;
+  frame.grains = {.x = {0.25, 1.0 / 3},
+                  .y = {-2, 1e-300},
+                  .radius = {0.5, 0.125},
+                  .angle = {0.1, -7},
+                  .velocity_x = {1, 2},
+                  .velocity_y = {3, -4},
+                  .boundary = {-1, 3},
+                  .subdomain = {0, 1},
+                  .multiplicity = {2, 1}};
+  frame.contacts = {.a = {1, 0, 0},
+                    .b = {-1, 1, -1},
+                    .foot_x = {9, 0, 8},
+                    .foot_y = {0.5, 0, 0.75},
+                    .gap = {-1e-5, 2e-5, 0},
+                    .impulse_n = {4, 5, 6},
+                    .impulse_t = {-0.4, 0.5, 0},
+                    .status = {1, 3, 0},
+                    .subdomain = {1, 0, 1}};
+  return frame;
+}
+
+}  // namespace
+
+TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet after grains") {
+  const TemporaryFolder folder;
+  write_file(folder / "frame.vtp", vtp_text(two_grains_and_a_wall()));
+  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  CHECK(a["counts"] == Values{4, 2, 3, 5});
+  CHECK(a["types"] == Values{1, 1, 3, 3, 3});  // VTK_VERTEX, VTK_LINE
+  CHECK(a["points"] == Values{0.25, -2, 0, 1.0 / 3, 1e-300, 0, 9, 0.5, 0, 8, 0.75, 0});
+  CHECK(a["verts/connectivity"] == Values{0, 1});
+  CHECK(a["verts/offsets"] == Values{0, 1, 2});
+  CHECK(a["lines/connectivity"] == Values{1, 2, 0, 1, 0, 3});
+  CHECK(a["lines/offsets"] == Values{0, 2, 4, 6});
+  CHECK(a["field/TimeValue"] == Values{0.1});
+  CHECK(a["point/radius"] == Values{0.5, 0.125, 0, 0});
+  CHECK(a["point/id"] == Values{0, 1, -1, -1});
+  CHECK(a["point/boundary"] == Values{-1, 3, -1, -1});
+  CHECK(a["point/subdomain"] == Values{0, 1, -1, -1});
+  CHECK(a["point/multiplicity"] == Values{2, 1, 0, 0});
+  CHECK(a["point/angle"] == Values{0.1, -7, 0, 0});
+  CHECK(a["point/velocity"] == Values{1, 3, 0, 2, -4, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(a["cell/kind"] == Values{0, 0, 1, 1, 1});
+  CHECK(a["cell/subdomain"] == Values{0, 1, 1, 0, 1});
+  CHECK(a["cell/impulse_n"] == Values{0, 0, 4, 5, 6});
+  CHECK(a["cell/impulse_t"] == Values{0, 0, -0.4, 0.5, 0});
+  CHECK(a["cell/status"] == Values{-1, -1, 1, 3, 0});
+  CHECK(a["cell/gap"] == Values{0, 0, -1e-5, 2e-5, 0});
+  CHECK(a.size() == 21);
+}
+
+TEST_CASE("vtp: grains without contacts, and nothing at all") {
+  const TemporaryFolder folder;
+  VtkFrame frame = two_grains_and_a_wall();
+  frame.contacts = {};
+  write_file(folder / "alone.vtp", vtp_text(frame));
+  Arrays a = arrays_of(read_by_vtk(folder / "alone.vtp"));
+  CHECK(a["counts"] == Values{2, 2, 0, 2});
+  CHECK(a["cell/kind"] == Values{0, 0});
+  write_file(folder / "empty.vtp", vtp_text({}));
+  CHECK(arrays_of(read_by_vtk(folder / "empty.vtp"))["counts"] == Values{0, 0, 0, 0});
+}
+
+TEST_CASE("vtp: frames whose arrays do not fit are refused") {
+  VtkFrame frame = two_grains_and_a_wall();
+  frame.grains.angle.pop_back();
+  CHECK_THROWS_WITH_AS(vtp_text(frame), doctest::Contains("angle"), Error);
+  frame = two_grains_and_a_wall();
+  frame.contacts.status.push_back(0);
+  CHECK_THROWS_WITH_AS(vtp_text(frame), doctest::Contains("status"), Error);
+  for (const auto& [a, b] : {std::pair(-1, 0), std::pair(2, 0), std::pair(0, 2), std::pair(0, -2)}) {
+    frame = two_grains_and_a_wall();
+    frame.contacts.a[1] = a;
+    frame.contacts.b[1] = b;
+    CHECK_THROWS_WITH_AS(vtp_text(frame), doctest::Contains("contact 1"), Error);
+  }
+}
+
+TEST_CASE("vtk_frame: a step of a divided box as VTK reads it") {
+  Dynamics dynamics;
+  dynamics.solver.algorithm = "generic";
+  Simulation simulation = box_of_grains(60, dynamics, {2, 1});
+  take_step(simulation, solve_step(simulation));
+  const SolvedStep step = solve_step(simulation);
+  take_step(simulation, step);
+  const TemporaryFolder folder;
+  write_file(folder / "box.vtp", vtp_text(vtk_frame(simulation, step)));
+  Arrays a = arrays_of(read_by_vtk(folder / "box.vtp"));
+  CHECK(a["field/TimeValue"] == Values{simulation.state.time});
+  REQUIRE(a["counts"][1] == 60);
+  REQUIRE(a["counts"][2] == static_cast<double>(step.contacts.size()));
+  std::vector<std::vector<Index>> held(60);
+  std::size_t feet = 0;
+  bool same = true;
+  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
+    const StepContact& c = step.problem.geometry[k];
+    const Index e = step.partition.subdomain_of_contact[k];
+    for (const Index i : {c.a, c.b})
+      if (i < 60) held[at(i)].push_back(e);
+    same = same && a["lines/connectivity"][2 * k] == static_cast<double>(c.a) &&
+           a["cell/impulse_n"][60 + k] == step.contacts[k].impulse_n &&
+           a["cell/impulse_t"][60 + k] == step.contacts[k].impulse_t && a["cell/gap"][60 + k] == c.gap &&
+           a["cell/subdomain"][60 + k] == static_cast<double>(e);
+    const double second = a["lines/connectivity"][2 * k + 1];
+    if (c.b < 60) {
+      same = same && second == static_cast<double>(c.b);
+    } else {  // the foot lies on the wall, a gap and a radius away from the centre at q_m
+      same = same && second == static_cast<double>(60 + feet++);
+      const auto p = static_cast<std::size_t>(second);
+      if (c.b == 60) CHECK(std::abs(a["points"][3 * p + 1]) < 1e-12);
+    }
+    // Open: no impulse; sliding: on the edge of the cone; sticking: inside.
+    const double status = a["cell/status"][60 + k], n = step.contacts[k].impulse_n,
+                 t = std::abs(step.contacts[k].impulse_t);
+    CHECK((status == 0) == (n == 0));
+    if (status == 1) CHECK(t < 0.3 * n);
+    if (status >= 2) CHECK(t == doctest::Approx(0.3 * n));
+  }
+  CHECK(same);
+  CHECK(a["counts"][0] == 60 + static_cast<double>(feet));
+  int shared = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    const std::set<Index> own(held[i].begin(), held[i].end());
+    CHECK(a["point/multiplicity"][i] == static_cast<double>(own.size()));
+    CHECK(a["point/subdomain"][i] == (own.empty() ? -1.0 : static_cast<double>(*own.begin())));
+    CHECK(a["point/radius"][i] == simulation.system.radius[i]);
+    CHECK(a["points"][3 * i] == simulation.state.x[i]);
+    CHECK(a["point/velocity"][3 * i + 1] == simulation.state.velocity_y[i]);
+    shared += own.size() > 1;
+  }
+  CHECK(shared > 0);
+}
+
+TEST_CASE("pvd: times and names, whatever characters these have") {
+  const TemporaryFolder folder;
+  const std::string name = "a <b> & \"c\".vtp";
+  VtkFrame frame = two_grains_and_a_wall();
+  write_file(folder / "0.vtp", vtp_text(frame));
+  write_file(folder / name, vtp_text(frame));
+  write_file(folder / "run.pvd", pvd_text({{0, "0.vtp"}, {0.1 + 0.2, name}}));
+  const std::string text = read_by_vtk(folder / "run.pvd");
+  CHECK(text.find("file 0.vtp 0.0\n") == 0);
+  CHECK(text.find("file " + name + " 0.30000000000000004\n") != std::string::npos);
+  write_file(folder / "empty.pvd", pvd_text({}));
+  CHECK(read_by_vtk(folder / "empty.pvd").empty());
+}
