@@ -2,6 +2,7 @@
 #include "case_options.hpp"
 
 #include "data_files.hpp"
+#include "settled_cases.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/io/config.hpp>
@@ -15,22 +16,6 @@
 
 namespace nscdd::app {
 namespace {
-
-// NXxNY, or metis:N.
-Partitioner parse_subdomains(const std::string& text) {
-  const std::string what = "--subdomains";
-  if (text.rfind("metis:", 0) == 0) {
-    MetisPartitioner metis;
-    override_field(metis, "metis", text.substr(6), what);
-    return metis;
-  }
-  const auto cross = text.find('x');
-  if (cross == std::string::npos)
-    throw Error(fmt::format("{}: expected NXxNY such as 2x1, or metis:N, met '{}'", what, text));
-  GridPartitioner grid;
-  override_field(grid, "grid", text.substr(0, cross) + "," + text.substr(cross + 1), what);
-  return grid;
-}
 
 PrescribedVelocity parse_prescribed(const std::string& text) {
   const std::string what = "--prescribed";
@@ -48,9 +33,24 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
 
 }  // namespace
 
+Partitioner parse_subdomains(const std::string& text) {
+  const std::string what = "--subdomains";
+  if (text.rfind("metis:", 0) == 0) {
+    MetisPartitioner metis;
+    override_field(metis, "metis", text.substr(6), what);
+    return metis;
+  }
+  const auto cross = text.find('x');
+  if (cross == std::string::npos)
+    throw Error(fmt::format("{}: expected NXxNY such as 2x1, or metis:N, met '{}'", what, text));
+  GridPartitioner grid;
+  override_field(grid, "grid", text.substr(0, cross) + "," + text.substr(cross + 1), what);
+  return grid;
+}
+
 Case read_any_case(const std::string& name) {
   const std::string path = find_case(name);
-  if (std::filesystem::path(path).extension() == ".toml") return read_case(path);
+  if (std::filesystem::path(path).extension() == ".toml") return read_case_file(path);
   if (!packing_format(path))
     throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
   Case one;

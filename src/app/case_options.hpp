@@ -15,6 +15,9 @@ namespace nscdd::app {
 /// Throws Error for whatever cannot be used.
 Case read_any_case(const std::string& name);
 
+/// The partitioner of --subdomains: NXxNY, or metis:N.
+Partitioner parse_subdomains(const std::string& text);
+
 /// Sets parameters of a case from texts KEY=VALUE.
 void apply_settings(Case& one, const std::vector<std::string>& settings);
 

@@ -18,8 +18,8 @@ double seconds() {
 
 }  // namespace
 
-Progress::Progress(std::string label, Index before)
-    : label_(std::move(label)), before_(before), terminal_(isatty(STDERR_FILENO) != 0), started_(seconds()) {}
+Progress::Progress(std::string label, Index before, std::string unit)
+    : label_(std::move(label)), unit_(std::move(unit)), before_(before), terminal_(isatty(STDERR_FILENO) != 0), started_(seconds()) {}
 
 Progress::~Progress() {
   if (terminal_ && drawn_ > 0) fmt::print(stderr, "\r\033[K");
@@ -43,7 +43,7 @@ void Progress::draw(Index done, Index total) {
   std::string speed;
   if (done > before_) {
     const double each = (now - started_) / static_cast<double>(done - before_);
-    speed = fmt::format(", {}, {} left", rate_text(each),
+    speed = fmt::format(", {}, {} left", rate_text(each, unit_),
                         duration_text(each * static_cast<double>(total - done)));
   }
   fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", width - filled,
@@ -51,9 +51,10 @@ void Progress::draw(Index done, Index total) {
   std::fflush(stderr);
 }
 
-std::string rate_text(double seconds_per_point) {
-  return seconds_per_point < 1 ? fmt::format("{:.3g} points/s", 1 / std::max(seconds_per_point, 1e-9))
-                               : fmt::format("{:.3g} s/point", seconds_per_point);
+std::string rate_text(double seconds_per_point, const std::string& unit) {
+  return seconds_per_point < 1
+             ? fmt::format("{:.3g} {}s/s", 1 / std::max(seconds_per_point, 1e-9), unit)
+             : fmt::format("{:.3g} s/{}", seconds_per_point, unit);
 }
 
 std::string duration_text(double seconds) {

@@ -11,7 +11,7 @@ namespace nscdd::app {
 /// that is no terminal. Rates are those of this run: `before` units were done when it began.
 class Progress {
  public:
-  explicit Progress(std::string label, Index before = 0);
+  explicit Progress(std::string label, Index before = 0, std::string unit = "point");
   ~Progress();  ///< wipes the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -19,14 +19,14 @@ class Progress {
 
  private:
   void draw(Index done, Index total);
-  std::string label_;
+  std::string label_, unit_;
   Index before_;
   bool terminal_;
   double started_, drawn_ = 0;
 };
 
-/// "3.2 points/s" for seconds per point below 1, else "4.5 s/point".
-std::string rate_text(double seconds_per_point);
+/// "3.2 points/s" for seconds per point below 1, else "4.5 s/point"; or of another unit.
+std::string rate_text(double seconds_per_point, const std::string& unit = "point");
 
 /// "12 s", "3 min 20 s", "5 h 12 min", "3 d 4 h".
 std::string duration_text(double seconds);

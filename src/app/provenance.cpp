@@ -11,7 +11,10 @@ Provenance provenance(const Context& context, const std::vector<Case>& cases) {
   std::string libraries, resolved;
   for (const auto& [name, version] : dependency_versions())
     libraries += fmt::format("{} {}\n", name, version);
-  for (const Case& one : cases) resolved += fmt::format("# case {}\n{}\n", one.name, to_toml(one));
+  for (const Case& one : cases) {
+    resolved += fmt::format("# case {}\n{}\n", one.name, to_toml(one));
+    if (const auto* settled = std::get_if<SettledPacking>(&one.packing)) resolved += settled->resolved + "\n";
+  }
   return {{"program", "nscdd " + version()},
           {"libraries", libraries},
           {"command_line", context.command_line},

@@ -5,6 +5,7 @@
 #include "progress.hpp"
 #include "provenance.hpp"
 #include "resume.hpp"
+#include "settled_cases.hpp"
 #include "sweep_options.hpp"
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
@@ -43,7 +44,7 @@ Study read_study(const std::string& folder) {
   const std::string file = (fs::path(folder) / "study.toml").string();
   return parse_study(read_text(file), file, [&](const std::string& name) {
     const fs::path beside = fs::path(folder) / name;  // a case file of the study's own
-    return read_case(fs::exists(beside) ? beside.string() : find_case(name));
+    return read_case_file(fs::exists(beside) ? beside.string() : find_case(name));
   });
 }
 
@@ -93,7 +94,7 @@ void leave_out_large(Study& study) {
 
 // Large tables may do without one.
 bool has_baseline(const StudyTable& table, const std::string& baseline) {
-  return !table.large || fs::exists(baseline);
+  return table.baseline && (!table.large || fs::exists(baseline));
 }
 
 // Before hours of work rather than after them.

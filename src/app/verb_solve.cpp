@@ -115,7 +115,8 @@ void check_names(const Options& options) {
       throw Error(fmt::format("{}: expected a file name, met -; standard output is for the report", option));
     if (!name.empty()) require_distinct(options.file, name);
   }
-  if (!options.convergence.empty()) require_distinct(options.convergence, options.output);
+  if (!options.convergence.empty() && !options.output.empty())
+    require_distinct(options.convergence, options.output);
 }
 
 int run(const Options& options) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "config_dynamics.hpp"
 #include "strict_toml.hpp"
 #include <nscdd/io/config.hpp>
 #include <nscdd/io/csv.hpp>
@@ -35,26 +36,44 @@ std::string generator_names() {
   return names;
 }
 
-void read_packing_section(StrictTable section, Case& one, const PackingReader& read) {
-  if (section.has("generator") == section.has("file"))
-    section.fail("generator", "either generator = ... or file = ...",
-                 section.has("file") ? "both" : "neither");
+template <class Read>
+auto read_named(StrictTable& section, const char* key, Read&& read) {
+  std::string name;
+  section.read(key, name);
+  try {
+    return read(name);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: packing.{}: {}", section.location(section.node(key)), key, error.what()));
+  }
+}
+
+Generator named_generator(StrictTable& section) {
+  std::string name;
+  section.read("generator", name);
+  Generator generator;
+  if (!read_generator(section, name, generator))
+    section.fail("generator", fmt::format("one of {}", generator_names()), fmt::format("\"{}\"", name));
+  return generator;
+}
+
+void read_packing_section(StrictTable section, Case& one, const PackingReader& read,
+                          const SettledReader& settle) {
+  const int forms = section.has("generator") + section.has("file") + section.has("settled");
+  if (section.has("settled") && forms > 1)
+    section.fail("settled", "one of generator = ..., file = ... and settled = ...", "more");
+  if (forms != 1)
+    section.fail("generator", "either generator = ... or file = ...", forms > 0 ? "both" : "neither");
   if (section.has("file")) {
-    PackingFile file;
-    section.read("file", file.path);
-    try {
-      file.packing = read(file.path);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: packing.file: {}", section.location(section.node("file")), error.what()));
-    }
-    one.packing = std::move(file);
+    one.packing = read_named(section, "file", [&](const std::string& name) {
+      return PackingFile{name, read(name)};
+    });
+  } else if (section.has("settled")) {
+    one.packing = read_named(section, "settled", [&](const std::string& name) {
+      if (!settle) throw Error("expected a generator or a file: nothing can be settled here");
+      return settle(name);
+    });
   } else {
-    std::string name;
-    section.read("generator", name);
-    Generator generator;
-    if (!read_generator(section, name, generator))
-      section.fail("generator", fmt::format("one of {}", generator_names()), fmt::format("\"{}\"", name));
-    one.packing = generator;
+    one.packing = named_generator(section);
   }
   section.finish();
 }
@@ -131,7 +150,7 @@ void read_prescribed(StrictTable section, Case& one) {
 }  // namespace
 
 Case parse_case(std::string_view text, const std::string& file, const PackingReader& read,
-                const ProblemReader& read_problem) {
+                const SettledReader& settle, const ProblemReader& read_problem) {
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
   Case one;
@@ -144,7 +163,7 @@ Case parse_case(std::string_view text, const std::string& file, const PackingRea
     root.finish();
     return one;
   }
-  read_packing_section(root.section("packing", true), one, read);
+  read_packing_section(root.section("packing", true), one, read, settle);
   StrictTable contacts = root.section("contacts", false);
   contacts.read_fields(one.contacts);
   contacts.finish();
@@ -155,17 +174,18 @@ Case parse_case(std::string_view text, const std::string& file, const PackingRea
   loads.read_fields(one.loads);
   loads.finish();
   for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, one);
+  one.dynamics = read_dynamics(root);
   root.finish();
   return one;
 }
 
-Case read_case(const std::string& path) {
+Case read_case(const std::string& path, const SettledReader& settle) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const auto beside = [&](const std::string& name) {
     return std::filesystem::path(name).is_absolute() ? name : (folder / name).string();
   };
   return parse_case(
-      read_text(path), path, [&](const std::string& name) { return read_packing(beside(name)); },
+      read_text(path), path, [&](const std::string& name) { return read_packing(beside(name)); }, settle,
       [&](const std::string& name) { return read_global_problem(beside(name)); });
 }
 

@@ -107,6 +107,20 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
   }
 }
 
+// Steps of cases that move: done (configuration, force_chains), or examined, which counts from 1.
+void read_steps(StrictTable& section, StudyTable& table) {
+  const std::vector<std::string> items = list(section, "steps");
+  if (items.empty()) return;
+  const bool done =
+      table.observable == Observable::configuration || table.observable == Observable::force_chains;
+  table.steps.clear();
+  for (const std::string& item : items) {
+    table.steps.push_back(parse_integer(item, section.location(section.node("steps")) + ": steps"));
+    check_bounds(table.steps.back(), Field{.description = "", .minimum = done ? 0.0 : 1.0, .maximum = 1e9},
+                 section.location(section.node("steps")) + ": steps");
+  }
+}
+
 StudyTable read_table(StrictTable section, const CaseReader& read) {
   StudyTable table;
   section.read("name", table.name);
@@ -145,7 +159,9 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));
   table.seed = static_cast<std::uint64_t>(seed);
+  read_steps(section, table);
   section.read("large", table.large);
+  section.read("baseline", table.baseline);
   read_tolerances(section, table);
   section.finish();
   return table;

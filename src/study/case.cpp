@@ -24,6 +24,20 @@ void override_section(std::string_view section, Parameters& parameters, std::str
                             keys_of(section, parameters)));
 }
 
+void override_dynamics(std::optional<Dynamics>& dynamics, std::string_view section, std::string_view key,
+                       std::string_view path, std::string_view value) {
+  if (!dynamics)
+    throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", path));
+  if (section == "interaction") {
+    override_section(section, dynamics->interaction, key, path, value);
+  } else if (section == "dynamics") {
+    override_section(section, dynamics->time, key, path, value);
+  } else {
+    if (key == "eta") check_eta(value, path);
+    override_section(section, dynamics->solver, key, path, value);
+  }
+}
+
 // The optional fields of Masses, in the form the visitors take.
 struct MassFields {
   double density;
@@ -33,14 +47,6 @@ struct MassFields {
           Field{.description = "surface density", .unit = "kg/m^2", .minimum = 0, .minimum_excluded = true});
   }
 };
-
-template <class Parameters>
-std::string field_lines(const Parameters& parameters) {
-  std::string lines;
-  for (const FieldDescription& field : describe_fields(parameters))
-    lines += fmt::format("{} = {}\n", field.key, field.value);
-  return lines;
-}
 
 // One subdomain, or by the graph of contacts.
 Partition partition_without_geometry(const Partitioner& partitioner, const ReferenceProblem& problem,
@@ -79,7 +85,8 @@ void override_case(Case& one, std::string_view path, std::string_view value) {
   if (section == "packing") {
     auto* generator = std::get_if<Generator>(&one.packing);
     if (generator == nullptr)
-      throw Error(fmt::format("{}: the packing of this case is a file and has no parameters", path));
+      throw Error(fmt::format("{}: the packing of this case is {} and has no parameters", path,
+                              std::holds_alternative<PackingFile>(one.packing) ? "a file" : "settled"));
     std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
                *generator);
   } else if (section == "contacts") {
@@ -93,9 +100,13 @@ void override_case(Case& one, std::string_view path, std::string_view value) {
                one.partition);
   } else if (section == "loads") {
     override_section(section, one.loads, key, path, value);
+  } else if (section == "interaction" || section == "dynamics" || section == "solver") {
+    override_dynamics(one.dynamics, section, key, path, value);
   } else {
-    throw Error(fmt::format(
-        "{}: no such parameter; expected packing.*, contacts.*, masses.*, partition.* or loads.*", path));
+    throw Error(
+        fmt::format("{}: no such parameter; expected packing.*, contacts.*, masses.*, partition.*, loads.*, "
+                    "interaction.*, dynamics.* or solver.*",
+                    path));
   }
 }
 
@@ -109,6 +120,8 @@ std::string to_toml(const Case& one) {
   std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(one.title));
   if (const auto* file = std::get_if<PackingFile>(&one.packing)) {
     text += fmt::format("file = {}\n", field_text(file->path));
+  } else if (const auto* settled = std::get_if<SettledPacking>(&one.packing)) {
+    text += fmt::format("settled = {}\n", field_text(settled->from));
   } else {
     std::visit(
         [&](const auto& parameters) {
@@ -136,6 +149,7 @@ std::string to_toml(const Case& one) {
   for (const PrescribedVelocity& velocity : one.prescribed)
     text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain,
                         field_text(velocity.velocity));
+  if (one.dynamics) text += to_toml(*one.dynamics);
   return text;
 }
 
@@ -143,9 +157,13 @@ Packing packing_of(const Case& one, const Monitor& monitor) {
   if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
     throw Error(
         fmt::format("{}: expected a packing, met a contact problem, which has no geometry", file->path));
-  Packing packing = std::holds_alternative<PackingFile>(one.packing)
-                        ? std::get<PackingFile>(one.packing).packing
-                        : generate(std::get<Generator>(one.packing), monitor);
+  Packing packing;
+  if (const auto* file = std::get_if<PackingFile>(&one.packing))
+    packing = file->packing;
+  else if (const auto* settled = std::get_if<SettledPacking>(&one.packing))
+    packing = settled->packing;
+  else
+    packing = generate(std::get<Generator>(one.packing), monitor);
   check(packing);
   return one.masses.model ? with_masses(std::move(packing), one.masses) : packing;
 }
@@ -155,6 +173,14 @@ void require_geometry(const Model& model, std::string_view what) {
     throw Error(
         fmt::format("{}: {}: expected a packing, met a contact problem, of which no geometry is known",
                     model.name, what));
+}
+
+Simulation simulation_of(const Case& one, const Monitor& monitor) {
+  if (!one.dynamics)
+    throw Error(
+        fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
+  GranularScene start = scene(with_masses(packing_of(one, monitor), one.masses), *one.dynamics);
+  return {std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
 }
 
 Model build(const Case& one, const Monitor& monitor) {

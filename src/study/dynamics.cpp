@@ -32,6 +32,10 @@ void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<doubl
     throw Error(
         fmt::format("boundary '{}': expected a radius > 0 of its disks, met {}", spec.name, spec.radius));
   const double spacing = spec.spacing > 0 ? spec.spacing : 2 * spec.radius;
+  constexpr double most = 1e7;
+  if (!(length / spacing < most))
+    throw Error(fmt::format("boundary '{}': expected at most {} disks, met {} m in steps of {} m", spec.name,
+                            most, length, spacing));
   // As many gaps as keep them no wider than asked for, rounding of the last one aside.
   const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spacing * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {

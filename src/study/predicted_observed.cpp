@@ -90,6 +90,7 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   Stretches stretches;
   IterationWatch watch(solver);
   PredictedObserved result;
+  result.eta = step.eta;
   result.interface_size = parts.interface_size();
   for (;;) {
     const IterationRecord record = step.iteration.iterate();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
+#include <nscdd/study/moving_tables.hpp>
 #include <nscdd/study/network_tables.hpp>
 #include <nscdd/study/observed_rate.hpp>
 #include <nscdd/study/optimum.hpp>
@@ -23,6 +24,14 @@ std::vector<Column> observable_columns(const StudyTable& table) {
       return link_columns(table.sweep.contacts);
     case Observable::grains:
       return grain_columns();
+    case Observable::indicators:
+      return indicator_columns();
+    case Observable::configuration:
+      return configuration_columns();
+    case Observable::force_chains:
+      return chain_columns();
+    case Observable::predicted_observed:
+      return predicted_observed_columns();
   }
   return {};
 }
@@ -35,8 +44,13 @@ std::optional<Index> rows_per_case(const StudyTable& table) {
       return point_count(table.sweep);
     case Observable::optimum:
       return count(table.sweep.epsilon);
+    case Observable::predicted_observed:
+      return count(table.steps);
     case Observable::links:
     case Observable::grains:
+    case Observable::indicators:
+    case Observable::configuration:
+    case Observable::force_chains:
       return std::nullopt;
   }
   return std::nullopt;
@@ -57,8 +71,28 @@ Index observe(const Model& model, const StudyTable& table, const RowSink& sink, 
       return 0;
     case Observable::optimum:
       return optima(model, table.sweep, sink, monitor, first);
+    case Observable::indicators:
+    case Observable::configuration:
+    case Observable::force_chains:
+    case Observable::predicted_observed:
+      break;  // of cases that move: see observe_moving
   }
   return 0;
+}
+
+Index observe_moving(const Case& one, const StudyTable& table, LeadIn& lead_in, const RowSink& sink,
+                     const Monitor& monitor, Index first) {
+  Index failed = 0;
+  if (table.observable == Observable::configuration) configuration_rows(one, table.steps, lead_in, sink);
+  if (table.observable == Observable::force_chains) chain_rows(one, table.steps, lead_in, sink);
+  for (Index k = first; k < count(table.steps); ++k) {
+    if (table.observable == Observable::indicators) indicator_rows(one, table.steps[at(k)], lead_in, sink);
+    if (table.observable == Observable::predicted_observed) {
+      failed += !predicted_observed_row(one, table.steps[at(k)], lead_in, sink);
+      if (!report(monitor, k + 1, count(table.steps))) break;
+    }
+  }
+  return failed;
 }
 
 // A varied value as a cell: a number where it reads as one.
@@ -122,6 +156,11 @@ Row varied_cells(const StudyTable& table, const Combination& combination) {
 
 }  // namespace
 
+bool moves(Observable observable) {
+  return observable == Observable::indicators || observable == Observable::configuration ||
+         observable == Observable::force_chains || observable == Observable::predicted_observed;
+}
+
 std::vector<Column> study_columns(const StudyTable& table) {
   std::vector<Column> columns = observable_columns(table);
   std::vector<Column> varied;
@@ -146,6 +185,10 @@ std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, I
   std::vector<std::pair<std::string, Cell>> cells{{"case", table.cases[at(combination.base)].name}};
   const std::vector<Variation> parameters = variations(table);
   for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(parameters[i].parameter, varied[i]);
+  if (table.observable == Observable::predicted_observed) {
+    cells.emplace_back("step", std::int64_t{table.steps[at(number)]});
+    return cells;
+  }
   if (table.observable == Observable::optimum) {
     cells.emplace_back("epsilon", table.sweep.epsilon[at(number)]);
     return cells;
@@ -182,6 +225,7 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
   const Index cases = varied_case_count(table), total = cases * rows.value_or(1);
   Index failed = 0;
   bool stopped = false;
+  LeadIn lead_in;
   for (Index number = rows ? first / *rows : 0; number < cases && !stopped; ++number) {
     const auto [one, cells] = varied_case(table, number);
     const RowSink with_varied = [&sink, &varied = cells](const Row& row) {
@@ -195,7 +239,8 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
     };
     try {
       const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
-      failed += observe(build(one), table, with_varied, within, known);
+      failed += moves(table.observable) ? observe_moving(one, table, lead_in, with_varied, within, known)
+                                        : observe(build(one), table, with_varied, within, known);
     } catch (const Error& error) {
       throw Error(fmt::format("case {}: {}", one.name, error.what()));
     }

@@ -48,6 +48,8 @@ std::string case_text(Case one) {
     file->path = file_text(file->path, content(file->packing));
   if (auto* file = std::get_if<ContactProblemFile>(&one.packing))
     file->path = file_text(file->path, content(file->problem));
+  if (auto* settled = std::get_if<SettledPacking>(&one.packing))
+    settled->from = fmt::format("{} ({})", settled->from, content(settled->packing));
   return text + to_toml(one);
 }
 

@@ -128,7 +128,7 @@ TEST_CASE("a global problem goes through sweep, optimum and inspect like any cas
   session.file("p.hdf5", raw_global(box()).bytes());
   session.file("local.hdf5", raw_local(reduce(box())).bytes());
   session.file("case.toml", "[problem]\nfile = \"p.hdf5\"\n[partition]\nmetis = 3\n");
-  const CsvTable rows = table(session, "sweep p.hdf5 --subdomains metis:3 --epsilon 0.1,1 --csv -");
+  const CsvTable rows = table(session, "sweep p.hdf5 --subdomains metis:3 --epsilon 0.1,1");
   REQUIRE(rows.rows.size() == 2);
   CHECK(rows.text(0, "grains") == "12");
   CHECK(rows.text(0, "contacts") == "20");
@@ -136,7 +136,7 @@ TEST_CASE("a global problem goes through sweep, optimum and inspect like any cas
   CHECK(rows.number(0, "interface_dofs") > 0);
   CHECK(rows.number(0, "spectral_radius") > rows.number(1, "spectral_radius"));
   CHECK(rows.number(0, "spectral_radius") < 1);
-  const CsvTable same = table(session, "sweep case.toml --epsilon 0.1,1 --csv -");
+  const CsvTable same = table(session, "sweep case.toml --epsilon 0.1,1");
   CHECK(same.text(0, "spectral_radius") == rows.text(0, "spectral_radius"));
   CHECK(
       answer(session, "optimum p.hdf5 --subdomains metis:3 --contacts all --epsilon 0.1").find("best_eta") !=

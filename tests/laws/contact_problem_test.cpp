@@ -191,7 +191,7 @@ TEST_CASE("a case with a contact problem reads back from its file") {
   Case one = as_problem(lattice(), true);
   one.name = "one";
   const PackingReader no_packing = [](const std::string&) -> Packing { throw Error("no packing"); };
-  const Case back = parse_case(to_toml(one), "one.toml", no_packing, [&](const std::string& path) {
+  const Case back = parse_case(to_toml(one), "one.toml", no_packing, {}, [&](const std::string& path) {
     CHECK(path == "lattice.hdf5");
     return std::get<ContactProblemFile>(one.packing).problem;
   });

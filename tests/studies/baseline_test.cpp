@@ -56,8 +56,13 @@ TEST_CASE("studies: folder complete, small tables equal to their baselines, larg
       const StudyTable& work = study.tables[i];
       CAPTURE(work.name);
       const std::string path = baseline_path(study, i);
-      if (work.large && !std::filesystem::exists(path)) continue;
+      if (!work.baseline || (work.large && !std::filesystem::exists(path))) continue;
       const CsvText baseline = parse_csv(read_text(path), path);
+      if (moves(work.observable)) {  // their deposits take minutes: compared by tools/reproduce
+        CHECK(baseline.columns.size() == study_columns(work).size());
+        ++shaped;
+        continue;
+      }
       if (work.large || largest_grains(baseline) > largest_packing) {
         check_shape(work, baseline);
         ++shaped;

@@ -112,7 +112,7 @@ TEST_CASE("symmetry is asked for as far as text files have it") {
   problem.w = (Matrix(2, 2) << 2, 1, 1 + 1.5e-5, 2).finished().sparseView();
   problem.q = Vector::Zero(2);
   problem.friction = Vector::Zero(1);
-  CHECK_NOTHROW(check(problem));
+  CHECK_NOTHROW(check(problem, "file"));
   problem.w.coeffRef(1, 0) = 1 + 2.5e-5;
   CHECK(message([&] { check(problem, "file"); }).find("file: W: expected a symmetric matrix") == 0);
 }

@@ -81,7 +81,7 @@ TEST_CASE("Gauss-Seidel finds the solution that enumeration of all statuses find
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const Index contacts = 1 + static_cast<Index>(seed % 4);
     const LocalFrictionProblem problem = random_problem(seed, contacts, 0.5);
-    check(problem);
+    check(problem, "problem");
     const std::vector<Vector> solutions = every_solution(problem);
     REQUIRE_FALSE(solutions.empty());
     FrictionSolverOptions options;

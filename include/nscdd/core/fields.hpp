@@ -78,6 +78,15 @@ std::vector<FieldDescription> describe_fields(const Parameters& parameters) {
   return all;
 }
 
+/// Lines "key = value" of a parameter struct, as a TOML file has them.
+template <class Parameters>
+std::string field_lines(const Parameters& parameters) {
+  std::string lines;
+  for (const FieldDescription& field : describe_fields(parameters))
+    lines += field.key + " = " + field.value + "\n";
+  return lines;
+}
+
 /// Sets the parameter `key` from text and checks its bounds; false where the struct has no such key.
 /// `path` is the name for error messages, such as "packing.grains".
 template <class Parameters>

@@ -16,16 +16,20 @@ using PackingReader = std::function<Packing(const std::string& path)>;
 /// Reads a contact problem named in a case file; the path is as written there.
 using ProblemReader = std::function<GlobalFrictionProblem(const std::string& path)>;
 
+/// Settles the case named in a case file ([packing] settled = "..."), the name as written there.
+using SettledReader = std::function<SettledPacking(const std::string& name)>;
+
 /// Finds the case named in a study file ("disks4", or a path) and reads it.
 using CaseReader = std::function<Case(const std::string& name)>;
 
 /// A case from the text of a case file. Strict: an unknown key, a wrong type, a missing section or a value
-/// out of its bounds throws Error "file:line: key: expected ..., met ...".
+/// out of its bounds throws Error "file:line: key: expected ..., met ...". Without a reader for it, a settled
+/// packing or a contact problem is refused.
 Case parse_case(std::string_view text, const std::string& file, const PackingReader& read,
-                const ProblemReader& read_problem = {});
+                const SettledReader& settle = {}, const ProblemReader& read_problem = {});
 
 /// A case from a file, named by its stem; a packing file or contact problem is looked for beside it.
-Case read_case(const std::string& path);
+Case read_case(const std::string& path, const SettledReader& settle = {});
 
 /// A study from the text of a study file, as strict.
 Study parse_study(std::string_view text, const std::string& file, const CaseReader& read);

@@ -42,8 +42,8 @@ inline constexpr double symmetry_tolerance = 1e-5;
 /// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a
 /// negative coefficient of friction, W or M that is not symmetric, and a contact whose 2 x 2 block of W is
 /// not positive definite. That M is positive definite is found by `reduce`.
-void check(const LocalFrictionProblem& problem, const std::string& name = "problem");
-void check(const GlobalFrictionProblem& problem, const std::string& name = "problem");
+void check(const LocalFrictionProblem& problem, const std::string& name);
+void check(const GlobalFrictionProblem& problem, const std::string& name);
 
 /// The diagonal block W_c of a contact; its off-diagonal entry is the mean of both stored ones.
 FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact);

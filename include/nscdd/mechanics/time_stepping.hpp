@@ -21,6 +21,7 @@ struct TimeStepping {
   std::array<double, 2> gravity{0, -9.81};
   double alert = 0.05;
   double penetration_correction = 1;
+  double rest_speed = 0;  ///< m/s
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -38,6 +39,11 @@ struct TimeStepping {
           Field{.description = "part of an overlap removed per step (restitution 0)",
                 .minimum = 0,
                 .maximum = 1});
+    visit("rest_speed", self.rest_speed,
+          Field{.description = "the run ends once free grains are slower for 10 steps: root mean square "
+                               "weighted by mass, spin included; 0 for never",
+                .unit = "m/s",
+                .minimum = 0});
   }
 };
 

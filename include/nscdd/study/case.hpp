@@ -10,7 +10,9 @@
 #include <nscdd/packing/contact_network.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/packing.hpp>
+#include <nscdd/study/dynamics.hpp>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -31,30 +33,44 @@ struct ContactProblemFile {
   GlobalFrictionProblem problem;
 };
 
+/// The free grains of another case at the end of its simulation.
+struct SettledPacking {
+  std::string from;      ///< as the case file names that case
+  std::string resolved;  ///< that case as a case file, what it is settled from in turn behind it
+  Packing packing;       ///< with masses
+};
+
 /// Everything that defines a problem to be studied: a case file, resolved.
 struct Case {
   std::string name;  ///< stem of the file; the `case` column of every table
   std::string title;
-  std::variant<Generator, PackingFile, ContactProblemFile> packing = Generator{TriangularStrip{}};
+  std::variant<Generator, PackingFile, SettledPacking, ContactProblemFile> packing =
+      Generator{TriangularStrip{}};
   ContactDetection contacts;
   Masses masses;
   Partitioner partition = GridPartitioner{};
   /// Grain numbers count from 0; a negative one from the end, -1 being the last grain.
   std::vector<PrescribedVelocity> prescribed;
   Loads loads;
+  std::optional<Dynamics> dynamics;  ///< none for a case that is not made to move
 };
 
 /// Sets one parameter of a case from text: "packing.grains", "contacts.tolerance", "masses.density",
-/// "partition.grid", "loads.compression" and so on. Throws Error for a key that the case does not have,
-/// naming those it has.
+/// "partition.grid", "loads.compression", "dynamics.steps", "solver.tolerance", "interaction.friction" and so
+/// on. Throws Error for a key that the case does not have, naming those it has.
 void override_case(Case& one, std::string_view key, std::string_view value);
 
-/// The case as a case file that reads back to it (a packing file by its path).
+/// The case as a case file that reads back to it (a packing file by its path, a settled packing by the name
+/// of its case).
 std::string to_toml(const Case& one);
 
-/// The packing of a case, generated or as read from its file, with masses where the case says how. Throws
-/// Error for a packing or masses that cannot be used, and for a contact problem, which has none.
+/// The packing of a case, generated or as read from its file or settled, with masses where the case says how.
+/// Throws Error for a packing or masses that cannot be used, and for a contact problem, which has none.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
+
+/// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error for a case
+/// without [dynamics].
+Simulation simulation_of(const Case& one, const Monitor& monitor = {});
 
 /// A case made ready for analysis.
 struct Model {

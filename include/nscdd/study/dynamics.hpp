@@ -8,6 +8,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nscdd {
@@ -37,6 +38,15 @@ struct Dynamics {
   StepSolver solver;
   std::vector<BoundarySpec> boundaries;
 };
+
+/// The names of shapes in a case file.
+std::string_view to_string(BoundaryShape shape);
+
+/// The sections as a case file has them, a blank line before each.
+std::string to_toml(const Dynamics& dynamics);
+
+/// Throws Error naming `key` unless the text is "optimal" or a number > 0.
+void check_eta(std::string_view eta, std::string_view key);
 
 /// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
 /// their order. Throws Error naming the boundary for a shape without extent, a radius or range of grains that

@@ -11,6 +11,7 @@ namespace nscdd {
 
 /// A run of a step beside the local theory of its convergence.
 struct PredictedObserved {
+  double eta = not_a_number;                                   ///< of the enriched algorithm, 1/kg
   Index interface_size = 0, active = 0, stick = 0, slide = 0;  ///< at the statuses compared
   double predicted = not_a_number;        ///< radius of the frozen iteration with n_GS sweeps
   double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 grains

@@ -19,21 +19,32 @@ namespace nscdd {
 
 /// What a table of a study measures: one word here and one branch in `run_table`.
 enum class Observable {
-  spectral_radius,  ///< rows of a sweep
-  optimum,          ///< best eta per case and epsilon
-  observed_rate,    ///< predicted beside fitted rate
-  links,            ///< contact network with impulses
-  grains,           ///< grains with multiplicities
+  spectral_radius,     ///< rows of a sweep
+  optimum,             ///< best eta per case and epsilon
+  observed_rate,       ///< predicted beside fitted rate
+  links,               ///< contact network with impulses
+  grains,              ///< grains with multiplicities
+  indicators,          ///< every iteration of a step of a moving case
+  configuration,       ///< disks of a moving case after some steps
+  force_chains,        ///< impulses of a moving case after some steps
+  predicted_observed,  ///< rate of a step with friction: frozen statuses beside the run
 };
 
 /// Name and summary of each observable, in the order of the enumeration.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 5> observables{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 9> observables{{
     {"spectral_radius", "spectral radius of the contraction operator at every point of a sweep"},
     {"optimum", "best flexibility eta of the enriched algorithm, with and without relaxation"},
     {"observed_rate", "rate fitted to a run of the algorithm, beside the predicted radius"},
     {"links", "contact network: grains, normal, subdomain, impulse, active"},
     {"grains", "grains: position, radius, mass, multiplicity, prescribed velocity"},
+    {"indicators", "indicators of every iteration of a step of a case that moves"},
+    {"configuration", "disks of a case that moves after some steps, with their subdomains"},
+    {"force_chains", "contacts with their impulses of a case that moves after some steps"},
+    {"predicted_observed", "rate of a step with friction, predicted at its frozen statuses and observed"},
 }};
+
+/// Whether an observable is one of cases that move.
+bool moves(Observable observable);
 
 /// A case parameter taken through a list of values, such as packing.grains.
 struct Variation {
@@ -52,7 +63,9 @@ struct StudyTable {
   std::vector<Variation> vary;  ///< every combination, the last one running fastest
   SweepParameters sweep;
   std::uint64_t seed = 1;
-  bool large = false;  ///< run only where large tables are asked for
+  std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
+  bool large = false;           ///< run only where large tables are asked for
+  bool baseline = true;         ///< whether the study keeps one (a picture of thousands of disks does not)
   /// What a comparison with the baseline allows for, times max(1, |number|), and for single columns instead
   /// of it (the place of a flat minimum is known less well than its value).
   double check_tolerance = 1e-8;

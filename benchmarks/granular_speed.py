@@ -1,0 +1,172 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Speed of the nonlinear Gauss-Seidel sweeps and of Algorithm 1 on frictional packings.
+
+usage: benchmarks/granular_speed.py [--program build/release/nscdd] [--grains 1000,10000,100000] [--siconos PROGRAM]
+
+One table per line of the issue it answers:
+  sweeps     ns per contact and sweep on one core, whole step of 100 sweeps (detection and set-up included)
+  algorithm  ms per iteration of Algorithm 1 (n_GS = 1, generic) in two vertical strips, one and two threads
+  siconos    the same contact problem file for nscdd solve and for Siconos' fc2d_nsgs (benchmarks/peers/siconos_fc2d.c,
+             compiled beforehand; its path is the argument), to the same natural-map residual
+
+Deposits come from the program's own generator (drop and roll, 100 000 grains have some 200 000 contacts); friction 0.3.
+Times are those the program measures of its own steps, the best and the median of some steps: other work on the
+machine shows as a spread.
+"""
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+CASE = """
+[packing]
+generator = "deposit"
+grains = {grains}
+width = {width}
+radius_min = 0.1
+radius_max = 0.198
+[masses]
+density = 2500.0
+[partition]
+grid = [2, 1]
+[interaction]
+friction = 0.3
+[dynamics]
+step = 0.005
+steps = {steps}
+[solver]
+algorithm = "{algorithm}"
+criterion = "none"
+maximum_iterations = {iterations}
+order = "{order}"
+[[boundary]]
+name = "floor"
+shape = "wall"
+from = [0.0, 0.0]
+to = [1.0, 0.0]
+[[boundary]]
+name = "left"
+shape = "wall"
+from = [0.0, 1.0]
+to = [0.0, 0.0]
+[[boundary]]
+name = "right"
+shape = "wall"
+from = [{width}, 0.0]
+to = [{width}, 1.0]
+"""
+
+
+def simulate(program, folder, grains, algorithm, iterations, threads, order, steps=5):
+    """Rows of the summary of some steps."""
+    case, out = os.path.join(folder, "case.toml"), os.path.join(folder, "run.h5")
+    with open(case, "w", encoding="ascii") as file:
+        file.write(CASE.format(grains=grains, width=round(0.28 * grains**0.5, 3), steps=steps,
+                               algorithm=algorithm, iterations=iterations, order=order))
+    subprocess.run([program, "simulate", case, "-o", out, "--force", "--save-every", str(steps + 1),
+                    "--threads", str(threads)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    with h5py.File(out) as run:
+        return {name: np.array(data) for name, data in run["summary"].items()}
+
+
+def sweeps(program, folder, sizes):
+    print("sweeps: one thread, 100 sweeps per step")
+    print(f"{'grains':>8} {'contacts':>9} {'order':>12} {'ns/contact/sweep best':>22} {'median':>7} {'step s':>8}")
+    for grains in sizes:
+        for order in ("natural", "interleaved", "coloured"):
+            rows = simulate(program, folder, grains, "nlgs", 100, 1, order)
+            each = 1e9 * rows["solve_seconds"] / rows["contacts"] / rows["sweeps"]
+            step = statistics.median(rows["setup_seconds"] + rows["solve_seconds"])
+            print(f"{grains:>8} {int(rows['contacts'][0]):>9} {order:>12} {each.min():>22.2f} "
+                  f"{statistics.median(each):>7.2f} {step:>8.3f}", flush=True)
+
+
+def algorithm(program, folder, grains):
+    print("algorithm 1: generic, two strips, n_GS = 1")
+    best = {}
+    for threads in (1, 2):
+        rows = simulate(program, folder, grains, "generic", 200, threads, "interleaved")
+        each = 1e3 * rows["solve_seconds"] / rows["iterations"]
+        best[threads] = each.min()
+        print(f"{grains:>8} grains, {threads} thread(s): {each.min():.3f} ms per iteration (median "
+              f"{statistics.median(each):.3f})", flush=True)
+    print(f"{'':>8} ratio {best[1] / best[2]:.2f}")
+
+
+def problem(path, grains):
+    """A contact problem of one step in the layout that siconos_fc2d reads, and in FCLIB's."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    subprocess.run(["/usr/bin/python3", os.path.join(here, "peers", "gen_problem.py"), str(grains), path, "poly"],
+                   check=True, stdout=subprocess.DEVNULL)
+    with open(path, "rb") as f:
+        bodies, contacts = np.fromfile(f, np.int64, 2)
+        _, friction = np.fromfile(f, float, 2)
+        mass, inertia, radius = (np.fromfile(f, float, bodies) for _ in range(3))
+        free = np.fromfile(f, float, 3 * bodies)
+        first, second = (np.fromfile(f, np.int64, contacts) for _ in range(2))
+        nx, ny = (np.fromfile(f, float, contacts) for _ in range(2))
+    inertias = np.ravel(np.c_[mass, mass, inertia])
+    # Column 2 c: normal, 2 c + 1: tangent; body `first` gets +, `second` -, both turn by -radius.
+    columns = []
+    for c in range(contacts):
+        normal, tangent = {}, {}
+        for body, sign in ((first[c], 1.0), (second[c], -1.0)):
+            if body < 0:
+                continue
+            normal.update({3 * body: sign * nx[c], 3 * body + 1: sign * ny[c]})
+            tangent.update({3 * body: -sign * ny[c], 3 * body + 1: sign * nx[c], 3 * body + 2: -radius[body]})
+        columns += [normal, tangent]
+    starts = np.cumsum([0] + [len(c) for c in columns]).astype(np.int32)
+    rows = np.concatenate([sorted(c) for c in columns]).astype(np.int32)
+    values = np.concatenate([[c[k] for k in sorted(c)] for c in columns])
+    with h5py.File(path + ".hdf5", "w") as out:
+        group = out.create_group("fclib_global")
+        group["spacedim"] = np.array([2], np.int32)
+        diagonal = np.arange(len(inertias), dtype=np.int32)
+        for name, p, i, x in (("M", np.arange(len(inertias) + 1, dtype=np.int32), diagonal, inertias),
+                              ("H", starts, rows, values)):
+            matrix = group.create_group(name)
+            for key, value in (("nzmax", len(x)), ("m", len(inertias)), ("n", len(p) - 1), ("nz", -1)):
+                matrix[key] = np.array([value], np.int32)
+            matrix["p"], matrix["i"], matrix["x"] = p, i, x
+        group["vectors/f"] = inertias * free
+        group["vectors/w"] = np.zeros(2 * contacts)
+        group["vectors/mu"] = np.full(contacts, friction)
+    return contacts
+
+
+def siconos(program, folder, rival, sizes):
+    print("siconos: the same file, the same number of sweeps (100), then the same natural-map residual")
+    for grains in sizes:
+        path = os.path.join(folder, f"problem-{grains}.bin")
+        contacts = problem(path, grains)
+        ours = subprocess.run([program, "solve", path + ".hdf5", "--maximum-sweeps", "100", "--tolerance", "0"],
+                              check=False, capture_output=True, text=True).stdout
+        theirs = subprocess.run([rival, path, "2", "nsgs", "100", "3"], check=True, capture_output=True,
+                                text=True, env=dict(os.environ, OPENBLAS_NUM_THREADS="1")).stdout
+        print(f"{grains} grains, {contacts} contacts\n  nscdd:   {' | '.join(ours.split(chr(10)))}\n  siconos: {theirs.strip()}",
+              flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default="build/release/nscdd")
+    parser.add_argument("--grains", default="1000,10000,100000")
+    parser.add_argument("--siconos", metavar="PROGRAM", help="compiled benchmarks/peers/siconos_fc2d.c")
+    options = parser.parse_args()
+    sizes = [int(n) for n in options.grains.split(",")]
+    with tempfile.TemporaryDirectory() as folder:
+        sweeps(options.program, folder, sizes)
+        algorithm(options.program, folder, sizes[-1])
+        if options.siconos:
+            siconos(options.program, folder, options.siconos, sizes)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

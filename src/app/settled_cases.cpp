@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "settled_cases.hpp"
+
+#include "data_files.hpp"
+#include "progress.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fingerprint.hpp>
+#include <nscdd/core/version.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/packing_file.hpp>
+#include <nscdd/study/run_simulation.hpp>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+namespace nscdd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An entry of the cache is a packing file (CSV) below two remarks: what it is, and the fingerprint of all that
+// follows, by which damage is noticed.
+constexpr std::string_view mark = "# content ";
+
+std::string entry_text(const Packing& packing, const std::string& resolved) {
+  std::string text;
+  for (std::size_t begin = 0; begin < resolved.size();) {
+    const std::size_t end = std::min(resolved.find('\n', begin), resolved.size());
+    text += fmt::format("# {}\n", resolved.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  text += "x,y,radius,mass\n";
+  for (std::size_t i = 0; i < packing.x.size(); ++i)
+    text += fmt::format("{},{},{},{}\n", packing.x[i], packing.y[i], packing.radius[i], packing.mass[i]);
+  return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
+}
+
+// None where there is no such entry or it is damaged.
+std::optional<Packing> cached(const fs::path& entry) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(entry, ignored)) return std::nullopt;
+  try {
+    const std::string text = read_text(entry.string());
+    const std::size_t start = text.find('\n') + 1;  // 0 where there is none
+    if (text.substr(0, start) !=
+        fmt::format("{}{}\n", mark, fingerprint(std::string_view(text).substr(start))))
+      return std::nullopt;
+    return parse_packing(text, entry.string());
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// Written beside and renamed, so that no other run ever reads half of it. Without a cache there is only time
+// to lose.
+void remember(const fs::path& entry, const std::string& text) {
+  std::error_code status;
+  fs::create_directories(entry.parent_path(), status);
+  const std::string temporary = fmt::format("{}.{}", entry.string(), ::getpid());
+  std::ofstream file(temporary, std::ios::binary);
+  file << text;
+  file.close();
+  if (file) fs::rename(temporary, entry, status);
+  if (file && !status) return;
+  fs::remove(temporary, status);
+  note(fmt::format("{}: cannot be written, so that this packing will be settled again",
+                   entry.string()));
+}
+
+Packing free_grains(const Simulation& simulation, Index grains) {
+  Packing packing;
+  for (Index i = 0; i < grains; ++i) {
+    if (!simulation.system.free(i)) continue;
+    packing.x.push_back(simulation.state.x[at(i)]);
+    packing.y.push_back(simulation.state.y[at(i)]);
+    packing.radius.push_back(simulation.system.radius[at(i)]);
+    packing.mass.push_back(simulation.system.mass[at(i)]);
+  }
+  return packing;
+}
+
+Packing simulate_to_the_end(const Case& one) {
+  Progress progress("settle " + one.name, 0, "step");
+  const Packing packing = with_masses(packing_of(one), one.masses);
+  GranularScene start = scene(packing, *one.dynamics);
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  double kinetic = 0;
+  RunSinks sinks;
+  sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) {
+    kinetic = report.energy.kinetic;
+  };
+  sinks.monitor = progress.monitor();
+  const RunOutcome outcome = run_simulation(simulation, sinks);
+  if (outcome.end == RunEnd::broke_down)
+    throw Error(fmt::format("case '{}': cannot be settled: {}", one.name, outcome.reason));
+  if (outcome.end == RunEnd::completed && one.dynamics->time.rest_speed > 0)
+    note(fmt::format("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.name,
+                     simulation.state.step, mean_speed(simulation.system, kinetic)));
+  return free_grains(simulation, packing.size());
+}
+
+std::string canonical(const std::string& path) {
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(path), ignored).string();
+}
+
+// `open`: the case files that are being read, from the one asked for inwards.
+Case read_nested(const std::string& path, std::vector<std::string> open);
+
+SettledPacking settle(const std::string& name, const fs::path& folder, const std::vector<std::string>& open) {
+  std::error_code ignored;
+  const fs::path beside = fs::path(name).is_absolute() ? fs::path(name) : folder / name;
+  const std::string path = fs::is_regular_file(beside, ignored) ? beside.string() : find_case(name);
+  if (fs::path(path).extension() != ".toml")
+    throw Error(fmt::format("{}: expected a case file (.toml) to settle, met another", path));
+  const Case one = read_nested(path, open);
+  if (!one.dynamics)
+    throw Error(fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
+  SettledPacking settled{.from = name, .resolved = fmt::format("# case {}\n{}", one.name, to_toml(one))};
+  if (const auto* inner = std::get_if<SettledPacking>(&one.packing)) settled.resolved += inner->resolved;
+  if (const auto* file = std::get_if<PackingFile>(&one.packing))
+    settled.resolved += fmt::format("# content of {}: {} {} {} {}\n", file->path, fingerprint(file->packing.x),
+                                    fingerprint(file->packing.y), fingerprint(file->packing.radius),
+                                    fingerprint(file->packing.mass));
+  const auto cache = cache_folder();
+  const std::string key = fingerprint(settled.resolved + build_fingerprint());
+  const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", one.name, key) : fs::path();
+  if (cache)
+    if (std::optional<Packing> found = cached(entry)) {
+      settled.packing = *std::move(found);
+      return settled;
+    }
+  settled.packing = simulate_to_the_end(one);
+  if (cache) remember(entry, entry_text(settled.packing, settled.resolved));
+  return settled;
+}
+
+Case read_nested(const std::string& path, std::vector<std::string> open) {
+  const std::string full = canonical(path);
+  const bool cycle = std::find(open.begin(), open.end(), full) != open.end();
+  open.push_back(full);
+  if (cycle) {
+    std::string chain;
+    for (const std::string& each : open)
+      chain += (chain.empty() ? "" : " -> ") + fs::path(each).filename().string();
+    throw Error(fmt::format("expected a case that is not settled from itself, met {}", chain));
+  }
+  return read_case(path, [&](const std::string& name) {
+    return settle(name, fs::path(path).parent_path(), open);
+  });
+}
+
+}  // namespace
+
+std::optional<fs::path> cache_folder() {
+  const auto variable = [](const char* name) -> std::optional<fs::path> {
+    const char* value = std::getenv(name);
+    if (value == nullptr || *value == '\0') return std::nullopt;
+    return fs::path(value);
+  };
+  if (const auto own = variable("NSCDD_CACHE")) return own;
+  if (const auto shared = variable("XDG_CACHE_HOME")) return *shared / "nscdd";
+  if (const auto home = variable("HOME")) return *home / ".cache" / "nscdd";
+  return std::nullopt;
+}
+
+Case read_case_file(const std::string& path) { return read_nested(path, {}); }
+
+}  // namespace nscdd::app

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "alternating_file.hpp"
+
+#include <nscdd/core/error.hpp>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+namespace fs = std::filesystem;
+
+void remove(const std::string& path) {
+  std::error_code ignored;
+  fs::remove(path, ignored);
+}
+
+[[noreturn]] void refuse(const std::string& path, const std::string& action, const std::string& reason) {
+  throw Error(fmt::format("{}: cannot {}: {}", path, action, reason));
+}
+
+// Somebody who opened the file when it had its name may still be reading it.
+bool is_read(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool read = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(descriptor);
+  return read;
+}
+
+}  // namespace
+
+AlternatingFile::AlternatingFile(std::string path)
+    : path_(std::move(path)),
+      spare_(path_ + ".next"),
+      previous_(path_ + ".previous"),
+      lock_(path_ + ".lock") {
+  lock_descriptor_ = ::open(lock_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (lock_descriptor_ < 0) refuse(path_, "be opened for writing", std::strerror(errno));
+  if (::flock(lock_descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(lock_descriptor_);
+    throw Error(fmt::format("{}: is being written by another run", path_));
+  }
+  remove(spare_);
+  remove(previous_);
+}
+
+AlternatingFile::~AlternatingFile() {
+  remove(spare_);
+  remove(previous_);
+  remove(lock_);  // before it is unlocked, so that nobody locks a file without a name
+  ::close(lock_descriptor_);
+}
+
+void AlternatingFile::create(const Change& make) {
+  make(spare_);
+  std::error_code status;
+  fs::rename(spare_, path_, status);
+  if (status) refuse(path_, "be renamed from " + spare_, status.message());
+}
+
+void AlternatingFile::change(Change change) {
+  std::error_code ignored;
+  if (missing_.empty() || !fs::exists(spare_, ignored) || is_read(spare_)) {
+    remove(spare_);
+    copy_to_spare();
+    missing_.clear();
+  }
+  for (const Change& earlier : missing_) earlier(spare_);
+  change(spare_);
+  swap();
+  missing_.clear();
+  missing_.push_back(std::move(change));
+}
+
+void AlternatingFile::copy_to_spare() const {
+  std::error_code status;
+  fs::copy_file(path_, spare_, fs::copy_options::overwrite_existing, status);
+  if (status) refuse(spare_, "be copied from " + path_, status.message());
+}
+
+// One rename puts the new version in place. The old one becomes the spare where the file system has hard
+// links; where it has none, the next change begins with a copy.
+void AlternatingFile::swap() {
+  std::error_code status, linked;
+  remove(previous_);
+  fs::create_hard_link(path_, previous_, linked);
+  fs::rename(spare_, path_, status);
+  if (status) refuse(path_, "be renamed from " + spare_, status.message());
+  if (!linked) fs::rename(previous_, spare_, status);
+}
+
+}  // namespace nscdd

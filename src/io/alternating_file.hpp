@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace nscdd {
+
+/// A file that is changed again and again and yet complete under its name at every moment, however the
+/// program ends. There are two copies: `path`, never touched while it has that name, and `path.next`, which
+/// gets the change the other one has already and the new one, and takes the name then. Whoever reads `path`
+/// meets a finished version and does not disturb the writer. `path.lock` keeps a second writer away.
+/// Every function throws Error naming the file where the system refuses.
+class AlternatingFile {
+ public:
+  /// Changes the file of the given name; must leave it closed.
+  using Change = std::function<void(const std::string& path)>;
+
+  /// Takes the lock; leftovers of a run that was killed are removed, `path` is left as it is.
+  explicit AlternatingFile(std::string path);
+  ~AlternatingFile();  ///< `path` stays with its last complete change
+  AlternatingFile(const AlternatingFile&) = delete;
+  AlternatingFile& operator=(const AlternatingFile&) = delete;
+
+  void create(const Change& make);  ///< replaces what there is
+  void change(Change change);
+
+ private:
+  void copy_to_spare() const;
+  void swap();
+  std::string path_, spare_, previous_, lock_;
+  int lock_descriptor_ = -1;
+  std::vector<Change> missing_;  ///< changes that the spare does not have yet
+};
+
+}  // namespace nscdd
