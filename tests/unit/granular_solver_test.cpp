@@ -100,6 +100,7 @@ std::optional<Vector> solution_of(const SmallProblem& p, const std::vector<Statu
     const double r_n = r[2 * c], r_t = r[2 * c + 1], v_n = v[2 * c], v_t = v[2 * c + 1];
     if (r_n < -hair || v_n < -hair) return std::nullopt;
     if (std::abs(r_t) > p.friction[at(c)] * r_n + hair) return std::nullopt;
+    if (p.friction[at(c)] == 0) continue;  // no friction: it slides either way
     if (statuses[at(c)] == Status::forward && v_t < -hair) return std::nullopt;
     if (statuses[at(c)] == Status::backward && v_t > hair) return std::nullopt;
   }
@@ -115,7 +116,6 @@ std::vector<Vector> every_solution(const SmallProblem& p, int statuses_per_conta
     for (const int digit : digits)  // without friction: open, or sliding at mu = 0
       statuses.push_back(statuses_per_contact == 2 && digit == 1 ? Status::forward
                                                                  : static_cast<Status>(digit));
-    // At mu = 0 both directions of sliding are the same: its sign says nothing.
     if (auto r = solution_of(p, statuses)) result.push_back(*r);
     std::size_t k = 0;
     while (k < contacts && ++digits[k] == statuses_per_contact) digits[k++] = 0;
