@@ -121,7 +121,7 @@ SettledPacking settle(const std::string& name, const fs::path& folder, const std
   const Case one = read_nested(path, open);
   if (!one.dynamics)
     throw Error(fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
-  SettledPacking settled{.from = name, .resolved = fmt::format("# case {}\n{}", one.name, to_toml(one))};
+  SettledPacking settled{.from = name, .resolved = fmt::format("# case {}\n{}", one.name, to_toml(one)), .packing = {}};
   if (const auto* inner = std::get_if<SettledPacking>(&one.packing)) settled.resolved += inner->resolved;
   if (const auto* file = std::get_if<PackingFile>(&one.packing))
     settled.resolved += fmt::format("# content of {}: {} {} {} {}\n", file->path, fingerprint(file->packing.x),
