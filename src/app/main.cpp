@@ -19,7 +19,7 @@ namespace {
 using namespace nscdd::app;
 
 // Every verb of the program.
-constexpr std::array<Verb, 9> verbs{{
+constexpr std::array<Verb, 10> verbs{{
     {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV",
      declare_sweep},
     {"run", "run a study: its tables as CSV and HDF5", declare_run},

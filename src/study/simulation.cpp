@@ -170,10 +170,9 @@ StepReport take_step(Simulation& simulation, SolvedStep step) {
   }
   state.gluing = std::move(step.gluing);
   state.subdomains.clear();
-  if (simulation.dynamics.solver.redecompose > 1)
-    for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
-      state.subdomains.push_back(
-          {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
+  for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
+    state.subdomains.push_back(
+        {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
   step.report.time = simulation.state.time;
   return step.report;
 }
