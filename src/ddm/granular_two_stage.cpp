@@ -27,7 +27,8 @@ double change_since(const std::vector<LocalVector>& before, const GranularSubdom
   return sum;
 }
 
-double ratio(double change, double whole) { return change > 0 ? std::sqrt(change / whole) : 0.0; }
+// What is no number stays so: it must not pass for converged.
+double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt(change / whole); }
 
 }  // namespace
 

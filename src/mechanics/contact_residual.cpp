@@ -76,11 +76,11 @@ ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
 }
 
 double ContactResidual::relative_natural_map() const {
-  return natural_map > 0 ? std::sqrt(natural_map / impulses) : 0.0;
+  return natural_map == 0 ? 0.0 : std::sqrt(natural_map / impulses);
 }
 
 double ContactResidual::quad_dv() const {
-  return violation > 0 ? std::sqrt(violation / scale_velocity) : 0.0;
+  return violation == 0 ? 0.0 : std::sqrt(violation / scale_velocity);
 }
 
 double ContactResidual::mean_dv_over_r() const { return scale_work > 0 ? work / scale_work : 0.0; }

@@ -68,18 +68,24 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
   });
   for (Index w = 0; w < count(where.walls); ++w) {
     const Wall& wall = where.walls[at(w)];
+    const RigidVelocity& motion = where.motions[at(wall.boundary)];
+    const Pose& pose = where.poses[at(wall.boundary)];
     for (Index i = 0; i < system.disks(); ++i) {
       if (!system.free(i)) continue;
       const double height = (where.x[at(i)] - wall.point[0]) * wall.normal[0] +
                             (where.y[at(i)] - wall.point[1]) * wall.normal[1];
       const double gap = height - system.radius[at(i)];
-      if (gap > std::max(alert.distance, alert.reach)) continue;
-      found.push_back(
-          {.a = i,
-           .b = system.disks() + w,
-           .normal = {-wall.normal[0], -wall.normal[1]},
-           .point = {where.x[at(i)] - height * wall.normal[0], where.y[at(i)] - height * wall.normal[1]},
-           .gap = gap});
+      const std::array<double, 2> foot{where.x[at(i)] - height * wall.normal[0],
+                                       where.y[at(i)] - height * wall.normal[1]};
+      const auto v = velocity_of_point(motion, pose, foot);
+      const double closing =
+          wall.normal[0] * (free[at(i)].x - v[0]) + wall.normal[1] * (free[at(i)].y - v[1]);
+      if (gap > alert.distance && gap + scheme.step * closing > alert.distance) continue;
+      found.push_back({.a = i,
+                       .b = system.disks() + w,
+                       .normal = {-wall.normal[0], -wall.normal[1]},
+                       .point = foot,
+                       .gap = gap});
     }
   }
   return sorted(found, system.disks());

@@ -39,8 +39,12 @@ std::vector<DiskVelocity> start_velocities(const GranularSystem& system, const G
   return result;
 }
 
-void check_moves(const GranularSystem& system, const std::vector<DiskVelocity>& v, double h) {
+void check_moves(const GranularSystem& system, const GranularState& state, const std::vector<DiskVelocity>& v,
+                 double h) {
   for (Index i = 0; i < system.disks(); ++i) {
+    if (!std::isfinite(state.x[at(i)]) || !std::isfinite(state.y[at(i)]))
+      throw Error(fmt::format("disk {}: expected a finite position, met ({}, {}) m", i, state.x[at(i)],
+                              state.y[at(i)]));
     const double move = h * std::hypot(v[at(i)].x, v[at(i)].y);
     if (!(move <= largest_move * system.radius[at(i)]) || !std::isfinite(v[at(i)].rim))
       throw Error(
@@ -60,7 +64,7 @@ void move_driven(double& x, double& y, const Pose& before, const Pose& after) {
 
 Configuration middle(const GranularSystem& system, const GranularState& state,
                      const std::vector<RigidVelocity>& motions, double time) {
-  Configuration where{state.x, state.y, system.walls, state.poses};
+  Configuration where{state.x, state.y, system.walls, state.poses, motions};
   for (std::size_t k = 0; k < where.poses.size(); ++k)
     where.poses[k] = advanced(where.poses[k], motions[k], time);
   for (Index i = 0; i < system.disks(); ++i) {
@@ -144,7 +148,7 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
     problem.free[at(i)].x += h * scheme.gravity[0];
     problem.free[at(i)].y += h * scheme.gravity[1];
   }
-  check_moves(system, problem.free, h);
+  check_moves(system, state, problem.free, h);
   const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
   problem.geometry = find_contacts(system, where, problem.free, scheme);
   // With restitution a contact acts once it touches: the predicted gap would swallow the impact.

@@ -26,7 +26,10 @@ constexpr double explosion = 1e6;
 double criterion_value(const std::string& criterion, const IterationRecord& record,
                        const ContactResidual& residual) {
   if (criterion == "zeta") return record.zeta;
-  if (criterion == "interface_change") return record.interface_change;
+  // Where F did not change (no interface, or one that is left alone) it cannot tell that the iterations
+  // ended.
+  if (criterion == "interface_change")
+    return record.interface_change == 0 ? record.zeta : record.interface_change;
   if (criterion == "natural_map") return residual.relative_natural_map();
   if (criterion == "quad_dv") return residual.quad_dv();
   return infinity;  // none: as many iterations as allowed
@@ -34,6 +37,12 @@ double criterion_value(const std::string& criterion, const IterationRecord& reco
 
 bool needs_residual(const std::string& criterion) {
   return criterion == "natural_map" || criterion == "quad_dv";
+}
+
+bool all_finite(const std::vector<DiskVelocity>& velocities) {
+  return std::all_of(velocities.begin(), velocities.end(), [](const DiskVelocity& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim);
+  });
 }
 
 // Status of every contact, subdomain by subdomain, and how many differ from the last call.
@@ -152,6 +161,8 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   report.residual = iteration.residual();
   step.contacts = iteration.contacts(step.problem);
   step.velocities = iteration.velocities(step.problem);
+  // Laws open a contact whose velocity is no number: its impulse is 0, and the indicators may look well.
+  if (!all_finite(step.velocities)) report.status = SolverStatus::no_number;
   step.gluing = iteration.gluing();
   step.interface_impulses = iteration.interface_impulses();
   report.step = simulation.state.step + 1;

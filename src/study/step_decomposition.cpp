@@ -17,12 +17,14 @@ ContactNetwork network_of(const StepProblem& problem, Index disks) {
   return network;
 }
 
-Packing free_grains(const GranularSystem& system, const GranularState& state) {
+// Where contacts are found: their midpoints are compared with the box of these centres.
+Packing free_grains(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
+  const double time = (1 - scheme.theta) * scheme.step;
   Packing packing;
   for (Index i = 0; i < system.disks(); ++i) {
     if (!system.free(i)) continue;
-    packing.x.push_back(state.x[at(i)]);
-    packing.y.push_back(state.y[at(i)]);
+    packing.x.push_back(state.x[at(i)] + time * state.velocity_x[at(i)]);
+    packing.y.push_back(state.y[at(i)] + time * state.velocity_y[at(i)]);
     packing.radius.push_back(system.radius[at(i)]);
   }
   return packing;
@@ -89,8 +91,8 @@ Partition fresh_partition(const Simulation& simulation, const StepProblem& probl
   const Index disks = simulation.system.disks();
   if (const auto* metis = std::get_if<MetisPartitioner>(&simulation.partitioner))
     return by_metis(normal_problem(problem, disks), *metis);
-  return by_grid(free_grains(simulation.system, simulation.state), network_of(problem, disks),
-                 std::get<GridPartitioner>(simulation.partitioner));
+  return by_grid(free_grains(simulation.system, simulation.state, simulation.dynamics.time),
+                 network_of(problem, disks), std::get<GridPartitioner>(simulation.partitioner));
 }
 
 // Known contacts stay where they were; a new one goes to the subdomain of a known one that shares a free
