@@ -46,14 +46,14 @@ def draw_one(results, output, formats, study, name, suffix=""):
     chains = style.read_table(results, f"{study}/chains{suffix}.csv", texts="case",
                               numbers="step x_a y_a x_b y_b impulse_n")
     steps = sorted({r["step"] for r in disks})
-    # One scale of widths for all states: the impulse that one contact in fifty exceeds at the start.
-    first = style.column(style.where(chains, step=steps[0]), "impulse_n")
-    largest = np.quantile(first, 0.98)
-    fig, grid = style.figure(style.COLUMN_AND_HALF, 92, 1, len(steps), squeeze=False, sharey=True)
+    fig, grid = style.figure(style.COLUMN_AND_HALF, 98, 1, len(steps), squeeze=False, sharey=True)
     for axes, letter, step in zip(grid.flat, "abcdefgh", steps):
         own = style.where(disks, step=step)
         draw_disks(axes, own)
-        draw_chains(axes, style.where(chains, step=step), largest, 2.2 if len(own) < 3000 else 0.7)
+        links = style.where(chains, step=step)
+        # Widths relative to the impulse that one contact in fifty exceeds in this state.
+        largest = np.quantile(style.column(links, "impulse_n"), 0.98) if links else 1.0
+        draw_chains(axes, links, largest, 2.2 if len(own) < 3000 else 0.7)
         style.panel(axes, letter, f"after {step:.0f} steps" if step else "initial")
         axes.set_xlabel("$x$ (m)")
     grid.flat[0].set_ylabel("$y$ (m)")
@@ -64,7 +64,7 @@ def draw_one(results, output, formats, study, name, suffix=""):
                 grid.flat[0].plot([], [], color=CHAIN, linewidth=2)[0]]
     labels = [f"subdomain {k + 1}" for k in range(min(number, len(SUBDOMAINS)))]
     labels += ["interface grains", "boundaries", "normal impulse (width)"]
-    style.legend_above(fig, handles, labels, 5)
+    style.legend_above(fig, handles, labels, 3)
     return style.save(fig, output, name, formats)
 
 

@@ -128,6 +128,37 @@ def disorder(results):
             f"{gap.min():.2g} to {gap.max():.2g} {text}" for gap, text in zip(gaps, ("generic", "enriched (eta 0.1)"))))
 
 
+def figure_9(results):
+    rows = style.read_table(results, "figure-9/indicators.csv", texts="case",
+                            numbers="iteration zeta interface_change natural_map")
+    for when in (100, 1000, max(r["iteration"] for r in rows)):
+        row = min(rows, key=lambda r: abs(r["iteration"] - when))
+        yield ("figure-9", row["case"], f"iteration {row['iteration']:.0f}: zeta {row['zeta']:.2e}, "
+               f"Z {row['interface_change']:.2e}, error of the contact law {row['natural_map']:.2e}")
+
+
+def figure_11(results):
+    numbers = "iteration gauss_seidel_sweeps eta interface_change"
+    rows = style.read_table(results, "figure-11/generic.csv", texts="case", numbers=numbers)
+    rows += style.read_table(results, "figure-11/enriched.csv", texts="case", numbers=numbers)
+    for sweeps, eta in dict.fromkeys((r["gauss_seidel_sweeps"], r["eta"]) for r in rows):
+        last = max(style.where(rows, gauss_seidel_sweeps=sweeps, eta=eta), key=lambda r: r["iteration"])
+        yield ("figure-11", f"n_GS {sweeps:.0f}", f"eta {eta:g}: Z {last['interface_change']:.2e} after "
+               f"{last['iteration']:.0f} iterations")
+
+
+def predicted_observed(results):
+    rows = style.read_table(results, "predicted-observed/rate.csv", texts="case algorithm",
+                            numbers="grains gauss_seidel_sweeps predicted observed")
+    for grains in sorted({r["grains"] for r in rows}):
+        own = [r for r in style.where(rows, grains=grains)
+               if np.isfinite(r["observed"]) and np.isfinite(r["predicted"])]
+        if own:
+            gap = [abs(r["observed"] - r["predicted"]) / (1 - r["predicted"]) for r in own]
+            yield ("predicted-observed", f"{grains:.0f} grains",
+                   f"{len(own)} runs: |observed - predicted| / (1 - predicted) at most {max(gap):.2g}, median {np.median(gap):.2g}")
+
+
 def partition(results):
     for packing in ("lattice", "deposit"):
         for cut in ("grid", "metis"):
@@ -139,7 +170,7 @@ def partition(results):
 
 
 SECTIONS = [networks, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one, observed_rate,
-            size, scalability, disorder, partition]
+            size, scalability, disorder, partition, figure_9, figure_11, predicted_observed]
 
 
 def main():

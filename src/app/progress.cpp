@@ -19,7 +19,11 @@ double seconds() {
 }  // namespace
 
 Progress::Progress(std::string label, Index before, std::string unit)
-    : label_(std::move(label)), unit_(std::move(unit)), before_(before), terminal_(isatty(STDERR_FILENO) != 0), started_(seconds()) {}
+    : label_(std::move(label)),
+      unit_(std::move(unit)),
+      before_(before),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      started_(seconds()) {}
 
 Progress::~Progress() {
   if (terminal_ && drawn_ > 0) fmt::print(stderr, "\r\033[K");
@@ -52,9 +56,8 @@ void Progress::draw(Index done, Index total) {
 }
 
 std::string rate_text(double seconds_per_point, const std::string& unit) {
-  return seconds_per_point < 1
-             ? fmt::format("{:.3g} {}s/s", 1 / std::max(seconds_per_point, 1e-9), unit)
-             : fmt::format("{:.3g} s/{}", seconds_per_point, unit);
+  return seconds_per_point < 1 ? fmt::format("{:.3g} {}s/s", 1 / std::max(seconds_per_point, 1e-9), unit)
+                               : fmt::format("{:.3g} s/{}", seconds_per_point, unit);
 }
 
 std::string duration_text(double seconds) {

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An entry of the cache is a packing file (CSV) below two remarks: what it is, and the fingerprint of all that
-// follows, by which damage is noticed.
+// An entry of the cache is a packing file (CSV) below two remarks: what it is, and the fingerprint of all
+// that follows, by which damage is noticed.
 constexpr std::string_view mark = "# content ";
 
 std::string entry_text(const Packing& packing, const std::string& resolved) {
@@ -68,8 +68,7 @@ void remember(const fs::path& entry, const std::string& text) {
   if (file) fs::rename(temporary, entry, status);
   if (file && !status) return;
   fs::remove(temporary, status);
-  note(fmt::format("{}: cannot be written, so that this packing will be settled again",
-                   entry.string()));
+  note(fmt::format("{}: cannot be written, so that this packing will be settled again", entry.string()));
 }
 
 Packing free_grains(const Simulation& simulation, Index grains) {
@@ -120,13 +119,16 @@ SettledPacking settle(const std::string& name, const fs::path& folder, const std
     throw Error(fmt::format("{}: expected a case file (.toml) to settle, met another", path));
   const Case one = read_nested(path, open);
   if (!one.dynamics)
-    throw Error(fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
-  SettledPacking settled{.from = name, .resolved = fmt::format("# case {}\n{}", one.name, to_toml(one))};
+    throw Error(
+        fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
+  SettledPacking settled;
+  settled.from = name;
+  settled.resolved = fmt::format("# case {}\n{}", one.name, to_toml(one));
   if (const auto* inner = std::get_if<SettledPacking>(&one.packing)) settled.resolved += inner->resolved;
   if (const auto* file = std::get_if<PackingFile>(&one.packing))
-    settled.resolved += fmt::format("# content of {}: {} {} {} {}\n", file->path, fingerprint(file->packing.x),
-                                    fingerprint(file->packing.y), fingerprint(file->packing.radius),
-                                    fingerprint(file->packing.mass));
+    settled.resolved += fmt::format("# content of {}: {} {} {} {}\n", file->path,
+                                    fingerprint(file->packing.x), fingerprint(file->packing.y),
+                                    fingerprint(file->packing.radius), fingerprint(file->packing.mass));
   const auto cache = cache_folder();
   const std::string key = fingerprint(settled.resolved + build_fingerprint());
   const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", one.name, key) : fs::path();
@@ -150,9 +152,8 @@ Case read_nested(const std::string& path, std::vector<std::string> open) {
       chain += (chain.empty() ? "" : " -> ") + fs::path(each).filename().string();
     throw Error(fmt::format("expected a case that is not settled from itself, met {}", chain));
   }
-  return read_case(path, [&](const std::string& name) {
-    return settle(name, fs::path(path).parent_path(), open);
-  });
+  return read_case(path,
+                   [&](const std::string& name) { return settle(name, fs::path(path).parent_path(), open); });
 }
 
 }  // namespace

@@ -28,6 +28,23 @@ double change_since(const std::vector<LocalVector>& before, const GranularSubdom
 }
 
 // What is no number stays so: it must not pass for converged.
+constexpr double rounding_of_impulses = 1e-24;  // squared, relative
+
+// Sum over the free bodies of |M V|^2, rims included.
+double momentum_squared(const GranularDecomposition& parts) {
+  double sum = 0;
+  for (const GranularSubdomain& subdomain : parts.subdomains)
+    for (const DiskVelocity& v : subdomain.velocities) {
+      if (v.inverse_mass == 0) continue;
+      const double rim = v.rim / rim_mass_ratio;
+      sum += (v.x * v.x + v.y * v.y + rim * rim) / (v.inverse_mass * v.inverse_mass);
+    }
+  return sum;
+}
+
+// The larger of both; what is no number stays so.
+double at_least(double floor, double value) { return value < floor ? floor : value; }
+
 double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt(change / whole); }
 
 }  // namespace
@@ -40,7 +57,9 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
       enriched_(std::move(enriched)),
       interface_impulses_(Vector::Zero(parts_.interface_size())),
       last_change_(Vector::Zero(parts_.interface_size())),
-      before_(parts_.subdomains.size()) {}
+      before_(parts_.subdomains.size()),
+      free_speed_squared_(glued_speed_squared(parts_)),
+      impulse_floor_squared_(rounding_of_impulses * momentum_squared(parts_)) {}
 
 void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain& subdomain : parts_.subdomains)
@@ -133,8 +152,7 @@ IterationRecord GranularTwoStage::iterate() {
   record.iteration = iteration_;
   if (!parts_.gluing.empty()) {
     const Vector g = interface_jumps(parts_);
-    const double speed = glued_speed_squared(parts_);
-    record.gluing = ratio(g.squaredNorm(), speed);
+    record.gluing = ratio(g.squaredNorm(), free_speed_squared_);
     if (solver_.enrichment != "semi_implicit" || !enriched_ || iteration_ == 1) {
       Vector change;
       if (solver_.interface_method == "conjugate_gradient") {
@@ -150,7 +168,7 @@ IterationRecord GranularTwoStage::iterate() {
     }
   }
   record.sweeps = sweeps_;
-  record.zeta = ratio(sums.change, sums.impulses);
+  record.zeta = ratio(sums.change, at_least(impulse_floor_squared_, sums.impulses));
   record.impulses = sums.impulses;
   return record;
 }
@@ -163,6 +181,7 @@ ContactResidual GranularTwoStage::residual() const {
   });
   ContactResidual sum;
   for (const ContactResidual& one : parts) sum += one;
+  sum.impulses = at_least(impulse_floor_squared_, sum.impulses);
   return sum;
 }
 

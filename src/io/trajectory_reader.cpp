@@ -49,6 +49,8 @@ TrajectoryStep get_step(hid_t group, const std::string& file) {
   GranularState& state = step.state;
   state.step = static_cast<Index>(get_number(group, "step", file));
   state.time = get_number(group, "time", file);
+  state.decomposed_at = static_cast<Index>(get_number(group, "decomposed_at", file));
+  state.eta = get_number(group, "eta", file);
   for (const auto& array : layout::state_arrays)
     state.*(array.values) = get_array<double>(group, array.name, file);
   state.poses = get_structs<Pose>(group, "poses", file, [](auto&& v) { layout::pose_columns(v); });
@@ -56,9 +58,11 @@ TrajectoryStep get_step(hid_t group, const std::string& file) {
       get_structs<TrajectoryContact>(group, "contacts", file, [](auto&& v) { layout::contact_columns(v); });
   state.gluing =
       get_structs<RememberedGluing>(group, "interface", file, [](auto&& v) { layout::gluing_columns(v); });
-  for (const TrajectoryContact& c : step.contacts)
+  for (const TrajectoryContact& c : step.contacts) {
+    state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
     if (c.impulse.n != 0 || c.impulse.t != 0)
       state.impulses.push_back({c.geometry.a, c.geometry.b, c.impulse});
+  }
   return step;
 }
 

@@ -30,6 +30,8 @@ void put_step(hid_t group, const TrajectoryStep& step, Chunk chunk) {
   const GranularState& state = step.state;
   put_attribute(group, "step", static_cast<double>(state.step));
   put_attribute(group, "time", state.time);
+  put_attribute(group, "decomposed_at", static_cast<double>(state.decomposed_at));
+  put_attribute(group, "eta", state.eta);
   for (const auto& array : layout::state_arrays)
     put_array<double>(group, array.name, state.*(array.values), array.unit);
   put_structs(

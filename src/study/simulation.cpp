@@ -18,9 +18,10 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Without progress for this long, and for as long as it took to get there, a criterion that rounding or
-// cycling holds up will not fall any more.
-constexpr Index patience = 1000;
+// Without progress for this long, and for four times as long as it took to get there, a criterion that
+// rounding or cycling holds up will not fall any more. Impulses may drift along what the network carries
+// either way for thousands of iterations until a contact opens.
+constexpr Index patience = 10000;
 constexpr double explosion = 1e6;
 
 double criterion_value(const std::string& criterion, const IterationRecord& record,
@@ -97,7 +98,7 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
     best_iteration_ = record.iteration;
   }
   if (record.iteration >= solver_.maximum_iterations) return SolverStatus::maximum_reached;
-  if (value < infinity && record.iteration - best_iteration_ >= std::max(patience, best_iteration_))
+  if (value < infinity && record.iteration - best_iteration_ >= std::max(patience, 4 * best_iteration_))
     return SolverStatus::stalled;
   return std::nullopt;
 }
@@ -181,10 +182,9 @@ StepReport take_step(Simulation& simulation, SolvedStep step) {
   }
   state.gluing = std::move(step.gluing);
   state.subdomains.clear();
-  if (simulation.dynamics.solver.redecompose > 1)
-    for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
-      state.subdomains.push_back(
-          {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
+  for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
+    state.subdomains.push_back(
+        {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
   step.report.time = simulation.state.time;
   return step.report;
 }

@@ -5,7 +5,8 @@
 usage: documented_snippets.py FILE.md
 
 Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
-results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit).
+results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
+run.h5 (three steps of nscdd simulate settle-1k).
 Fails where a block raises,
 and where there is no block at all. The program is $NSCDD_PROGRAM, the source tree $NSCDD_SOURCE.
 """
@@ -19,6 +20,7 @@ PREPARATION = [
     ["run", "figure-5"],
     ["sweep", "disks4", "--epsilon", "0,1e-2:1e2:5", "--eta", "0.3,inf", "--csv", "sweep.csv", "--hdf5", "sweep.h5"],
     ["generate", "deposit", "--set", "packing.grains=200", "-o", "bed.h5"],
+    ["simulate", "settle-1k", "--steps", "3", "-o", "run.h5"],
 ]
 TIME_LIMIT = 120  # seconds per command: against a hang, not a measurement
 

@@ -11,7 +11,9 @@
 
 namespace nscdd {
 
-/// How one iteration went, [ADI12] eqs. (39), (40).
+/// How one iteration went, [ADI12] eqs. (39), (40). |r| and the natural map are taken relative to impulses of
+/// at least 1e-12 times those the grains bring (|M V_free|): where none are exchanged, nothing is left to
+/// converge.
 struct IterationRecord {
   Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
@@ -19,8 +21,8 @@ struct IterationRecord {
   /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|: a drift of impulses that the networks carry either way keeps Z up,
   /// not this.
   double interface_second_change = 0;
-  double gluing = 0;                ///< |sum A_E V_E| / |V| over the copies of shared grains, after Stage 1
-  double impulses = 0;              ///< |r_i|^2, (N s)^2
+  double gluing = 0;    ///< |sum A_E V_E| / |V_free| over the copies of shared grains, after Stage 1
+  double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
 /// Algorithm 1 of [ADI12] on the contact problem of one step. Without an interface it is plain nonlinear
@@ -66,6 +68,8 @@ class GranularTwoStage {
   Vector interface_impulses_, last_change_;
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
   std::vector<std::vector<LocalVector>> before_;         // impulses before Stage 1, where n_GS > 1
+  double free_speed_squared_ = 0;                        // |V_free|^2 over the copies of shared grains
+  double impulse_floor_squared_ = 0;  // below this impulses are rounding of those that grains bring
   Index iteration_ = 0, sweeps_ = 0;
 };
 

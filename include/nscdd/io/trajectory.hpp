@@ -14,7 +14,7 @@ namespace nscdd {
 /// What a trajectory says of the run it holds, the same from its first step to its last.
 struct TrajectoryHeader {
   std::string case_text;  ///< the resolved case, as a case file
-  std::string build;                 ///< build_fingerprint() of the program that wrote it
+  std::string build;      ///< build_fingerprint() of the program that wrote it
   Provenance provenance;
   GranularSystem system;
 };

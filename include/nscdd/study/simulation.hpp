@@ -15,7 +15,7 @@ namespace nscdd {
 /// How the iterations of a step ended.
 enum class SolverStatus {
   converged,        ///< the criterion fell to its tolerance
-  stalled,          ///< no fall of the criterion for 1 000 iterations and half of all
+  stalled,          ///< no fall of the criterion for 10 000 iterations and four fifths of all
   maximum_reached,  ///< as many iterations as allowed
   diverged,         ///< impulses grew a million times beyond their first size
   no_number,        ///< an impulse or velocity is no number

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulate_output.hpp"
+
+#include "progress.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/study/simulation_tables.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace nscdd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Bytes of a table up to the last row of the steps done.
+std::uintmax_t bytes_of_steps(const std::string& text, Index steps_done, const std::string& name) {
+  const std::string header = csv_header(iteration_columns()) + "\n";
+  if (text.substr(0, header.size()) != header)
+    throw Error(fmt::format("{}: expected the table of a run to go on with, met other columns", name));
+  std::size_t kept = header.size();
+  for (std::size_t end = text.find('\n', kept); end != std::string::npos; end = text.find('\n', kept)) {
+    const std::string step = text.substr(kept, text.find(',', kept) - kept);
+    if (parse_integer(step, name + ": step") > steps_done) break;
+    kept = end + 1;
+  }
+  return kept;
+}
+
+// What is kept of the table of the run before, which grows on as a partial file.
+std::uintmax_t reopened(const std::string& path, Index steps_done) {
+  std::error_code status;
+  const fs::path growing = partial_path(path);
+  if (is_stream(path)) return 0;
+  if (!fs::exists(growing, status)) {
+    if (!fs::exists(path, status)) return 0;
+    bytes_of_steps(read_text(path), steps_done, path);
+    fs::rename(path, growing, status);
+    if (status) throw Error(fmt::format("{}: cannot be renamed: {}", path, status.message()));
+  }
+  const std::string text = read_text(growing.string());
+  return text.empty() ? 0 : bytes_of_steps(text, steps_done, growing.string());
+}
+
+}  // namespace
+
+ConvergenceTable::ConvergenceTable(const std::string& path, bool force, std::optional<Index> steps_done) {
+  if (path.empty()) return;
+  std::optional<std::uintmax_t> kept;
+  if (steps_done) kept = reopened(path, *steps_done);
+  csv_.emplace(path, force, iteration_columns(), kept);
+}
+
+IterationSink ConvergenceTable::sink() {
+  if (!csv_) return {};
+  return [this](const IterationRow& row) { csv_->write(iteration_row(row)); };
+}
+
+void ConvergenceTable::finish() {
+  if (csv_) csv_->finish();
+}
+
+void ConvergenceTable::leave() {
+  if (csv_) csv_->leave();
+}
+
+void RunSummary::add(const StepReport& report) {
+  ++steps_;
+  ++statuses_[to_string(report.status)];
+  iterations_ += report.last.iteration;
+  most_iterations_ = std::max(most_iterations_, report.last.iteration);
+  if (const double residual = report.residual.relative_natural_map(); residual >= worst_) {
+    worst_ = residual;
+    worst_step_ = report.step;
+  }
+  overlap_ = std::max(overlap_, report.overlap.maximum);
+  boundary_work_ += report.energy.boundary_work;
+  dissipation_ += report.energy.dissipation;
+  numerical_ += report.energy.numerical;
+  setup_seconds_ += report.setup_seconds;
+  solve_seconds_ += report.solve_seconds;
+  visits_ += static_cast<double>(report.contacts) * static_cast<double>(report.last.sweeps);
+  last_ = report;
+}
+
+std::string RunSummary::text(const Simulation& simulation, const RunOutcome& outcome) const {
+  const Index driven = std::count_if(simulation.system.driven_by.begin(), simulation.system.driven_by.end(),
+                                     [](Index boundary) { return boundary >= 0; });
+  std::string statuses;
+  for (const auto& [status, number] : statuses_)
+    statuses += fmt::format("{}{} {}", statuses.empty() ? "" : ", ", number, status);
+  const auto per_step = [&](double sum) { return steps_ > 0 ? sum / static_cast<double>(steps_) : 0; };
+  std::string text =
+      fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), steps_,
+                  simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
+  text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n",
+                      simulation.system.disks() - driven, driven, last_.contacts, last_.interface_size);
+  if (steps_ == 0) return text;
+  text += fmt::format("steps: {}\n", statuses);
+  text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", iterations_,
+                      per_step(static_cast<double>(iterations_)), most_iterations_);
+  text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n",
+                      worst_, worst_step_, overlap_);
+  text += fmt::format(
+      "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} "
+      "J\n",
+      last_.energy.kinetic, boundary_work_, dissipation_, numerical_);
+  text += fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", solve_seconds_, setup_seconds_);
+  if (visits_ > 0) text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * solve_seconds_ / visits_);
+  return text + "\n";
+}
+
+namespace {
+
+// Lines of a case, those that say how many steps are asked for left out.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    if (text.compare(begin, 8, "steps = ") != 0) lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace
+
+void require_same_run(const std::string& path, const TrajectoryHeader& found, const TrajectoryHeader& asked) {
+  const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(asked.case_text);
+  for (std::size_t k = 0; k < std::max(had.size(), has.size()); ++k) {
+    const std::string before = k < had.size() ? had[k] : "the end";
+    const std::string now = k < has.size() ? has[k] : "the end";
+    if (before != now)
+      throw Error(fmt::format("{}: expected the case and options of the run it holds ({}), met {}", path,
+                              before, now));
+  }
+  if (found.build != asked.build)
+    throw Error(
+        fmt::format("{}: expected a trajectory of this build of the program ({}), met one of another "
+                    "({}): its steps would not be those of one run",
+                    path, asked.build, found.build));
+  const GranularSystem &old = found.system, &system = asked.system;
+  if (old.radius.size() != system.radius.size())
+    throw Error(fmt::format("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size()));
+  for (std::size_t i = 0; i < system.radius.size(); ++i)
+    if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] ||
+        old.driven_by[i] != system.driven_by[i])
+      throw Error(fmt::format("{}: expected the disks of this case, met another disk {}", path, i));
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/trajectory.hpp>
+#include <nscdd/study/run_simulation.hpp>
+
+#include <map>
+#include <optional>
+#include <string>
+
+namespace nscdd::app {
+
+/// The table of --convergence: one row per iteration, flushed. A run that goes on keeps the rows of the steps
+/// that are done and drops those of the step that was not.
+class ConvergenceTable {
+ public:
+  /// No table where `path` is empty. `steps_done`: those of the run that is gone on with, none for a new run.
+  ConvergenceTable(const std::string& path, bool force, std::optional<Index> steps_done);
+  IterationSink sink();
+  void finish();  ///< the run came to its end
+  void leave();   ///< it was interrupted: the partial table stays
+
+ private:
+  std::optional<CsvWriter> csv_;
+};
+
+/// Sums over the steps of a run, for the lines at its end.
+class RunSummary {
+ public:
+  void add(const StepReport& report);
+  std::string text(const Simulation& simulation, const RunOutcome& outcome) const;
+
+ private:
+  Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0;
+  std::map<std::string_view, Index> statuses_;
+  double worst_ = 0, boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0;
+  double setup_seconds_ = 0, solve_seconds_ = 0, visits_ = 0;  // contacts x sweeps
+  StepReport last_;
+};
+
+/// Throws Error naming the first line of the case, or the disk, in which the run of a trajectory differs from
+/// the one asked for (the number of steps aside), and for a trajectory of another build of the program.
+void require_same_run(const std::string& path, const TrajectoryHeader& found, const TrajectoryHeader& asked);
+
+}  // namespace nscdd::app

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "case_options.hpp"
+#include "interruption.hpp"
+#include "progress.hpp"
+#include "provenance.hpp"
+#include "simulate_output.hpp"
+#include "sweep_options.hpp"
+#include "verbs.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/version.hpp>
+#include <nscdd/io/packing_file.hpp>
+#include <nscdd/linalg/threads.hpp>
+#include <nscdd/study/simulation_tables.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+
+namespace nscdd::app {
+namespace {
+
+struct Options {
+  std::string name, subdomains, output, convergence;
+  std::optional<std::string> algorithm, eta, criterion, tolerance;
+  std::optional<Index> gauss_seidel_sweeps, steps, iterations;
+  std::vector<std::string> settings;
+  Index threads = 0, save_every = 1;
+  bool restart = false, force = false;
+  Context context;
+};
+
+Case resolve(const Options& options) {
+  Case one = read_any_case(options.name);
+  if (!one.dynamics)
+    throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
+  if (!options.subdomains.empty()) one.partition = parse_subdomains(options.subdomains);
+  apply_settings(one, options.settings);
+  const auto set = [&](const char* key, const auto& value) {
+    if (!value) return;
+    if constexpr (std::is_same_v<typename std::decay_t<decltype(value)>::value_type, std::string>)
+      override_case(one, key, *value);
+    else
+      override_case(one, key, field_text(*value));
+  };
+  set("solver.algorithm", options.algorithm);
+  set("solver.gauss_seidel_sweeps", options.gauss_seidel_sweeps);
+  set("solver.eta", options.eta);
+  set("solver.criterion", options.criterion);
+  set("solver.tolerance", options.tolerance);
+  set("solver.maximum_iterations", options.iterations);
+  set("dynamics.steps", options.steps);
+  return one;
+}
+
+void check_names(const Options& options) {
+  if (packing_format(options.output) != PackingFormat::hdf5 || is_stream(options.output))
+    throw Error(fmt::format("{}: expected the name of a file that ends in .h5 or .hdf5", options.output));
+  if (!options.convergence.empty()) require_distinct(options.output, options.convergence);
+  if (options.restart && options.force)
+    throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
+  if (!options.restart) require_writable(options.output, options.force);
+}
+
+// Steps in a row, up to the last one, in which grains were slow.
+Index quiet_steps(const std::string& path, const Simulation& simulation) {
+  const std::vector<double> kinetic = read_summary(path, "kinetic");
+  Index quiet = 0;
+  while (quiet < count(kinetic) && mean_speed(simulation.system, kinetic[kinetic.size() - 1 - at(quiet)]) <
+                                       simulation.dynamics.time.rest_speed)
+    ++quiet;
+  return quiet;
+}
+
+// The state to go on from: that of the file, of the same run.
+void take_up(Simulation& simulation, const std::string& path, const TrajectoryHeader& header) {
+  require_same_run(path, read_trajectory_header(path), header);
+  simulation.state = read_last_step(path).state;
+  check(simulation.system, simulation.state);
+}
+
+int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome,
+          const RunSummary& summary, ConvergenceTable& table) {
+  if (outcome.end == RunEnd::stopped) {
+    table.leave();
+    note(fmt::format("{}: interrupted after {} of {} steps; --restart goes on with it", options.output,
+                     simulation.state.step, simulation.dynamics.time.steps));
+    return interrupted_exit_code;
+  }
+  table.finish();
+  const std::string text = summary.text(simulation, outcome);
+  fmt::print(options.convergence == "-" ? stderr : stdout, "{}", text);
+  if (outcome.end != RunEnd::broke_down) return 0;
+  note(fmt::format("{}: broke down in {}; it holds the last good state", options.output, outcome.reason));
+  return 1;
+}
+
+int run(const Options& options) {
+  check_names(options);
+  const ThreadLimit limit(options.threads);
+  const Case one = resolve(options);
+  GranularScene start = scene(with_masses(packing_of(one), one.masses), *one.dynamics);
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  const TrajectoryHeader header{to_toml(one), build_fingerprint(), provenance(options.context, {one}),
+                                simulation.system};
+  if (options.restart) take_up(simulation, options.output, header);
+  const Index before = simulation.state.step;
+  const Index quiet = options.restart ? quiet_steps(options.output, simulation) : 0;
+  std::optional<Index> steps_done;
+  if (options.restart) steps_done = before;
+  Interruption interruption;
+  ConvergenceTable table(options.convergence, options.force, steps_done);
+  std::optional<TrajectoryWriter> trajectory;
+  if (options.restart)
+    trajectory.emplace(options.output, step_columns());
+  else
+    trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
+  Progress progress("simulate " + one.name, before, "step");
+  RunSummary summary;
+  RunSinks sinks;
+  sinks.iteration = table.sink();
+  sinks.monitor = interruption.watch(progress.monitor());
+  sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+    const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
+    trajectory->append(trajectory_step(after, solved), step_row(report), keep);
+    summary.add(report);
+  };
+  const RunOutcome outcome = run_simulation(simulation, sinks, quiet);
+  trajectory->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
+                                         : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
+  return close(options, simulation, outcome, summary, table);
+}
+
+void declare_solver(CLI::App& command, Options& options) {
+  command.add_option("--algorithm", options.algorithm, "nlgs, generic or enriched: solver.algorithm");
+  command.add_option("--gauss-seidel-sweeps", options.gauss_seidel_sweeps,
+                     "sweeps n_GS per iteration: solver.gauss_seidel_sweeps");
+  command.add_option("--eta", options.eta,
+                     "flexibility of the enriched Stage 2, 1/kg, or optimal: solver.eta");
+  command.add_option("--criterion", options.criterion,
+                     "zeta, interface_change, natural_map, quad_dv or none: solver.criterion");
+  command.add_option("--tolerance", options.tolerance, "of the criterion: solver.tolerance");
+  command.add_option("--iterations", options.iterations, "of a step at the most: solver.maximum_iterations");
+}
+
+}  // namespace
+
+std::function<int()> declare_simulate(CLI::App& command, const Context& context) {
+  auto options = std::make_shared<Options>();
+  options->context = context;
+  command.add_option("CASE", options->name, "case file (.toml) with [dynamics], or a known case")->required();
+  command.add_option("--subdomains", options->subdomains,
+                     "partition: NXxNY for a regular grid, metis:N for METIS");
+  declare_solver(command, *options);
+  command.add_option("--steps", options->steps, "number of time steps: dynamics.steps");
+  command
+      .add_option("--set", options->settings,
+                  "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2")
+      ->allow_extra_args(false);
+  declare_threads(command, options->threads);
+  command.add_option("-o,--output", options->output, "trajectory, .h5 or .hdf5")->required();
+  command.add_option("--convergence", options->convergence,
+                     "also a table with one row per iteration, - for standard output");
+  command.add_option("--save-every", options->save_every, "keep every Nth step; the last one always is")
+      ->check(CLI::Range(Index{1}, Index{1000000000}))
+      ->capture_default_str();
+  command.add_flag("--restart", options->restart, "go on with the output of a run before, up to --steps");
+  command.add_flag("--force", options->force, "replace existing outputs");
+  command.footer(
+      "Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, "
+      "interrupted "
+      "or\nfinished goes on with --restart, bit for bit as in one piece.\n"
+      "Exit codes: 0 done, 1 a step broke down (the last good state is kept), 2 bad input, 130 interrupted.\n"
+      "Examples:\n"
+      "  nscdd simulate shear-1k -o shear.h5\n"
+      "  nscdd simulate shear-1k --algorithm enriched --eta 1 --gauss-seidel-sweeps 100 -o e.h5\n"
+      "  nscdd simulate shear-1k --steps 10 --convergence indicators.csv -o ten.h5\n"
+      "  nscdd simulate shear-1k --steps 500 --restart -o shear.h5");
+  return [options] { return run(*options); };
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd simulate: what it prints and writes, going on, breakdowns, bad input, settled packings.
+#include "../support/moving_case.hpp"
+#include "session.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/trajectory.hpp>
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+using namespace nscdd::testing;
+namespace fs = std::filesystem;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::string path_of(const Session& session, const std::string& name) {
+  return (session.folder / name).string();
+}
+
+// Final states are the same to the last bit.
+void check_same_end(const Session& session, const std::string& one, const std::string& two) {
+  const auto a = nscdd::read_last_step(path_of(session, one)),
+             b = nscdd::read_last_step(path_of(session, two));
+  CHECK(a.state.step == b.state.step);
+  CHECK(a.state.x == b.state.x);
+  CHECK(a.state.y == b.state.y);
+  CHECK(a.state.angle == b.state.angle);
+  CHECK(a.state.velocity_x == b.state.velocity_x);
+  CHECK(a.state.velocity_y == b.state.velocity_y);
+  CHECK(a.state.spin == b.state.spin);
+  REQUIRE(a.contacts.size() == b.contacts.size());
+  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+    CHECK(a.contacts[k].impulse.n == b.contacts[k].impulse.n);
+    CHECK(a.contacts[k].impulse.t == b.contacts[k].impulse.t);
+  }
+  REQUIRE(a.state.gluing.size() == b.state.gluing.size());
+  for (std::size_t k = 0; k < a.state.gluing.size(); ++k) CHECK(a.state.gluing[k].x == b.state.gluing[k].x);
+}
+
+// All but the seconds of a table of iterations.
+std::vector<std::vector<std::string>> without_seconds(const std::string& csv) {
+  CsvTable table = read_table(csv);
+  REQUIRE(table.columns.back() == "seconds");
+  for (auto& row : table.rows) row.pop_back();
+  return table.rows;
+}
+
+// The program in a folder with a case that moves.
+struct MovingSession : Session {
+  MovingSession() { file("shear.toml", moving_case()); }
+};
+
+// The cache of settled packings, in a folder of the test's own.
+struct OwnCache {
+  explicit OwnCache(const Session& session) { ::setenv("NSCDD_CACHE", path_of(session, "cache").c_str(), 1); }
+  ~OwnCache() { ::unsetenv("NSCDD_CACHE"); }
+};
+
+}  // namespace
+
+TEST_CASE("simulate: says how the run went, one row per iteration") {
+  const MovingSession session;
+  const std::string text =
+      answer(session, "simulate shear.toml --steps 5 --convergence rows.csv -o run.h5 --iterations 7");
+  CHECK(contains(text, "completed: 5 steps in this run, 5 of 5 in all, t = 0.025 s"));
+  CHECK(contains(text, "disks: 120 free, "));
+  CHECK(contains(text, "maximum_reached"));
+  CHECK(contains(text, "ns per contact and sweep"));
+  const CsvTable rows = read_table(session.read("rows.csv"));
+  CHECK(rows.columns == Texts{"step", "iteration", "sweeps", "zeta", "interface_change", "gluing",
+                              "natural_map", "quad_dv", "mean_dv_over_r", "active", "stick", "slide",
+                              "status_changes", "seconds"});
+  CHECK(rows.text(rows.rows.size() - 1, "step") == "5");
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) CHECK(rows.number(k, "iteration") <= 7);
+  CHECK(nscdd::read_summary(path_of(session, "run.h5"), "iterations").size() == 5);
+  CHECK(content_of(session.folder.path()).size() == 3);
+}
+
+TEST_CASE("simulate: options reach the solver, threads leave every bit") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 3 --threads 1 -o one.h5");
+  answer(session, "simulate shear.toml --steps 3 --threads 2 -o two.h5");
+  check_same_end(session, "one.h5", "two.h5");
+  for (const std::string& options :
+       Texts{"--algorithm nlgs", "--algorithm enriched --eta 1", "--gauss-seidel-sweeps 5",
+             "--subdomains 2x2", "--criterion interface_change --tolerance 0.1", "--tolerance 0.1",
+             "--iterations 5", "--set interaction.friction=0"}) {
+    CAPTURE(options);
+    answer(session, "simulate shear.toml --steps 3 --force -o other.h5 " + options);
+    CHECK(nscdd::read_last_step(path_of(session, "other.h5")).state.x !=
+          nscdd::read_last_step(path_of(session, "one.h5")).state.x);
+  }
+}
+
+TEST_CASE("simulate: 10 steps and a restart to 20 are 20, bit for bit, rows included") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --convergence whole.csv -o whole.h5");
+  answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 10");
+  answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 20 --restart");
+  check_same_end(session, "whole.h5", "parts.h5");
+  CHECK(without_seconds(session.read("parts.csv")) == without_seconds(session.read("whole.csv")));
+  CHECK(nscdd::trajectory_steps(path_of(session, "parts.h5")).size() == 21);
+  const std::string again = answer(session, "simulate shear.toml -o parts.h5 --steps 20 --restart");
+  CHECK(contains(again, "0 steps in this run, 20 of 20 in all"));
+}
+
+TEST_CASE("simulate: the last state is kept whatever is saved") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml -o whole.h5");
+  answer(session, "simulate shear.toml -o thin.h5 --steps 13 --save-every 5");
+  CHECK(nscdd::trajectory_steps(path_of(session, "thin.h5")) == std::vector<nscdd::Index>{0, 5, 10, 13});
+  answer(session, "simulate shear.toml -o thin.h5 --restart --save-every 100");
+  check_same_end(session, "whole.h5", "thin.h5");
+}
+
+TEST_CASE("simulate: killed at any moment it can be read and goes on") {
+  const MovingSession session;
+  const std::string line = "simulate shear.toml --steps 400 --save-every 20 -o ";
+  answer(session, line + "whole.h5");
+  std::string restart;
+  int kills = 0;
+  for (int round = 0; round < 30; ++round) {
+    CAPTURE(round);
+    RunOptions options;
+    int asked = 0;
+    options.kill_when = [&] { return session.has("run.h5") && ++asked > 3 + round % 7; };
+    const Outcome outcome = session.run(words(line + "run.h5" + restart), options);
+    REQUIRE((outcome.exit_code == 128 + SIGKILL || outcome.exit_code == 0));
+    kills += outcome.exit_code != 0;
+    const auto last = nscdd::read_last_step(path_of(session, "run.h5"));
+    CHECK(nscdd::read_summary(path_of(session, "run.h5"), "step").size() ==
+          static_cast<std::size_t>(last.state.step));
+    restart = " --restart";
+  }
+  CHECK(kills > 3);
+  answer(session, line + "run.h5 --restart");
+  check_same_end(session, "whole.h5", "run.h5");
+  CHECK(nscdd::trajectory_steps(path_of(session, "run.h5")).size() == 21);
+  CHECK(content_of(session.folder.path()).size() == 3);
+}
+
+TEST_CASE("simulate: Ctrl-C keeps the steps done and says how to go on") {
+  const MovingSession session;
+  const std::string line =
+      "simulate shear.toml --steps 2000 --save-every 1000 --convergence rows.csv -o run.h5";
+  RunOptions options;
+  options.kill_signal = SIGINT;
+  options.kill_when = [&] { return session.has("run.h5") && session.has("rows.csv.partial"); };
+  const Outcome outcome = session.run(words(line), options);
+  CHECK(outcome.exit_code == 130);
+  CHECK(outcome.standard_output == "");
+  const auto steps = std::to_string(nscdd::read_last_step(path_of(session, "run.h5")).state.step);
+  CHECK(contains(outcome.standard_error,
+                 "run.h5: interrupted after " + steps + " of 2000 steps; --restart goes on with it"));
+  CHECK(session.has("rows.csv.partial"));
+}
+
+TEST_CASE("simulate: a breakdown names the disk, keeps the last good state and exits with 1") {
+  const Session session;
+  session.file("worse.toml",
+               replaced(moving_case(), "spin = -0.075", "motion = [[0.05, 0, 0, 0], [0.051, 1e6, 0, 0]]"));
+  const Outcome outcome = session.run(words("simulate worse.toml -o run.h5"));
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.standard_output, "broke down: 10 steps in this run"));
+  CHECK(contains(outcome.standard_error, "run.h5: broke down in step 11: disk "));
+  CHECK(contains(outcome.standard_error, "it holds the last good state"));
+  CHECK(nscdd::read_last_step(path_of(session, "run.h5")).state.step == 10);
+}
+
+TEST_CASE("simulate: bad input is refused and nothing is written") {
+  const MovingSession session;
+  check_refused(session, "simulate disks4 -o run.h5", {"disks4", "[dynamics]"});
+  check_refused(session, "simulate shear.toml -o run.csv", {"run.csv", ".h5"});
+  check_refused(session, "simulate shear.toml -o nowhere/run.h5", {"nowhere"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm jacobi", {"solver.algorithm", "jacobi"});
+  check_refused(session, "simulate shear.toml -o run.h5 --eta best", {"solver.eta", "best"});
+  check_refused(session, "simulate shear.toml -o run.h5 --tolerance -1", {"solver.tolerance", "-1"});
+  check_refused(session, "simulate shear.toml -o run.h5 --save-every 0", {"--save-every"});
+  check_refused(session, "simulate shear.toml -o run.h5 --subdomains 2", {"--subdomains", "2x1"});
+  check_refused(session, "simulate shear.toml -o run.h5 --set solver.speed=1",
+                {"solver.speed", "solver.order"});
+  check_refused(session, "simulate shear.toml -o run.h5 --restart", {"run.h5", "no such file"});
+  session.file("wide.toml", replaced(moving_case(), "radius = 0.198\n[[", "radius = 1e-9\n[["));
+  check_refused(session, "simulate wide.toml -o run.h5", {"floor", "disks"});
+  answer(session, "simulate shear.toml --steps 1 -o run.h5");
+  check_refused(session, "simulate shear.toml -o run.h5", {"run.h5", "exists already", "--force"});
+  check_refused(session, "simulate shear.toml -o run.h5 --restart --force", {"--restart"});
+  check_refused(session, "simulate shear.toml -o run.h5 --restart --set interaction.friction=0.2",
+                {"run.h5", "friction = 0.3", "friction = 0.2"});
+  check_refused(session, "simulate shear.toml -o run.h5 --restart --algorithm nlgs", {"run.h5", "nlgs"});
+  check_refused(session, "simulate shear.toml -o run.h5 --force --convergence run.h5", {"run.h5", "twice"});
+  session.file("text.h5", "not HDF5");
+  check_refused(session, "simulate shear.toml -o text.h5 --restart", {"text.h5", "trajectory"});
+}
+
+TEST_CASE("simulate: a full disk is an error and leaves the last whole step") {
+  const MovingSession session;
+  RunOptions options;
+  options.largest_file = 600'000;
+  const Outcome outcome = session.run(words("simulate shear.toml --steps 400 -o run.h5"), options);
+  CHECK(outcome.exit_code == 2);
+  CHECK(contains(outcome.standard_error, "nscdd: error: "));
+  const auto step = nscdd::read_last_step(path_of(session, "run.h5")).state.step;
+  CHECK(step > 0);
+  CHECK(step < 400);
+  CHECK(!session.has("run.h5.next"));
+}
+
+TEST_CASE("simulate: a settled packing is made once, kept, and made again where the cache is damaged") {
+  const MovingSession session;
+  const OwnCache cache(session);
+  session.file(
+      "test.toml",
+      replaced(moving_case(), "generator = \"deposit\"\ngrains = 120\nwidth = 3.0\nradius_max = 0.198\n",
+               "settled = \"shear.toml\"\n"));
+  answer(session, "simulate test.toml --steps 2 -o first.h5");
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::directory_iterator(session.folder / "cache")) entries.push_back(entry.path());
+  REQUIRE(entries.size() == 1);
+  const std::string good = read_file(entries[0]);
+  // its grains are those the other case ends with
+  answer(session, "simulate shear.toml -o settling.h5");
+  const auto settled = nscdd::read_last_step(path_of(session, "settling.h5")).state;
+  const auto begun = nscdd::read_trajectory_step(path_of(session, "first.h5"), 0).state;
+  for (std::size_t i = 0; i < 120; ++i) {
+    CHECK(begun.x[i] == settled.x[i]);
+    CHECK(begun.y[i] == settled.y[i]);
+  }
+  std::string damaged = good;
+  damaged[damaged.size() - 5] = damaged[damaged.size() - 5] == '1' ? '2' : '1';
+  for (const std::string& content : Texts{damaged, "", good.substr(0, good.size() / 2)}) {
+    write_file(entries[0], content);
+    answer(session, "simulate test.toml --steps 2 --force -o second.h5");
+    CHECK(read_file(entries[0]) == good);
+    check_same_end(session, "first.h5", "second.h5");
+  }
+  answer(session, "inspect test.toml --set contacts.overlap_tolerance=1");
+}
+
+TEST_CASE("simulate: a case that is settled from itself is refused") {
+  const Session session;
+  const OwnCache cache(session);
+  const auto settled = [&](const std::string& from) {
+    return replaced(moving_case(), "generator = \"deposit\"\ngrains = 120\nwidth = 3.0\nradius_max = 0.198\n",
+                    "settled = \"" + from + "\"\n");
+  };
+  session.file("a.toml", settled("b.toml"));
+  session.file("b.toml", settled("c.toml"));
+  session.file("c.toml", settled("a.toml"));
+  session.file("d.toml", settled("none.toml"));
+  session.file("e.toml", settled("still.toml"));
+  session.file("still.toml", "[packing]\ngenerator = \"strip\"\n[partition]\ngrid = [1, 1]\n");
+  check_refused(session, "simulate a.toml -o run.h5",
+                {"a.toml:3: packing.settled", "settled from itself", "a.toml -> b.toml -> c.toml -> a.toml"});
+  check_refused(session, "simulate d.toml -o run.h5", {"d.toml:3", "none.toml", "no such file"});
+  check_refused(session, "simulate e.toml -o run.h5", {"e.toml:3", "still.toml", "[dynamics]"});
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "moving_case.hpp"
+
+namespace nscdd::testing {
+
+std::string moving_case() {
+  return R"(title = "small shear test"
+[packing]
+generator = "deposit"
+grains = 120
+width = 3.0
+radius_max = 0.198
+[masses]
+density = 2500
+[partition]
+grid = [2, 1]
+[interaction]
+friction = 0.3
+[dynamics]
+step = 0.005
+steps = 20
+[solver]
+algorithm = "generic"
+warm_start = true
+maximum_iterations = 40
+[[boundary]]
+name = "floor"
+shape = "disks"
+from = [-0.198, -0.198]
+to = [3.198, -0.198]
+radius = 0.198
+[[boundary]]
+name = "left"
+shape = "disks"
+from = [-0.198, 0.198]
+to = [-0.198, 5]
+radius = 0.198
+centre = [-0.198, -0.198]
+spin = -0.075
+[[boundary]]
+name = "right"
+shape = "wall"
+from = [3, 0]
+to = [3, 1]
+centre = [3, 0]
+motion = [[0, 0, 0, 0], [0.02, 0, 0, -0.075]]
+)";
+}
+
+}  // namespace nscdd::testing

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The sections of a case file that make it move.
+#include "../support/moving_case.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/config.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using nscdd::testing::moving_case;
+
+namespace {
+
+Packing no_file(const std::string& path) { throw Error("no file " + path); }
+
+Case parse(const std::string& text) { return parse_case(text, "c.toml", no_file); }
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const auto position = text.find(what);
+  REQUIRE(position != std::string::npos);
+  return text.replace(position, what.size(), by);
+}
+
+void require_error(const std::string& text, const std::string& part) {
+  CAPTURE(text);
+  CHECK_THROWS_WITH_AS(parse(text), doctest::Contains(part.c_str()), Error);
+}
+
+}  // namespace
+
+TEST_CASE("moving case: everything read") {
+  const Case one = parse(moving_case());
+  REQUIRE(one.dynamics.has_value());
+  const Dynamics& dynamics = *one.dynamics;
+  CHECK(dynamics.interaction.friction == 0.3);
+  CHECK(dynamics.time.steps == 20);
+  CHECK(dynamics.solver.algorithm == "generic");
+  CHECK(dynamics.solver.warm_start);
+  REQUIRE(dynamics.boundaries.size() == 3);
+  CHECK(dynamics.boundaries[0].shape == BoundaryShape::disks);
+  CHECK(dynamics.boundaries[0].motion.velocity.empty());
+  CHECK(dynamics.boundaries[1].motion.velocity.front().spin == -0.075);
+  CHECK(dynamics.boundaries[1].motion.centre == std::array<double, 2>{-0.198, -0.198});
+  CHECK(dynamics.boundaries[2].shape == BoundaryShape::wall);
+  CHECK(dynamics.boundaries[2].motion.time == std::vector<double>{0, 0.02});
+  CHECK(dynamics.boundaries[2].motion.velocity[1].spin == -0.075);
+  CHECK(!parse("[packing]\ngenerator = \"strip\"\n[partition]\ngrid = [1, 1]\n").dynamics);
+}
+
+TEST_CASE("moving case: written and read back it is the same case") {
+  Case one = parse(moving_case() +
+                   "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
+                   "velocity = [0.1, -1e-9]\n");
+  one.dynamics->time.rest_speed = 1.0 / 3;
+  one.dynamics->solver.eta = "optimal";
+  const Case back = parse(to_toml(one));
+  CHECK(to_toml(back) == to_toml(one));
+  CHECK(back.dynamics->time.rest_speed == 1.0 / 3);
+  const BoundarySpec& piston = back.dynamics->boundaries.at(3);
+  CHECK(piston.first == 3);
+  CHECK(piston.last == -7);
+  CHECK(piston.motion.velocity.front().y == -1e-9);
+}
+
+TEST_CASE("moving case: every error names file, line and key") {
+  const std::string good = moving_case();
+  require_error(replaced(good, "friction = 0.3", "frictions = 0.3"),
+                "c.toml:12: unknown key 'interaction.frictions'");
+  require_error(replaced(good, "friction = 0.3", "friction = -1"), "c.toml:12: interaction.friction");
+  require_error(replaced(good, "friction = 0.3", "law = \"glue\""), "c.toml:12: interaction.law");
+  require_error(replaced(good, "steps = 20", "steps = 2.5"),
+                "c.toml:15: dynamics.steps: expected an integer");
+  require_error(replaced(good, "step = 0.005", "step = 0"), "c.toml:14: dynamics.step: expected");
+  require_error(replaced(good, "step = 0.005", "theta = 0.4"), "c.toml:14: dynamics.theta");
+  require_error(replaced(good, "\"generic\"", "\"gauss\""), "c.toml:17: solver.algorithm: expected one of");
+  require_error(replaced(good, "warm_start = true", "warm_start = 1"), "c.toml:18: solver.warm_start");
+  require_error(replaced(good, "warm_start = true", "eta = \"best\""),
+                "c.toml:18: solver.eta: expected a number, met 'best'");
+  require_error(replaced(good, "warm_start = true", "eta = \"0\""), "c.toml:18: solver.eta");
+  require_error(replaced(good, "[dynamics]\nstep = 0.005\nsteps = 20\n", ""),
+                "c.toml:11: interaction: expected a section [dynamics] with it, met none");
+}
+
+TEST_CASE("moving case: every error of a boundary names file, line and key") {
+  const std::string good = moving_case();
+  require_error(replaced(good, "name = \"floor\"", "name = \"left\""),
+                "boundary[1].name: expected each name once, met \"left\" again");
+  require_error(replaced(good, "name = \"floor\"\n", ""), "boundary[0].name: expected a value, met none");
+  require_error(replaced(good, "shape = \"wall\"", "shape = \"spheres\""),
+                "boundary[2].shape: expected \"wall\", \"disks\" or \"grains\", met \"spheres\"");
+  require_error(replaced(good, "shape = \"disks\"", "shape = \"wall\""), "unknown key 'boundary[0].radius'");
+  require_error(replaced(good, "shape = \"wall\"", "shape = \"grains\""),
+                "boundary[2].first: expected a value, met none");
+  require_error(replaced(good, "to = [3, 1]", "to = [3, 0]"), "boundary[2].to: expected another point");
+  require_error(replaced(good, "radius = 0.198\n[[", "radius = -1\n[["), "boundary[0].radius");
+  require_error(replaced(good, "centre = [3, 0]", "centre = [3, inf]"), "boundary[2].centre");
+  require_error(replaced(good, "centre = [3, 0]", "spin = 1"),
+                "boundary[2].motion: expected either motion = ... or velocity and spin, met both");
+  require_error(replaced(good, "[0.02, 0, 0, -0.075]", "[0, 0, 0, 1]"),
+                "boundary[2].motion: expected ascending times, met 0 s after 0 s");
+  require_error(replaced(good, "[0.02, 0, 0, -0.075]", "[0.02, 0, 0]"), "boundary[2].motion");
+  require_error(replaced(good, "[0.02, 0, 0, -0.075]", "[0.02, 0, 0, nan]"), "boundary[2].motion");
+  require_error(replaced(good, "[[0, 0, 0, 0], [0.02, 0, 0, -0.075]]", "[]"), "met an empty array");
+}
+
+TEST_CASE("moving case: parameters are overridden by their path") {
+  Case one = parse(moving_case());
+  override_case(one, "dynamics.steps", "7");
+  override_case(one, "solver.tolerance", "1e-7");
+  override_case(one, "solver.eta", "0.25");
+  override_case(one, "interaction.friction", "0.5");
+  CHECK(one.dynamics->time.steps == 7);
+  CHECK(one.dynamics->solver.tolerance == 1e-7);
+  CHECK(one.dynamics->solver.eta == "0.25");
+  CHECK(one.dynamics->interaction.friction == 0.5);
+  CHECK_THROWS_WITH_AS(override_case(one, "solver.eta", "-1"), doctest::Contains("solver.eta"), Error);
+  CHECK_THROWS_WITH_AS(override_case(one, "dynamics.stepps", "7"), doctest::Contains("dynamics.step,"),
+                       Error);
+  one.dynamics.reset();
+  CHECK_THROWS_WITH_AS(override_case(one, "dynamics.steps", "7"),
+                       doctest::Contains("expected a case with a section [dynamics]"), Error);
+}
+
+TEST_CASE("settled packing: read through its reader, written by its name") {
+  const std::string text = "[packing]\nsettled = \"bed\"\n[partition]\ngrid = [1, 1]\n";
+  const SettledReader reader = [](const std::string& name) {
+    SettledPacking settled;
+    settled.from = name;
+    settled.packing = {{0.5}, {1}, {0.25}, {3}};
+    return settled;
+  };
+  Case one = parse_case(text, "c.toml", no_file, reader);
+  CHECK(std::get<SettledPacking>(one.packing).from == "bed");
+  CHECK(packing_of(one).mass == std::vector<double>{3});
+  CHECK(to_toml(parse_case(to_toml(one), "c.toml", no_file, reader)) == to_toml(one));
+  CHECK_THROWS_WITH_AS(override_case(one, "packing.grains", "7"), doctest::Contains("is settled"), Error);
+  require_error(text, "c.toml:2: packing.settled: expected a generator or a file");
+  const SettledReader failing = [](const std::string&) -> SettledPacking { throw Error("broken bed"); };
+  CHECK_THROWS_WITH_AS(parse_case(text, "c.toml", no_file, failing),
+                       doctest::Contains("c.toml:2: packing.settled: broken bed"), Error);
+  require_error("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", "met more");
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a run of steps ends.
+#include <nscdd/core/error.hpp>
+#include <nscdd/study/run_simulation.hpp>
+#include <nscdd/study/simulation_tables.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+
+namespace {
+
+// One disk at a height above a floor.
+Simulation one_disk(double gap) {
+  Dynamics dynamics;
+  BoundarySpec floor;
+  floor.name = "floor";
+  dynamics.boundaries = {floor};
+  dynamics.time.steps = 500;
+  dynamics.time.rest_speed = 1e-6;
+  GranularScene start = scene({{0.5}, {1 + gap}, {1}, {2}}, dynamics);
+  return {std::move(start.system), std::move(start.state), dynamics, GridPartitioner{}};
+}
+
+}  // namespace
+
+TEST_CASE("run: a disk that falls comes to rest, and not at its turning point") {
+  Simulation simulation = one_disk(0.1);
+  simulation.state.velocity_y[0] = 0.5;  // thrown up: slow for a moment at the top
+  Index sunk = 0;
+  RunSinks sinks;
+  sinks.step = [&](const Simulation&, const SolvedStep& solved, const StepReport& report) {
+    ++sunk;
+    CHECK(count(solved.contacts) == report.contacts);
+  };
+  const RunOutcome outcome = run_simulation(simulation, sinks);
+  CHECK(outcome.end == RunEnd::at_rest);
+  CHECK(simulation.state.y[0] == doctest::Approx(1).epsilon(1e-6));
+  CHECK(simulation.state.step < 500);
+  CHECK(sunk == simulation.state.step);
+}
+
+TEST_CASE("run: steps that were quiet before count") {
+  Simulation simulation = one_disk(0);
+  CHECK(run_simulation(simulation, {}, 7).end == RunEnd::at_rest);
+  CHECK(simulation.state.step == rest_steps - 7);
+  CHECK(run_simulation(simulation, {}, rest_steps).end == RunEnd::at_rest);
+  CHECK(simulation.state.step == rest_steps - 7);
+}
+
+TEST_CASE("run: never at rest where no speed is given") {
+  Simulation simulation = one_disk(0);
+  simulation.dynamics.time.rest_speed = 0;
+  simulation.dynamics.time.steps = 30;
+  CHECK(run_simulation(simulation, {}).end == RunEnd::completed);
+  CHECK(simulation.state.step == 30);
+}
+
+TEST_CASE("run: the monitor stops it between steps") {
+  Simulation simulation = one_disk(1);
+  RunSinks sinks;
+  sinks.monitor = [](Index done, Index total) { return done < 3 && total == 500; };
+  CHECK(run_simulation(simulation, sinks).end == RunEnd::stopped);
+  CHECK(simulation.state.step == 3);
+}
+
+TEST_CASE("run: a step that cannot be prepared ends it, the last good state kept") {
+  Simulation simulation = one_disk(1);
+  RunSinks sinks;
+  double y = 0;
+  sinks.step = [&](const Simulation& after, const SolvedStep&, const StepReport&) { y = after.state.y[0]; };
+  simulation.dynamics.time.gravity = {0, 2e5};  // ten radii per step after two
+  const RunOutcome outcome = run_simulation(simulation, sinks);
+  CHECK(outcome.end == RunEnd::broke_down);
+  CHECK(outcome.reason.find("step 3: disk 0: expected to move by at most 10 of its radii") == 0);
+  CHECK(simulation.state.step == 2);
+  CHECK(simulation.state.y[0] == y);
+}
+
+TEST_CASE("run: bad input of the first step is an Error") {
+  Simulation simulation = one_disk(1);
+  simulation.state.velocity_x[0] = 1e9;
+  CHECK_THROWS_AS(run_simulation(simulation, {}), Error);
+}
+
+TEST_CASE("run: mean speed is weighted by mass and takes free grains alone") {
+  GranularSystem system;
+  system.mass = {1, 3, 1000};
+  system.radius = {1, 1, 1};
+  system.driven_by = {-1, -1, 0};
+  CHECK(mean_speed(system, 8) == 2);
+}
+
+TEST_CASE("rows of steps and iterations have a value per column") {
+  CHECK(step_row({}).size() == step_columns().size());
+  CHECK(iteration_row({}).size() == iteration_columns().size());
+}

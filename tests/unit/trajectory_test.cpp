@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
+#include "../support/moving_case.hpp"
+#include "../support/run_program.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/io/trajectory.hpp>
+#include <nscdd/study/run_simulation.hpp>
+#include <nscdd/study/simulation_tables.hpp>
+
+#include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+using namespace nscdd;
+using nscdd::testing::moving_case;
+using nscdd::testing::TemporaryFolder;
+
+namespace {
+
+Packing no_file(const std::string& path) { throw Error("no file " + path); }
+
+Simulation small(Index steps) {
+  const Case one = parse_case(moving_case(), "c.toml", no_file);
+  GranularScene start = scene(packing_of(one), *one.dynamics);
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  simulation.dynamics.time.steps = steps;
+  return simulation;
+}
+
+TrajectoryHeader header_of(const Simulation& simulation) {
+  return {"the case", "the build", {{"program", "test"}}, simulation.system};
+}
+
+// Runs to the end; the steps as they were given to the writer.
+std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simulation, Index save_every = 1) {
+  std::vector<TrajectoryStep> steps;
+  RunSinks sinks;
+  sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+    steps.push_back(trajectory_step(after, solved));
+    writer.append(steps.back(), step_row(report), report.step % save_every == 0);
+  };
+  REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
+  return steps;
+}
+
+void check_equal(const GranularState& a, const GranularState& b) {
+  CHECK(a.step == b.step);
+  CHECK(a.time == b.time);
+  CHECK(a.x == b.x);
+  CHECK(a.y == b.y);
+  CHECK(a.angle == b.angle);
+  CHECK(a.velocity_x == b.velocity_x);
+  CHECK(a.velocity_y == b.velocity_y);
+  CHECK(a.spin == b.spin);
+  REQUIRE(a.poses.size() == b.poses.size());
+  for (std::size_t k = 0; k < a.poses.size(); ++k) {
+    CHECK(a.poses[k].x == b.poses[k].x);
+    CHECK(a.poses[k].angle == b.poses[k].angle);
+  }
+  REQUIRE(a.impulses.size() == b.impulses.size());
+  for (std::size_t k = 0; k < a.impulses.size(); ++k) {
+    CHECK(a.impulses[k].a == b.impulses[k].a);
+    CHECK(a.impulses[k].b == b.impulses[k].b);
+    CHECK(a.impulses[k].impulse.n == b.impulses[k].impulse.n);
+    CHECK(a.impulses[k].impulse.t == b.impulses[k].impulse.t);
+  }
+  REQUIRE(a.gluing.size() == b.gluing.size());
+  for (std::size_t k = 0; k < a.gluing.size(); ++k) {
+    CHECK(a.gluing[k].grain == b.gluing[k].grain);
+    CHECK(a.gluing[k].subdomain == b.gluing[k].subdomain);
+    CHECK(a.gluing[k].x == b.gluing[k].x);
+    CHECK(a.gluing[k].rim == b.gluing[k].rim);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("trajectory: what is written is read back, bit for bit") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  Simulation simulation = small(6);
+  std::vector<TrajectoryStep> steps;
+  {
+    TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+    steps = run_into(writer, simulation, 2);
+    writer.end("completed");
+  }
+  CHECK(nscdd::testing::content_of(folder.path()).size() == 1);
+  CHECK(trajectory_steps(path) == std::vector<Index>{0, 2, 4, 6});
+  const TrajectoryHeader header = read_trajectory_header(path);
+  CHECK(header.case_text == "the case");
+  CHECK(header.build == "the build");
+  CHECK(header.provenance == Provenance{{"program", "test"}});
+  CHECK(header.system.radius == simulation.system.radius);
+  CHECK(header.system.mass == simulation.system.mass);
+  CHECK(header.system.driven_by == simulation.system.driven_by);
+  REQUIRE(header.system.walls.size() == 1);
+  CHECK(header.system.walls[0].normal == simulation.system.walls[0].normal);
+  CHECK(header.system.boundaries[2].name == "right");
+  check_equal(read_last_step(path).state, simulation.state);
+  const TrajectoryStep kept = read_trajectory_step(path, 4);
+  check_equal(kept.state, steps[3].state);
+  REQUIRE(kept.contacts.size() == steps[3].contacts.size());
+  REQUIRE(!kept.state.gluing.empty());
+  for (std::size_t k = 0; k < kept.contacts.size(); ++k) {
+    const TrajectoryContact &a = kept.contacts[k], &b = steps[3].contacts[k];
+    CHECK(a.geometry.normal == b.geometry.normal);
+    CHECK(a.geometry.point == b.geometry.point);
+    CHECK(a.geometry.gap == b.geometry.gap);
+    CHECK(a.status == b.status);
+    CHECK(a.subdomain == b.subdomain);
+  }
+  CHECK(read_summary(path, "step") == std::vector<double>{1, 2, 3, 4, 5, 6});
+  CHECK(read_summary(path, "time").back() == simulation.state.time);
+  CHECK_THROWS_WITH_AS(read_trajectory_step(path, 5), doctest::Contains("met step 5"), Error);
+}
+
+TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  Simulation whole = small(20);
+  REQUIRE(run_simulation(whole, {}).end == RunEnd::completed);
+  {
+    Simulation first = small(10);
+    TrajectoryWriter writer(path, header_of(first), {first.state, {}}, step_columns());
+    run_into(writer, first);
+  }
+  Simulation second = small(20);
+  second.state = read_last_step(path).state;
+  CHECK(second.state.step == 10);
+  TrajectoryWriter writer(path, step_columns());
+  run_into(writer, second);
+  check_equal(second.state, whole.state);
+  check_equal(read_last_step(path).state, whole.state);
+  CHECK(count(trajectory_steps(path)) == 21);
+  CHECK(count(read_summary(path, "step")) == 20);
+}
+
+TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  Simulation simulation = small(1);
+  TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+  std::vector<int> open;
+  for (Index steps = 1; steps <= 4; ++steps) {
+    open.push_back(::open(path.c_str(), O_RDONLY));  // as the HDF5 library has it while it reads
+    REQUIRE(::flock(open.back(), LOCK_SH) == 0);
+    const std::string before = read_text("/proc/self/fd/" + std::to_string(open.back()));
+    simulation.dynamics.time.steps = steps;
+    run_into(writer, simulation);
+    CHECK(read_text("/proc/self/fd/" + std::to_string(open.back())) == before);
+    check_equal(read_last_step(path).state, simulation.state);
+  }
+  for (const int descriptor : open) ::close(descriptor);
+}
+
+TEST_CASE("trajectory: a second writer is refused") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  const Simulation simulation = small(1);
+  const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, step_columns()), doctest::Contains("by another run"), Error);
+}
+
+TEST_CASE("trajectory: what is none, or damaged, is refused") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5", other = folder / "other.h5";
+  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("met no such file"), Error);
+  nscdd::testing::write_file(other, "x,y\n");
+  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("met something else"), Error);
+  nscdd::testing::write_file(other, to_hdf5({}, std::vector<NamedTable>{}));
+  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("expected a group 'last', met none"), Error);
+  const Simulation simulation = small(1);
+  { TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns()); }
+  const std::string bytes = read_text(path);
+  for (const std::size_t size : {bytes.size() / 10, bytes.size() / 2, bytes.size() - 1}) {
+    nscdd::testing::write_file(other, bytes.substr(0, size));
+    CHECK_THROWS_AS(read_last_step(other), Error);
+  }
+}
+
+TEST_CASE("trajectory: a state with arrays of different lengths is refused") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  Simulation simulation = small(1);
+  TrajectoryStep step{simulation.state, {}};
+  step.state.spin.pop_back();
+  { TrajectoryWriter writer(path, header_of(simulation), step, step_columns()); }
+  CHECK_THROWS_WITH_AS(check(simulation.system, read_last_step(path).state), doctest::Contains("disks"),
+                       Error);
+}
