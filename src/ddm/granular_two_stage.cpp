@@ -152,7 +152,8 @@ IterationRecord GranularTwoStage::iterate() {
   record.iteration = iteration_;
   if (!parts_.gluing.empty()) {
     const Vector g = interface_jumps(parts_);
-    record.gluing = ratio(g.squaredNorm(), free_speed_squared_);
+    // Copies that come to rest, and copies that an impact sets going, both have a scale.
+    record.gluing = ratio(g.squaredNorm(), at_least(free_speed_squared_, glued_speed_squared(parts_)));
     if (solver_.enrichment != "semi_implicit" || !enriched_ || iteration_ == 1) {
       Vector change;
       if (solver_.interface_method == "conjugate_gradient") {

@@ -129,3 +129,31 @@ TEST_CASE("a case that asks for an eta that is no number is refused") {
     CHECK_THROWS_AS(solve_step(s), Error);
   }
 }
+
+TEST_CASE("an impact that meets the interface through grains at rest is solved like any other") {
+  Dynamics dynamics = tight();
+  dynamics.time.gravity = {0, 0};
+  dynamics.solver.algorithm = "generic";
+  std::vector<Grain> grains{{.x = -1, .velocity_x = 6}};
+  for (int k = 0; k < 5; ++k) grains.push_back({.x = static_cast<double>(k)});
+  Simulation s = simulation_of(grains, dynamics, {2, 1});
+  s.state.x[0] -= 0.5 * dynamics.time.step * 6;  // touches at q_m
+  const SolvedStep step = solve_step(s);
+  REQUIRE(step.report.interface_size > 0);
+  CHECK(step.report.status == SolverStatus::converged);
+  CHECK(std::isfinite(step.report.last.gluing));
+  for (Index i = 0; i < 6; ++i) CHECK(step.velocities[at(i)].x == doctest::Approx(1.0).epsilon(1e-9));
+}
+
+TEST_CASE("disks that touch and move alike exchange nothing: the step ends at once") {
+  Dynamics dynamics;
+  dynamics.time.gravity = {0, 0};
+  std::vector<Grain> grains;
+  for (int k = 0; k < 6; ++k) grains.push_back({.x = 0.1 + k, .velocity_x = 1});
+  for (const std::string criterion : {"zeta", "natural_map"}) {
+    dynamics.solver.criterion = criterion;
+    const SolvedStep step = solve_step(simulation_of(grains, dynamics));
+    CHECK(step.report.status == SolverStatus::converged);
+    CHECK(step.report.last.iteration < 50);
+  }
+}
