@@ -49,6 +49,27 @@ void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus st
   kept[2 * contact + 1] = status == ContactStatus::stick;
 }
 
+// Columns that impulses may use: a contact without friction has no tangential one. Links that do not exist
+// would make Stage 2 too stiff, and the iterations diverge.
+std::vector<char> usable_columns(const Simulation& simulation, const StepProblem& problem) {
+  const std::string& law = simulation.dynamics.interaction.law;
+  std::vector<char> kept(2 * problem.contacts.size(), 1);
+  for (std::size_t k = 0; k < problem.contacts.size(); ++k)
+    kept[2 * k + 1] =
+        law == LinearViscous::name || (law != Frictionless::name && problem.contacts[k].friction > 0);
+  return kept;
+}
+
+// M, H and the partition of a step for the linear analysis, with the columns that impulses may use.
+Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem,
+                           const Partition& partition) {
+  Decomposition all =
+      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  const std::vector<char> usable = usable_columns(simulation, problem);
+  if (std::find(usable.begin(), usable.end(), 0) == usable.end()) return all;
+  return restrict_contacts(all, usable);
+}
+
 // Contacts that carried an impulse in the last step: both directions where they stuck, the normal one where
 // they slid. All of them where there is no step before.
 std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
@@ -141,8 +162,7 @@ bool decomposes_afresh(const Simulation& simulation, Index step) {
 
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta) {
-  const ReferenceProblem reference = reference_problem(problem, simulation.system.disks());
-  const Decomposition all = decompose(reference, partition_of_columns(partition));
+  const Decomposition all = linear_parts(simulation, problem, partition);
   if (simulation.dynamics.solver.network == "active")
     return InterfaceFamily(restrict_contacts(all, active_columns(simulation, problem))).at(eta);
   return InterfaceFamily(all).at(eta);
@@ -151,8 +171,7 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return simulation.state.eta;
-  const Decomposition all =
-      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  const Decomposition all = linear_parts(simulation, problem, partition);
   return optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)));
 }
 

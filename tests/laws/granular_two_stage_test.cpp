@@ -215,6 +215,23 @@ TEST_CASE("frictionless: any subdomains, variant and order come to the velocitie
   }
 }
 
+TEST_CASE("frictionless: Stage 2 links no rims, so that a flexibility of 1 / mass converges") {
+  const Simulation whole = shaken_lattice(6, 6, shaking("frictionless"));
+  const Close reference = closely(whole);
+  for (const std::string network : {"all", "active"})
+    for (const std::string eta : {"1", "3"}) {
+      CAPTURE(network);
+      CAPTURE(eta);
+      Simulation divided = whole;
+      divided.partitioner = GridPartitioner{{2, 1}};
+      set(divided.dynamics.solver,
+          {.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network});
+      const Close step = closely(divided);
+      CHECK(step.gluing < 1e-9);
+      CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-8);
+    }
+}
+
 TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law at the masses of the whole") {
   const Simulation whole = shaken_lattice(6, 6, shaking("coulomb"));
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
