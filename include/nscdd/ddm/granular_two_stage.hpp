@@ -21,7 +21,7 @@ struct IterationRecord {
   /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|: a drift of impulses that the networks carry either way keeps Z up,
   /// not this.
   double interface_second_change = 0;
-  double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
+  double gluing = 0;  ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
   double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
