@@ -201,7 +201,7 @@ TEST_CASE("a case with a contact problem reads back from its file") {
                        Error);
   CHECK_THROWS_WITH_AS(
       parse_case("[problem]\nfile = \"p\"\n[partition]\nmetis = 2\n[masses]\ndensity = 1\n", "c.toml",
-                 no_packing, [](const std::string&) { return GlobalFrictionProblem{}; }),
+                 no_packing, {}, [](const std::string&) { return GlobalFrictionProblem{}; }),
       doctest::Contains("unknown key 'masses'"), Error);
 }
 
