@@ -86,9 +86,10 @@ struct Interaction {
           Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
     visit("tangential_restitution", self.tangential_restitution,
           Field{.description = "coefficient of tangential restitution", .minimum = 0, .maximum = 1});
-    visit(
-        "cohesion", self.cohesion,
-        Field{.description = "largest pulling force of a contact, law cohesive", .unit = "N", .minimum = 0});
+    visit("cohesion", self.cohesion,
+          Field{.description = "largest pulling force of a contact within the alert distance, law cohesive",
+                .unit = "N",
+                .minimum = 0});
     visit("epsilon", self.epsilon,
           Field{.description = "flexibility of law linear_viscous", .unit = "1/kg", .minimum = 0});
   }
