@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -89,7 +90,7 @@ TEST_CASE("export --fclib: solved again, a step gives the velocities of the run"
   session.file("box.toml", small_case());
   answer(session, "simulate box.toml --algorithm nlgs -o run.h5" + tightly);
   std::filesystem::remove(session.folder / "box.toml");  // the trajectory alone is enough
-  for (const int step : {1, 12}) {
+  for (const int step : {3, 12}) {  // in the first two all grains fall: impulses are rounding
     CAPTURE(step);
     const auto [run, solved] = solved_again(session, "--fclib " + std::to_string(step));
     CHECK(*run.info.title == "box, step " + std::to_string(step));
@@ -154,14 +155,14 @@ TEST_CASE("export --local: the same problem, reduced") {
 
 TEST_CASE("export --subdomain: with its interface impulses a part moves as in the whole") {
   const Session session;
-  session.file("box.toml", small_case());
-  answer(session, "simulate box.toml --algorithm generic --subdomains 2x1 --steps 4 -o run.h5" + tightly);
+  session.file("box.toml", moving_case());
+  answer(session, "simulate box.toml --algorithm generic --subdomains 2x2 --steps 4 -o run.h5" + tightly);
   const TrajectoryHeader header = read_trajectory_header(path_of(session, "run.h5"));
   const TrajectoryStep kept = read_trajectory_step(path_of(session, "run.h5"), 4);
   std::map<Index, double> mass;
   std::map<Index, int> copies;
   Index contacts = 0;
-  for (const Index subdomain : {0, 1}) {
+  for (const Index subdomain : {0, 1, 2, 3}) {
     CAPTURE(subdomain);
     const auto [run, solved] = solved_again(session, "--fclib 4 --subdomain " + std::to_string(subdomain));
     std::set<Index> grains;
@@ -183,12 +184,12 @@ TEST_CASE("export --subdomain: with its interface impulses a part moves as in th
     }
   }
   CHECK(contacts == count(kept.contacts));
-  int shared = 0;
+  int most = 0;
   for (const auto& [grain, sum] : mass) {
     CHECK(sum == doctest::Approx(header.system.mass[at(grain)]));
-    shared += copies[grain] > 1;
+    most = std::max(most, copies[grain]);
   }
-  CHECK(shared > 0);
+  CHECK(most > 2);  // a cross point
 }
 
 TEST_CASE("export --fclib: a step without the state before it, or that is not kept itself") {
