@@ -30,6 +30,7 @@ std::function<int()> declare_generate(CLI::App& command, const Context& context)
 std::function<int()> declare_modes(CLI::App& command, const Context& context);
 std::function<int()> declare_solve(CLI::App& command, const Context& context);
 std::function<int()> declare_simulate(CLI::App& command, const Context& context);
+std::function<int()> declare_export(CLI::App& command, const Context& context);
 std::function<int()> declare_list(CLI::App& command, const Context& context);
 
 }  // namespace nscdd::app

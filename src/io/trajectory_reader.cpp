@@ -125,13 +125,25 @@ std::vector<Index> trajectory_steps(const std::string& path) {
 }
 
 TrajectoryStep read_trajectory_step(const std::string& path, Index step) {
+  {
+    const Handle file = open_trajectory(path);
+    const Handle steps = member_group(file, "steps", path);
+    const std::string name = fmt::format("{:06}", step);
+    if (step >= 0 && has_link(steps, name)) return get_step(member_group(steps, name, path), path);
+  }
   const std::vector<Index> kept = trajectory_steps(path);
-  if (!std::binary_search(kept.begin(), kept.end(), step))
-    throw Error(fmt::format("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path,
-                            kept.size(), kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(),
-                            step));
+  throw Error(fmt::format("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path,
+                          kept.size(), kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(),
+                          step));
+}
+
+std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step) {
   const Handle file = open_trajectory(path);
-  return get_step(member_group(member_group(file, "steps", path), fmt::format("{:06}", step), path), path);
+  const Handle steps = member_group(file, "steps", path), last = member_group(file, "last", path);
+  const std::string name = fmt::format("{:06}", step);
+  if (step >= 0 && has_link(steps, name)) return get_step(member_group(steps, name, path), path);
+  if (get_number(last, "step", path) == static_cast<double>(step)) return get_step(last, path);
+  return std::nullopt;
 }
 
 TrajectoryStep read_last_step(const std::string& path) {

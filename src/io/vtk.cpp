@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
+#include <nscdd/io/trajectory.hpp>
 #include <nscdd/io/vtk.hpp>
-#include <nscdd/mechanics/contact_residual.hpp>
-#include <nscdd/study/simulation.hpp>
 
 #include <fmt/format.h>
 
@@ -183,22 +182,20 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-void fill_contacts(VtkFrame& frame, const Simulation& simulation, const SolvedStep& step) {
-  const Index disks = simulation.system.disks();
-  const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
+void fill_contacts(VtkFrame& frame, const TrajectoryStep& step, Index disks) {
   auto& contacts = frame.contacts;
-  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
-    const StepContact& geometry = step.problem.geometry[k];
+  for (const TrajectoryContact& contact : step.contacts) {
+    const StepContact& geometry = contact.geometry;
     const bool on_wall = geometry.b >= disks;
     contacts.a.push_back(geometry.a);
     contacts.b.push_back(on_wall ? -1 : geometry.b);
     contacts.foot_x.push_back(on_wall ? geometry.point[0] : 0.0);
     contacts.foot_y.push_back(on_wall ? geometry.point[1] : 0.0);
     contacts.gap.push_back(geometry.gap);
-    contacts.impulse_n.push_back(step.contacts[k].impulse_n);
-    contacts.impulse_t.push_back(step.contacts[k].impulse_t);
-    contacts.status.push_back(static_cast<std::int64_t>(status_of(law, step.contacts[k])));
-    contacts.subdomain.push_back(step.partition.subdomain_of_contact[k]);
+    contacts.impulse_n.push_back(contact.impulse.n);
+    contacts.impulse_t.push_back(contact.impulse.t);
+    contacts.status.push_back(static_cast<std::int64_t>(contact.status));
+    contacts.subdomain.push_back(contact.subdomain);
   }
 }
 
@@ -222,20 +219,24 @@ void fill_subdomains(VtkFrame& frame, const std::vector<double>& radius) {
 
 }  // namespace
 
-VtkFrame vtk_frame(const Simulation& simulation, const SolvedStep& step) {
-  const GranularState& state = simulation.state;
+VtkFrame vtk_frame(const GranularSystem& system, const TrajectoryStep& step) {
+  const GranularState& state = step.state;
   VtkFrame frame;
   frame.time = state.time;
   frame.grains.x = state.x;
   frame.grains.y = state.y;
-  frame.grains.radius = simulation.system.radius;
+  frame.grains.radius = system.radius;
   frame.grains.angle = state.angle;
   frame.grains.velocity_x = state.velocity_x;
   frame.grains.velocity_y = state.velocity_y;
-  frame.grains.boundary.assign(simulation.system.driven_by.begin(), simulation.system.driven_by.end());
-  fill_contacts(frame, simulation, step);
-  fill_subdomains(frame, simulation.system.radius);
+  frame.grains.boundary.assign(system.driven_by.begin(), system.driven_by.end());
+  fill_contacts(frame, step, system.disks());
+  fill_subdomains(frame, system.radius);
   return frame;
+}
+
+VtkFrame vtk_frame(const Simulation& simulation, const SolvedStep& step) {
+  return vtk_frame(simulation.system, trajectory_step(simulation, step));
 }
 
 std::string vtp_text(const VtkFrame& frame) {

@@ -6,6 +6,7 @@
 #include <nscdd/study/simulation.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,14 @@ TrajectoryStep read_trajectory_step(const std::string& path, Index step);
 
 /// The newest step: what a run goes on from.
 TrajectoryStep read_last_step(const std::string& path);
+
+/// A step that is kept in /steps or is the newest, none where it is neither.
+std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step);
+
+/// The simulation a trajectory holds, in a state of it: system and boundaries as in the file, laws and solver
+/// from its case text. Packing files and settled cases that it began from are not looked for. Throws Error
+/// where case text, system and state do not fit together.
+Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state);
 
 /// A column of numbers of /summary, one per step from 1.
 std::vector<double> read_summary(const std::string& path, const std::string& column);

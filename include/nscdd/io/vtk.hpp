@@ -9,8 +9,10 @@
 
 namespace nscdd {
 
+struct GranularSystem;
 struct Simulation;
 struct SolvedStep;
+struct TrajectoryStep;
 
 /// A picture of one step for ParaView: arrays of one entry per grain and per contact, SI units.
 struct VtkFrame {
@@ -40,6 +42,9 @@ struct VtkFrame {
 /// Grains driven by a boundary belong to no subdomain in particular: multiplicity counts those that touch
 /// them.
 VtkFrame vtk_frame(const Simulation& simulation, const SolvedStep& step);
+
+/// A step of a trajectory: the grains at its end, the contacts that led there.
+VtkFrame vtk_frame(const GranularSystem& system, const TrajectoryStep& step);
 
 /// Bytes of a .vtp file (VTK XML PolyData, appended raw data of this machine's byte order). Points are the
 /// grains, then one foot per wall contact (radius 0, id, boundary and subdomain -1). Cells, in the order VTK
