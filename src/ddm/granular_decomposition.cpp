@@ -20,40 +20,42 @@ void check(const StepProblem& problem, const Partition& partition) {
           fmt::format("partition: expected a subdomain in 0..{}, met {}", partition.subdomains - 1, e));
 }
 
-// Contacts of one subdomain in sweep order, ends renumbered to the subdomain's bodies.
+// Puts the contacts of one subdomain in sweep order and numbers its bodies as the sweep meets them:
+// neighbours of the sweep are neighbours in memory then, however the grains of the packing are numbered.
 void fill(GranularSubdomain& subdomain, const StepProblem& problem, const std::string& order,
           std::uint64_t seed, std::vector<std::int32_t>& local) {
-  for (const Index c : subdomain.numbers) {
-    const DiskContact& contact = problem.contacts[at(c)];
-    subdomain.bodies.push_back(contact.a);
-    subdomain.bodies.push_back(contact.b);
-  }
-  std::sort(subdomain.bodies.begin(), subdomain.bodies.end());
-  subdomain.bodies.erase(std::unique(subdomain.bodies.begin(), subdomain.bodies.end()),
-                         subdomain.bodies.end());
-  for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
-    local[at(subdomain.bodies[i])] = static_cast<std::int32_t>(i);
-  for (const Index i : subdomain.bodies) subdomain.velocities.push_back(problem.free[at(i)]);
   std::vector<DiskContact> natural;
-  natural.reserve(subdomain.numbers.size());
+  std::vector<std::array<double, 2>> points;
   for (const Index c : subdomain.numbers) {
     natural.push_back(problem.contacts[at(c)]);
-    natural.back().a = local[at(natural.back().a)];
-    natural.back().b = local[at(natural.back().b)];
+    points.push_back(problem.geometry[at(c)].point);
   }
-  const std::vector<Index> visit = contact_order(order, natural, subdomain.velocities, seed);
+  const std::vector<Index> visit = contact_order(order, natural, problem.free, seed, points);
   const std::vector<Index> numbers = subdomain.numbers;
   ContactRows& rows = subdomain.contacts;
   rows.friction = problem.friction;
   rows.boundary_friction = problem.boundary_friction;
   rows.rows.reserve(natural.size());
   rows.impulses.reserve(natural.size());
+  const auto number = [&](std::int32_t body) {
+    std::int32_t& known = local[at(body)];
+    if (known < 0) {
+      known = static_cast<std::int32_t>(subdomain.bodies.size());
+      subdomain.bodies.push_back(body);
+    }
+    return known;
+  };
   for (std::size_t k = 0; k < visit.size(); ++k) {
     const DiskContact& c = natural[at(visit[k])];
-    rows.rows.push_back({c.a, c.b, c.normal_x, c.normal_y, c.bias_n});
+    const std::int32_t a = number(c.a), b = number(c.b);
+    rows.rows.push_back({a, b, c.normal_x, c.normal_y, c.bias_n});
     rows.impulses.push_back({c.impulse_n, c.impulse_t});
     if (problem.tangential_bias) rows.bias_t.push_back(c.bias_t);
     subdomain.numbers[k] = numbers[at(visit[k])];
+  }
+  for (const Index i : subdomain.bodies) {
+    subdomain.velocities.push_back(problem.free[at(i)]);
+    local[at(i)] = -1;  // for the next subdomain
   }
 }
 
@@ -92,7 +94,7 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
-  std::vector<std::int32_t> local(problem.free.size());
+  std::vector<std::int32_t> local(problem.free.size(), -1);
   for (GranularSubdomain& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
   parts.multiplicity.assign(problem.free.size(), 0);
   for (const GranularSubdomain& subdomain : parts.subdomains)

@@ -14,9 +14,47 @@ namespace {
 // Enough contacts for out-of-order execution to find independent ones, few enough to stay in the first cache.
 constexpr Index interleaved_block = 256;
 
-std::vector<Index> by_colour(const std::vector<int>& colours, Index block) {
-  std::vector<Index> order(colours.size());
-  std::iota(order.begin(), order.end(), Index{0});
+// Place of a cell of a 2^16 x 2^16 grid along Hilbert's curve.
+std::uint32_t hilbert_place(std::uint32_t x, std::uint32_t y) {
+  std::uint32_t place = 0;
+  for (std::uint32_t side = 1U << 15; side > 0; side /= 2) {
+    const bool right = (x & side) != 0, up = (y & side) != 0;
+    place += side * side * ((right ? 3U : 0U) ^ (up ? 1U : 0U));
+    if (!up) {  // turn the quadrant into the position of the first
+      if (right) {
+        x = ~x;
+        y = ~y;
+      }
+      std::swap(x, y);
+    }
+  }
+  return place;
+}
+
+std::vector<Index> along_curve(std::span<const std::array<double, 2>> points) {
+  std::array<double, 2> low{infinity, infinity}, high{-infinity, -infinity};
+  for (const auto& p : points)
+    for (std::size_t k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  const double extent = std::max({high[0] - low[0], high[1] - low[1], 1e-300});
+  const auto cell = [&](double x, double from) {
+    return static_cast<std::uint32_t>(std::clamp((x - from) / extent * 65535, 0.0, 65535.0));
+  };
+  std::vector<std::pair<std::uint32_t, Index>> places;
+  places.reserve(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k)
+    places.emplace_back(hilbert_place(cell(points[k][0], low[0]), cell(points[k][1], low[1])),
+                        static_cast<Index>(k));
+  std::sort(places.begin(), places.end());
+  std::vector<Index> order;
+  order.reserve(points.size());
+  for (const auto& [place, k] : places) order.push_back(k);
+  return order;
+}
+
+std::vector<Index> by_colour(std::vector<Index> order, const std::vector<int>& colours, Index block) {
   for (Index first = 0; first < count(order); first += block) {
     const Index last = std::min(first + block, count(order));
     std::stable_sort(order.begin() + first, order.begin() + last,
@@ -56,13 +94,24 @@ std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::spa
 }
 
 std::vector<Index> contact_order(const std::string& order, std::span<const DiskContact> contacts,
-                                 std::span<const DiskVelocity> bodies, std::uint64_t seed) {
-  const Index all = std::max<Index>(1, static_cast<Index>(contacts.size()));
-  if (order == "coloured") return by_colour(contact_colours(contacts, bodies, all), all);
-  if (order == "interleaved")
-    return by_colour(contact_colours(contacts, bodies, interleaved_block), interleaved_block);
+                                 std::span<const DiskVelocity> bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 2>> points) {
   std::vector<Index> result(contacts.size());
   std::iota(result.begin(), result.end(), Index{0});
+  if (order == "coloured") {
+    const Index all = std::max<Index>(1, count(result));
+    return by_colour(std::move(result), contact_colours(contacts, bodies, all), all);
+  }
+  if (order == "interleaved") {
+    if (!points.empty()) result = along_curve(points);
+    std::vector<DiskContact> curve;
+    curve.reserve(contacts.size());
+    for (const Index k : result) curve.push_back(contacts[at(k)]);
+    const std::vector<int> along = contact_colours(curve, bodies, interleaved_block);
+    std::vector<int> colours(contacts.size());
+    for (std::size_t k = 0; k < result.size(); ++k) colours[at(result[k])] = along[k];
+    return by_colour(std::move(result), colours, interleaved_block);
+  }
   if (order == "random") {
     RandomStream stream(seed);
     for (Index k = count(result) - 1; k > 0; --k) std::swap(result[at(k)], result[at(stream.below(k + 1))]);

@@ -16,6 +16,7 @@ namespace {
 StepSolver lead_in_solver() {
   StepSolver solver;
   solver.warm_start = true;
+  solver.order = "interleaved";
   solver.criterion = "zeta";
   solver.tolerance = 1e-6;
   solver.maximum_iterations = 2000;

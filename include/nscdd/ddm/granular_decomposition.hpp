@@ -15,7 +15,7 @@ namespace nscdd {
 /// What one subdomain E of a step works with: its contacts in the order a sweep visits them, and the bodies
 /// they touch, shared grains with their share of mass.
 struct GranularSubdomain {
-  std::vector<Index> bodies;   ///< numbers in the step problem, ascending
+  std::vector<Index> bodies;   ///< numbers in the step problem, in the order the sweep meets them
   std::vector<Index> numbers;  ///< of the contacts in the step problem
   ContactRows contacts;
   std::vector<DiskVelocity> velocities;
