@@ -55,12 +55,12 @@ def film(path, output, every, width):
                 artist.remove()
             axes.add_collection(EllipseCollection(size, size, zero, units="xy", offsets=np.column_stack([px, py]),
                                                   transOffset=axes.transData, facecolors=colours,
-                                                  edgecolors="white", linewidths=0.2))
+                                                  edgecolors="white", linewidths=0.1))
             # A spot on every grain shows its rotation.
             spots = np.column_stack([px + 0.6 * radius * np.cos(angle), py + 0.6 * radius * np.sin(angle)])
             axes.add_collection(EllipseCollection(0.5 * radius, 0.5 * radius, zero, units="xy", offsets=spots,
                                                   transOffset=axes.transData, facecolors="#1f5f99"))
-            axes.text(0.02, 0.98, f"$t$ = {time:.2f} s", transform=axes.transAxes, va="top")
+            axes.text(0.5, 0.985, f"$t$ = {time:.2f} s", transform=axes.transAxes, ha="center", va="top")
             writer.grab_frame()
     plt.close(fig)
 

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 namespace nscdd {
@@ -80,6 +81,26 @@ void require_contacts(const Partition& partition, Index subdomain, Index step) {
                             all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain));
 }
 
+// Bodies by their numbers, which readers expect, not in the order of a sweep.
+GranularSubdomain with_ascending_bodies(const GranularSubdomain& part) {
+  std::vector<std::size_t> order(part.bodies.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t i, std::size_t j) { return part.bodies[i] < part.bodies[j]; });
+  GranularSubdomain result = part;
+  std::vector<std::int32_t> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    result.bodies[k] = part.bodies[order[k]];
+    result.velocities[k] = part.velocities[order[k]];
+    place[order[k]] = static_cast<std::int32_t>(k);
+  }
+  for (ContactRows::Row& row : result.contacts.rows) {
+    row.a = place[at(row.a)];
+    row.b = place[at(row.b)];
+  }
+  return result;
+}
+
 // - A_E^T F, rim impulses as moments: the rim moves by R times the spin.
 void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdomain& part,
                             const std::vector<double>& radius, const std::vector<RememberedGluing>& gluing,
@@ -121,7 +142,7 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
   const Partition partition = partition_of(after);
   require_contacts(partition, subdomain, after.state.step);
   const GranularDecomposition parts = decompose(step, partition, "natural", 0);
-  const GranularSubdomain& part = parts.subdomains[at(subdomain)];
+  const GranularSubdomain part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
   std::vector<DiskContact> contacts;
   for (std::size_t k = 0; k < part.contacts.size(); ++k)
     contacts.push_back(part.contacts.contact(k, part.velocities));

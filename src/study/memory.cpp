@@ -97,7 +97,7 @@ double estimated_bytes(const Model& model, const SweepParameters& parameters) {
 MemoryNeed largest_need(const StudyTable& table, Index first) {
   MemoryNeed largest;
   const auto rows = row_count(table);
-  if (!rows) return largest;
+  if (!rows || moves(table.observable)) return largest;  // what moves takes some hundred bytes per grain
   const Index cases = varied_case_count(table);
   for (Index number = first * cases / std::max<Index>(*rows, 1); number < cases; ++number) {
     const Case one = varied_case(table, number).one;

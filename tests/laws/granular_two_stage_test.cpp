@@ -177,7 +177,9 @@ TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop 
       // By hand, without any decomposition.
       const StepProblem& problem = plain.problem;
       const ContactLaw any = contact_law(dynamics.interaction, problem.h);
-      const std::vector<Index> visit = contact_order(order, problem.contacts, problem.free, 1);
+      std::vector<std::array<double, 2>> points;
+      for (const StepContact& c : problem.geometry) points.push_back(c.point);
+      const std::vector<Index> visit = contact_order(order, problem.contacts, problem.free, 1, points);
       std::vector<DiskContact> contacts;
       for (const Index c : visit) contacts.push_back(problem.contacts[at(c)]);
       std::vector<DiskVelocity> v = problem.free;
