@@ -237,8 +237,9 @@ FrozenRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions
   const Index n = iteration.rows();
   if (n == 0) return {};
   if (n <= dense_limit) return frozen_radius(dense(iteration));
-  const ArnoldiResult found = arnoldi(n, linear_map(iteration), options);
+  const ArnoldiResult found = arnoldi(n, linear_map(iteration), options, unit_tolerance);
   FrozenRadius result;
+  result.unit_multiplicity = found.units;
   result.value = std::abs(found.value);
   result.dominant = found.value;
   result.residual = found.residual;

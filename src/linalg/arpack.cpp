@@ -149,7 +149,7 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
   return result;
 }
 
-ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options) {
+ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options, double unit_tolerance) {
   require_size(n);
   const std::lock_guard lock(one_call_at_a_time);
   ArnoldiResult result;
@@ -180,9 +180,15 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options)
   if (status != 0) return result;
   // A complex pair stands in two columns: the real part of its vector, then the imaginary part.
   const Index found = w.iparam[4];
-  Index best = 0;
-  for (Index k = 1; k < found; ++k)
-    if (std::hypot(real[k], imaginary[k]) > std::hypot(real[best], imaginary[best])) best = k;
+  Index best = -1;
+  for (Index k = 0; k < found; ++k) {
+    if (std::hypot(real[k] - 1, imaginary[k]) < unit_tolerance) {
+      ++result.units;
+    } else if (best < 0 || std::hypot(real[k], imaginary[k]) > std::hypot(real[best], imaginary[best])) {
+      best = k;
+    }
+  }
+  if (best < 0) return result;
   result.value = {real[best], std::abs(imaginary[best])};
   const Index first = imaginary[best] < 0 ? best - 1 : best;
   const Vector x = z.col(first);

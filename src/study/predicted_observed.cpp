@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace nscdd {
 namespace {
 
 constexpr double rounding = 1e-13;    // below this the second differences of F are noise
 constexpr double least_decay = 1e-2;  // a stretch must show at least this much of a decay
+constexpr double largest_drift = 0.1;
 constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
 constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth its dense factorisations
 
@@ -66,8 +68,14 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
     y.push_back(std::log(stretch.decay[k]));
   }
   const LinearFit line = linear_fit(x, y);
+  const std::size_t half = x.size() / 2;
+  const std::span<const double> all_x(x), all_y(y);
+  const double drift = std::abs(linear_fit(all_x.first(half), all_y.first(half)).slope -
+                                linear_fit(all_x.subspan(half), all_y.subspan(half)).slope);
+  // A rate that still changes by this much along the fit is not that of one mode.
+  if (drift > largest_drift * std::abs(line.slope)) return;
   result.observed = std::exp(line.slope);
-  result.observed_error = result.observed * line.slope_error;
+  result.observed_error = result.observed * (line.slope_error + drift);
   result.first = stretch.first + static_cast<Index>(begin);
   result.last = stretch.first + count(stretch.decay) - 1;
 }

@@ -58,11 +58,14 @@ struct ArnoldiResult {
   double residual =
       not_a_number;  ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
   Index applications = 0;
+  Index units = 0;  ///< eigenvalues passed over because they lie within `unit_tolerance` of 1
   bool converged = false;
 };
 
 /// Implicitly restarted Arnoldi (ARPACK dnaupd, mode 1) for the eigenvalue of largest modulus, n >= 5.
-/// Several eigenvalues are asked for, so that a complex pair is never cut in two. Fixed start vector.
-ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {});
+/// Several eigenvalues are asked for, so that a complex pair is never cut in two; those nearer to 1 than
+/// `unit_tolerance` are passed over (not converged where all of them are). Fixed start vector.
+ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {},
+                      double unit_tolerance = 0);
 
 }  // namespace nscdd

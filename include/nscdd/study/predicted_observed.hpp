@@ -18,7 +18,7 @@ struct PredictedObserved {
   bool complex_pair = false;              ///< the dominant eigenvalue of `predicted` is one of a pair
   bool converged = false;                 ///< of the prediction
   double observed = not_a_number;         ///< factor per iteration; NaN where no stretch decayed enough
-  double observed_error = not_a_number;   ///< standard error of the fit
+  double observed_error = not_a_number;   ///< standard error of the fit plus drift along it
   Index first = 0, last = 0;              ///< iterations of the stretch fitted
   Index iterations = 0;                   ///< run in all
   SolverStatus status = SolverStatus::maximum_reached;
