@@ -4,7 +4,7 @@
 
 usage: benchmarks/granular_speed.py [--program build/release/nscdd] [--grains 1000,10000,100000] [--siconos PROGRAM]
 
-One table per line of the issue it answers:
+Three tables:
   sweeps     ns per contact and sweep on one core, whole step of 100 sweeps (detection and set-up included)
   algorithm  ms per iteration of Algorithm 1 (n_GS = 1, generic) in two vertical strips, one and two threads
   siconos    the same contact problem file for nscdd solve and for Siconos' fc2d_nsgs (benchmarks/peers/siconos_fc2d.c,
@@ -141,17 +141,31 @@ def problem(path, grains):
     return contacts
 
 
+def reading(text, label):
+    """The number behind a label of `nscdd solve`."""
+    return float(next(line[len(label):].split()[0] for line in text.splitlines() if line.startswith(label)))
+
+
 def siconos(program, folder, rival, sizes):
-    print("siconos: the same file, the same number of sweeps (100), then the same natural-map residual")
+    print("siconos: the same file; sweeps of nscdd until --tolerance 1e-4, then Siconos until the same natural map (its own")
+    print("definition, which nscdd prints beside its own). Both times leave reading the file and forming W out.")
     for grains in sizes:
         path = os.path.join(folder, f"problem-{grains}.bin")
         contacts = problem(path, grains)
-        ours = subprocess.run([program, "solve", path + ".hdf5", "--maximum-sweeps", "100", "--tolerance", "0"],
-                              check=False, capture_output=True, text=True).stdout
-        theirs = subprocess.run([rival, path, "2", "nsgs", "100", "3"], check=True, capture_output=True,
-                                text=True, env=dict(os.environ, OPENBLAS_NUM_THREADS="1")).stdout
-        print(f"{grains} grains, {contacts} contacts\n  nscdd:   {' | '.join(ours.split(chr(10)))}\n  siconos: {theirs.strip()}",
-              flush=True)
+        ours = subprocess.run([program, "solve", path + ".hdf5", "--tolerance", "1e-4"], check=False,
+                              capture_output=True, text=True)
+        if ours.returncode not in (0, 1):
+            raise SystemExit(ours.stderr)
+        sweeps_done, seconds = reading(ours.stdout, "sweeps"), reading(ours.stdout, "seconds")
+        residual = reading(ours.stdout, "residual of Siconos")
+        theirs = subprocess.run([rival, path, "2", "nsgs", "200000", "1", str(residual)], check=True,
+                                capture_output=True, text=True, env=dict(os.environ, OPENBLAS_NUM_THREADS="1")).stdout
+        words = dict(word.split("=", 1) for word in theirs.split() if "=" in word)
+        their_sweeps, their_seconds = float(words["iter"]), float(words["t_min"])
+        print(f"{grains} grains, {contacts} contacts, residual {residual:.2e} (Siconos: {theirs.split('fc_error(natural map)=')[1].split()[0]})\n"
+              f"  nscdd    {seconds:8.3f} s, {sweeps_done:8.0f} sweeps, {1e9 * seconds / sweeps_done / contacts:6.1f} ns per contact and sweep\n"
+              f"  Siconos  {their_seconds:8.3f} s, {their_sweeps:8.0f} sweeps, {1e9 * their_seconds / their_sweeps / contacts:6.1f} ns per contact and sweep; "
+              f"{their_seconds / seconds:.1f} times the time", flush=True)
 
 
 def main():

@@ -44,8 +44,12 @@ int run() {
   print_fields<ContactDetection>("contacts.");
   fmt::print("Loads on every grain, [loads]\n");
   print_fields<Loads>("loads.");
+  fmt::print("Cases that move: [interaction], [dynamics], [solver]\n");
+  print_fields<Interaction>("interaction.");
+  print_fields<TimeStepping>("dynamics.");
+  print_fields<StepSolver>("solver.");
   fmt::print("Observables of a study, observable = \"...\"\n");
-  for (const auto& [name, summary] : observables) fmt::print("  {:<17}{}\n", name, summary);
+  for (const auto& [name, summary] : observables) fmt::print("  {:<20}{}\n", name, summary);
   return 0;
 }
 

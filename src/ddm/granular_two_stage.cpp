@@ -27,7 +27,6 @@ double change_since(const std::vector<LocalVector>& before, const GranularSubdom
   return sum;
 }
 
-// What is no number stays so: it must not pass for converged.
 constexpr double rounding_of_impulses = 1e-24;  // squared, relative
 
 // Sum over the free bodies of |M V|^2, rims included.
@@ -42,7 +41,7 @@ double momentum_squared(const GranularDecomposition& parts) {
   return sum;
 }
 
-// The larger of both; what is no number stays so.
+// The larger of both; what is no number stays so: it must not pass for converged.
 double at_least(double floor, double value) { return value < floor ? floor : value; }
 
 double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt(change / whole); }

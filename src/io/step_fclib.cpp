@@ -23,13 +23,7 @@ void require_coulomb(const Interaction& interaction) {
 // The step as it was prepared in the run, but for impulses to start from.
 StepProblem next_problem(const Simulation& before) {
   require_coulomb(before.dynamics.interaction);
-  StepProblem problem =
-      prepare_step(before.system, before.state, before.dynamics.interaction, before.dynamics.time, false);
-  if (before.dynamics.interaction.law == Frictionless::name) {
-    problem.friction = problem.boundary_friction = 0;
-    for (DiskContact& contact : problem.contacts) contact.friction = 0;
-  }
-  return problem;
+  return prepare_step(before.system, before.state, before.dynamics.interaction, before.dynamics.time, false);
 }
 
 void require_same_contacts(const StepProblem& problem, const TrajectoryStep& after) {

@@ -10,12 +10,6 @@ namespace {
 double square(LocalVector v) { return v.n * v.n + v.t * v.t; }
 double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
 
-// The friction a law makes use of.
-template <class Law>
-double friction_of(const Law&, const DiskContact& c) {
-  return std::is_same_v<Law, Frictionless> ? 0.0 : c.friction;
-}
-
 // What is added to the normal impulse before it meets Coulomb's cone.
 template <class Law>
 double shift_of(const Law& law) {
@@ -31,7 +25,7 @@ constexpr double edge_tolerance = 1e-12;
 template <class Law>
 ContactStatus status_under(const Law& law, const DiskContact& c) {
   if constexpr (std::is_same_v<Law, LinearViscous>) return ContactStatus::stick;
-  return contact_status({c.impulse_n + shift_of(law), c.impulse_t}, friction_of(law, c), edge_tolerance);
+  return contact_status({c.impulse_n + shift_of(law), c.impulse_t}, c.friction, edge_tolerance);
 }
 
 template <class Law>
@@ -51,7 +45,7 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
     const LocalVector relative = relative_velocity(c, v);
     sum.natural_map +=
         square(natural_map({r.n + shift_of(law), r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
-                           friction_of(law, c), c.inverse_w.inverse_n));
+                           c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
   ++sum.active;
@@ -91,6 +85,17 @@ ContactResidual contact_residual(const ContactLaw& law, const ContactRows& conta
   std::visit(
       [&](const auto& one) {
         for (std::size_t k = 0; k < contacts.size(); ++k) add(sum, one, contacts.contact(k, v), v);
+      },
+      law);
+  return sum;
+}
+
+ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> v) {
+  ContactResidual sum;
+  std::visit(
+      [&](const auto& one) {
+        for (const DiskContact& c : contacts) add(sum, one, c, v);
       },
       law);
   return sum;

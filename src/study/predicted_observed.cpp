@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/frozen_iteration.hpp>
 #include <nscdd/linalg/linear_fit.hpp>
 #include <nscdd/study/predicted_observed.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -80,6 +83,17 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   result.last = stretch.first + count(stretch.decay) - 1;
 }
 
+void require_comparable(const Dynamics& dynamics) {
+  const auto expect = [](bool right, const char* key, const std::string& expected) {
+    if (!right)
+      throw Error(fmt::format("{}: expected {} for a rate that is predicted, met another", key, expected));
+  };
+  expect(dynamics.solver.interface_method == "richardson", "solver.interface_method", "richardson");
+  expect(dynamics.solver.enrichment == "every_iteration", "solver.enrichment", "every_iteration");
+  expect(dynamics.solver.contact_relaxation == 1, "solver.contact_relaxation", "1");
+  expect(dynamics.interaction.law != LinearViscous::name, "interaction.law", "a law with open contacts");
+}
+
 void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>& statuses) {
   for (const ContactStatus status : statuses) {
     result.active += status != ContactStatus::open;
@@ -91,6 +105,7 @@ void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>&
 }  // namespace
 
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {
+  require_comparable(simulation.dynamics);
   const StepSolver& solver = simulation.dynamics.solver;
   PreparedStep step = prepare_solution(simulation);
   const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
@@ -105,8 +120,9 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
     stretches.record(record.iteration, record.interface_second_change,
                      statuses_of(step.iteration, law, step.problem.contacts.size()));
     result.iterations = record.iteration;
-    const ContactResidual none;
-    if (const auto status = watch.judge(record, none)) {
+    const ContactResidual residual =
+        needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{};
+    if (const auto status = watch.judge(record, residual)) {
       result.status = *status;
       break;
     }

@@ -36,10 +36,6 @@ double criterion_value(const std::string& criterion, const IterationRecord& reco
   return infinity;  // none: as many iterations as allowed
 }
 
-bool needs_residual(const std::string& criterion) {
-  return criterion == "natural_map" || criterion == "quad_dv";
-}
-
 bool all_finite(const std::vector<DiskVelocity>& velocities) {
   return std::all_of(velocities.begin(), velocities.end(), [](const DiskVelocity& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim);
@@ -82,6 +78,10 @@ std::string_view to_string(SolverStatus status) {
       return "no_number";
   }
   return "no_number";
+}
+
+bool needs_residual(const std::string& criterion) {
+  return criterion == "natural_map" || criterion == "quad_dv";
 }
 
 IterationWatch::IterationWatch(const StepSolver& solver) : solver_(solver) {}
@@ -162,6 +162,11 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   report.residual = iteration.residual();
   step.contacts = iteration.contacts(step.problem);
   step.velocities = iteration.velocities(step.problem);
+  if (report.interface_size > 0) {  // of what is kept, not of copies that need not be glued yet
+    const double scale = report.residual.impulses;
+    report.residual = contact_residual(law, step.contacts, step.velocities);
+    report.residual.impulses = scale;
+  }
   // Laws open a contact whose velocity is no number: its impulse is 0, and the indicators may look well.
   if (!all_finite(step.velocities)) report.status = SolverStatus::no_number;
   step.gluing = iteration.gluing();

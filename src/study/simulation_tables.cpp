@@ -8,16 +8,17 @@ namespace {
 
 // Indicators that both tables have.
 std::vector<Column> indicator_columns() {
-  return {{"sweeps", "1", "Gauss-Seidel sweeps of a subdomain so far in the step"},
-          {"zeta", "1", "|r_i - r_i-1| / |r_i| over all contacts, [ADI12] eq. (39)"},
-          {"interface_change", "1", "Z = |F_i - F_i-1| / |F_i| over the interface, [ADI12] eq. (40)"},
-          {"gluing", "1", "|sum A_E V_E| / |V_free| over the copies of shared grains, after Stage 1"},
-          {"natural_map", "1", "|natural map| / |r|, error of the contact law"},
-          {"quad_dv", "1", "LMGC90's criterion Quad/DV"},
-          {"mean_dv_over_r", "1", "LMGC90's criterion mean DV over r"},
-          {"active", "1", "contacts with an impulse"},
-          {"stick", "1", "contacts that stick"},
-          {"slide", "1", "contacts that slide"}};
+  return {
+      {"sweeps", "1", "Gauss-Seidel sweeps of a subdomain so far in the step"},
+      {"zeta", "1", "|r_i - r_i-1| / |r_i| over all contacts, [ADI12] eq. (39)"},
+      {"interface_change", "1", "Z = |F_i - F_i-1| / |F_i| over the interface, [ADI12] eq. (40)"},
+      {"gluing", "1", "|sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1"},
+      {"natural_map", "1", "|natural map| / |r|, error of the contact law"},
+      {"quad_dv", "1", "LMGC90's criterion Quad/DV"},
+      {"mean_dv_over_r", "1", "LMGC90's criterion mean DV over r"},
+      {"active", "1", "contacts with an impulse"},
+      {"stick", "1", "contacts that stick"},
+      {"slide", "1", "contacts that slide"}};
 }
 
 void append_indicators(Row& row, const IterationRecord& record, const ContactResidual& residual) {

@@ -27,7 +27,7 @@ TEST_CASE("status: converged, maximum reached, and as many iterations as asked f
   CHECK(none.report.last.iteration == 77);
 }
 
-TEST_CASE("status: stalled when rounding keeps a criterion from falling for 1 000 iterations") {
+TEST_CASE("status: stalled when rounding keeps a criterion from falling for 10 000 iterations") {
   Dynamics dynamics;
   dynamics.solver.criterion = "natural_map";
   dynamics.solver.tolerance = 1e-30;

@@ -30,7 +30,8 @@ struct IterationRecord {
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
 /// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched): the paper's (16) for
-/// any law, see TwoStageIteration. No bit depends on the number of threads.
+/// any law, see TwoStageIteration. No bit depends on the number of threads. With conjugate gradients an
+/// iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the second alone.
 class GranularTwoStage {
  public:
   /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))),

@@ -32,6 +32,10 @@ struct ContactResidual {
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
                                  std::span<const DiskVelocity> v);
 
+/// The same over contacts as a step problem has them.
+ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> v);
+
 /// Status of each contact under the law: open, stick or slide.
 ContactStatus status_of(const ContactLaw& law, const DiskContact& contact);
 

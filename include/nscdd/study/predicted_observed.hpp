@@ -14,7 +14,7 @@ struct PredictedObserved {
   double eta = not_a_number;                                   ///< of the enriched algorithm, 1/kg
   Index interface_size = 0, active = 0, stick = 0, slide = 0;  ///< at the statuses compared
   double predicted = not_a_number;        ///< radius of the frozen iteration with n_GS sweeps
-  double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 grains
+  double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 disks
   bool complex_pair = false;              ///< the dominant eigenvalue of `predicted` is one of a pair
   bool converged = false;                 ///< of the prediction
   double observed = not_a_number;         ///< factor per iteration; NaN where no stretch decayed enough
@@ -30,6 +30,8 @@ struct PredictedObserved {
 /// to a constant drift (impulses that the networks carry either way; zero where there are none) with the
 /// subdominant radius as their rate. So the rate is fitted to |F_i - 2 F_{i-1} + F_{i-2}| over the last half
 /// of the stretch, and compared with the radius at the statuses of that stretch.
+/// Throws Error for settings the frozen iteration does not have: conjugate gradients, an enrichment that is
+/// not that of every iteration, relaxed contacts, the viscous law.
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor = {});
 
 }  // namespace nscdd

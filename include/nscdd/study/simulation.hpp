@@ -58,6 +58,9 @@ struct SolvedStep {
   StepReport report;
 };
 
+/// Whether a criterion of StepSolver looks at the residual of the contact law.
+bool needs_residual(const std::string& criterion);
+
 /// Decides when the iterations of a step end.
 class IterationWatch {
  public:

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// At frozen statuses the algorithm with friction is the linear map that FrozenIteration and
+// frozen_contraction say it is: against the spectral code where nothing slides, against the run itself where
+// contacts do.
+#include "../support/granular.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/contraction.hpp>
+#include <nscdd/ddm/frozen_iteration.hpp>
+#include <nscdd/linalg/linear_operator.hpp>
+#include <nscdd/study/predicted_observed.hpp>
+#include <nscdd/study/step_decomposition.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+Simulation sheared_box(Index grains, std::array<Index, 2> grid, const std::string& law = "coulomb") {
+  Dynamics dynamics = tight();
+  dynamics.solver.algorithm = "generic";
+  dynamics.interaction.law = law;
+  dynamics.interaction.friction = 0.3;
+  Simulation simulation = box_of_grains(grains, dynamics, grid);
+  for (std::size_t i = 0; i < simulation.state.x.size(); ++i)
+    simulation.state.velocity_x[i] = 0.02 * simulation.state.y[i];
+  return simulation;
+}
+
+// M^1/2 V of the free bodies of all subdomains, as FrozenIteration has it.
+Vector scaled_velocities(const GranularDecomposition& parts) {
+  std::vector<double> y;
+  for (const GranularSubdomain& subdomain : parts.subdomains)
+    for (const DiskVelocity& v : subdomain.velocities) {
+      if (v.inverse_mass == 0) continue;
+      const double root = std::sqrt(1 / v.inverse_mass);
+      y.insert(y.end(), {root * v.x, root * v.y, root * v.rim / std::sqrt(2.0)});
+    }
+  return Eigen::Map<const Vector>(y.data(), count(y));
+}
+
+std::vector<ContactStatus> statuses_of(const GranularTwoStage& iteration, const ContactLaw& law,
+                                       std::size_t n) {
+  std::vector<ContactStatus> result(n);
+  for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      result[at(subdomain.numbers[k])] = status_of(law, subdomain.contacts.contact(k, subdomain.velocities));
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction of the spectral code") {
+  // A lattice: its dependent contacts are so to rounding, and no decision on ranks is a close one.
+  Dynamics dynamics = tight();
+  dynamics.solver.algorithm = "generic";
+  const Simulation simulation = shaken_lattice(6, 5, dynamics, {2, 2});
+  const StepProblem problem = prepare_step(simulation.system, simulation.state,
+                                           simulation.dynamics.interaction, simulation.dynamics.time, false);
+  const Partition partition = partition_step(simulation, problem);
+  const GranularDecomposition parts = decompose(problem, partition, "natural", 1);
+  const Decomposition linear =
+      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  const std::vector<ContactStatus> stick(problem.contacts.size(), ContactStatus::stick);
+  REQUIRE(parts.interface_size() > 20);
+  const Matrix generic = dense(contraction(linear, Generic{}, LinearViscous{.epsilon = 0}));
+  CHECK((frozen_contraction(parts, stick, {}) - generic).norm() < 1e-9 * generic.norm());
+  const Matrix enriched = dense(contraction(linear, Enriched{.eta = 0.5}, LinearViscous{.epsilon = 0}));
+  CHECK((frozen_contraction(parts, stick, InterfaceFamily(linear).at(0.5)) - enriched).norm() <
+        1e-8 * enriched.norm());
+  // Many sweeps are an exact Stage 1.
+  const double many = frozen_radius(FrozenIteration(parts, stick, 4000, {})).value;
+  CHECK(many == doctest::Approx(frozen_radius(generic).value).epsilon(1e-6));
+}
+
+TEST_CASE("frozen iteration: with sliding contacts, changes of the velocities of the run follow it") {
+  for (const Index sweeps : {1, 3}) {
+    Simulation simulation = sheared_box(60, {2, 1});
+    simulation.dynamics.solver.gauss_seidel_sweeps = sweeps;
+    PreparedStep step = prepare_solution(simulation);
+    const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
+    const GranularDecomposition parts = step.iteration.parts();
+    const std::size_t n = step.problem.contacts.size();
+    int compared = 0, sliding = 0;
+    std::vector<std::vector<ContactStatus>> statuses;
+    std::vector<Vector> y;
+    for (int k = 0; k < 4000 && compared < 5; ++k) {
+      step.iteration.iterate();
+      statuses.push_back(statuses_of(step.iteration, law, n));
+      y.push_back(scaled_velocities(step.iteration.parts()));
+      const std::size_t last = y.size() - 1;
+      if (last < 200 || last % 50 != 0) continue;
+      bool kept = true;  // over some iterations, so that no sweep met another status in between
+      for (std::size_t i = last - 4; i < last; ++i) kept = kept && statuses[i] == statuses[last];
+      const Vector before = y[last - 1] - y[last - 2], after = y[last] - y[last - 1];
+      if (!kept || before.norm() < 1e-9 * y[last].norm()) continue;
+      const FrozenIteration frozen(parts, statuses[last], sweeps, {});
+      CHECK((frozen.apply(before) - after).norm() < 1e-4 * before.norm());
+      ++compared;
+      for (const ContactStatus s : statuses[last])
+        sliding += s == ContactStatus::slide_forward || s == ContactStatus::slide_backward;
+    }
+    CHECK(compared > 0);
+    CHECK(sliding > 0);
+  }
+}
+
+TEST_CASE("predicted and observed rates agree, without friction whatever the coefficient of the case") {
+  Simulation simulation = sheared_box(40, {2, 1}, "frictionless");
+  simulation.dynamics.solver.gauss_seidel_sweeps = 10;
+  simulation.dynamics.solver.criterion = "none";
+  simulation.dynamics.solver.maximum_iterations = 20000;
+  const PredictedObserved result = predicted_observed(simulation);
+  REQUIRE(result.converged);
+  REQUIRE(std::isfinite(result.observed));
+  CHECK(std::abs(result.observed - result.predicted) < 0.05 * (1 - result.predicted));
+}
+
+TEST_CASE("a rate is not predicted for iterations that are not the frozen one") {
+  Simulation simulation = sheared_box(20, {2, 1});
+  simulation.dynamics.solver.interface_method = "conjugate_gradient";
+  CHECK_THROWS_WITH_AS(predicted_observed(simulation), doctest::Contains("solver.interface_method"), Error);
+  simulation.dynamics.solver.interface_method = "richardson";
+  simulation.dynamics.solver.contact_relaxation = 1.2;
+  CHECK_THROWS_WITH_AS(predicted_observed(simulation), doctest::Contains("contact_relaxation"), Error);
+}
