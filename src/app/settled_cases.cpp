@@ -85,9 +85,8 @@ Packing free_grains(const Simulation& simulation, Index grains) {
 
 Packing simulate_to_the_end(const Case& one) {
   Progress progress("settle " + one.name, 0, "step");
-  const Packing packing = with_masses(packing_of(one), one.masses);
-  GranularScene start = scene(packing, *one.dynamics);
-  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  const Packing packing = packing_of(one);
+  Simulation simulation = simulation_of(one);
   double kinetic = 0;
   RunSinks sinks;
   sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) {
@@ -171,5 +170,14 @@ std::optional<fs::path> cache_folder() {
 }
 
 Case read_case_file(const std::string& path) { return read_nested(path, {}); }
+
+Case read_unsettled_case_file(const std::string& path) {
+  return read_case(path, [](const std::string& name) {
+    SettledPacking settled;
+    settled.from = name;
+    settled.packing = {{0, 2}, {0, 0}, {1, 1}, {1, 1}};
+    return settled;
+  });
+}
 
 }  // namespace nscdd::app

@@ -76,6 +76,7 @@ void RunSummary::add(const StepReport& report) {
     worst_step_ = report.step;
   }
   overlap_ = std::max(overlap_, report.overlap.maximum);
+  gluing_ = std::max(gluing_, report.last.gluing);
   boundary_work_ += report.energy.boundary_work;
   dissipation_ += report.energy.dissipation;
   numerical_ += report.energy.numerical;
@@ -103,6 +104,8 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
                       per_step(static_cast<double>(iterations_)), most_iterations_);
   text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n",
                       worst_, worst_step_, overlap_);
+  if (last_.interface_size > 0)
+    text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", gluing_);
   text += fmt::format(
       "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} "
       "J\n",

@@ -40,11 +40,12 @@ std::string baseline_name(const Study& study, std::size_t table) {
   return table == 0 ? "baseline.csv" : "baseline-" + study.tables[table].name + ".csv";
 }
 
-Study read_study(const std::string& folder) {
+Study read_study(const std::string& folder, bool with_large) {
   const std::string file = (fs::path(folder) / "study.toml").string();
-  return parse_study(read_text(file), file, [&](const std::string& name) {
+  return parse_study(read_text(file), file, [&](const std::string& name, bool large) {
     const fs::path beside = fs::path(folder) / name;  // a case file of the study's own
-    return read_case_file(fs::exists(beside) ? beside.string() : find_case(name));
+    const std::string path = fs::exists(beside) ? beside.string() : find_case(name);
+    return large && !with_large ? read_unsettled_case_file(path) : read_case_file(path);
   });
 }
 
@@ -158,7 +159,7 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
-  Study study = read_study(folder);
+  Study study = read_study(folder, options.large);
   if (!options.large) leave_out_large(study);
   if (options.check) require_baselines(study, folder);
   const Outputs outputs = prepare(study, options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
+#include "data_files.hpp"
 #include "interruption.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
@@ -14,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -95,12 +97,29 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
   return 1;
 }
 
+// --force replaces results, not what they are made from.
+void require_no_input(const Options& options, const Case& one) {
+  namespace fs = std::filesystem;
+  const fs::path source = find_case(options.name);
+  std::vector<fs::path> inputs{source};
+  if (const auto* file = std::get_if<PackingFile>(&one.packing)) {
+    inputs.push_back(file->path);
+    inputs.push_back(source.parent_path() / file->path);
+  }
+  std::error_code ignored;
+  for (const std::string& output : {options.output, options.convergence})
+    for (const fs::path& input : inputs)
+      if (!output.empty() && fs::equivalent(output, input, ignored))
+        throw Error(fmt::format("{}: expected another file than the input {}, which would be lost", output,
+                                input.string()));
+}
+
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
   const Case one = resolve(options);
-  GranularScene start = scene(with_masses(packing_of(one), one.masses), *one.dynamics);
-  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  require_no_input(options, one);
+  Simulation simulation = simulation_of(one);
   const TrajectoryHeader header{to_toml(one), build_fingerprint(), provenance(options.context, {one}),
                                 simulation.system};
   if (options.restart) take_up(simulation, options.output, header);

@@ -127,7 +127,8 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
   double beta = 0;
   if (direction_.size() == g.size()) {
     const double before = last_jumps_.dot(last_preconditioned_);
-    if (before > 0) beta = std::max(0.0, (g - last_jumps_).dot(z) / before);
+    // An inexact Stage 1 may let jumps grow: a direction that did so is forgotten.
+    if (before > 0 && g.dot(z) < before) beta = std::max(0.0, (g - last_jumps_).dot(z) / before);
   }
   Vector d = z;
   if (beta > 0) d += beta * direction_;

@@ -130,10 +130,11 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (table.name == "provenance")
     section.fail("name", "a name other than that of the group of origins", "'provenance'");
   table.observable = read_observable(section);
+  section.read("large", table.large);
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");
   for (const std::string& name : cases) try {
-      table.cases.push_back(read(name));
+      table.cases.push_back(read(name, table.large));
     } catch (const Error& error) {
       throw Error(
           fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
@@ -160,7 +161,6 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));
   table.seed = static_cast<std::uint64_t>(seed);
   read_steps(section, table);
-  section.read("large", table.large);
   section.read("baseline", table.baseline);
   read_tolerances(section, table);
   section.finish();

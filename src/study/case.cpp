@@ -74,6 +74,22 @@ Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
   return model;
 }
 
+// Prescribed velocities with their grains counted from 0, each once.
+std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, Index grains) {
+  for (PrescribedVelocity& velocity : prescribed) {
+    if (velocity.grain < -grains || velocity.grain >= grains)
+      throw Error(
+          fmt::format("prescribed velocity: expected a grain in 0..{} (or -1 for the last), met grain {}",
+                      grains - 1, velocity.grain));
+    if (velocity.grain < 0) velocity.grain += grains;
+    for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
+      if (other->grain == velocity.grain)
+        throw Error(
+            fmt::format("prescribed velocity: expected each grain once, met grain {} again", velocity.grain));
+  }
+  return prescribed;
+}
+
 }  // namespace
 
 void override_case(Case& one, std::string_view path, std::string_view value) {
@@ -179,7 +195,18 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) {
   if (!one.dynamics)
     throw Error(
         fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
-  GranularScene start = scene(with_masses(packing_of(one, monitor), one.masses), *one.dynamics);
+  const Packing packing = with_masses(packing_of(one, monitor), one.masses);
+  GranularScene start = scene(packing, *one.dynamics);
+  // What arrives in the linear study starts with that velocity here.
+  ContactNetwork none;
+  none.grains = packing.size();
+  const Vector v =
+      assemble(packing, none, numbered(one.prescribed, packing.size()), one.loads).arriving_velocity;
+  for (Index i = 0; i < packing.size(); ++i) {
+    if (!start.system.free(i)) continue;
+    start.state.velocity_x[at(i)] = v[2 * i];
+    start.state.velocity_y[at(i)] = v[2 * i + 1];
+  }
   return {std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
 }
 
@@ -190,18 +217,7 @@ Model build(const Case& one, const Monitor& monitor) {
   model.name = one.name;
   model.packing = with_masses(packing_of(one, monitor), one.masses);
   model.network = detect_contacts(model.packing, one.contacts);
-  std::vector<PrescribedVelocity> prescribed = one.prescribed;
-  for (PrescribedVelocity& velocity : prescribed) {
-    if (velocity.grain < -model.packing.size() || velocity.grain >= model.packing.size())
-      throw Error(
-          fmt::format("prescribed velocity: expected a grain in 0..{} (or -1 for the last), met grain {}",
-                      model.packing.size() - 1, velocity.grain));
-    if (velocity.grain < 0) velocity.grain += model.packing.size();
-    for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
-      if (other->grain == velocity.grain)
-        throw Error(
-            fmt::format("prescribed velocity: expected each grain once, met grain {} again", velocity.grain));
-  }
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.prescribed, model.packing.size());
   model.problem = assemble(model.packing, model.network, prescribed, one.loads);
   model.partition = partition(one.partition, model.packing, model.network, model.problem);
   model.parts = decompose(model.problem, model.partition);

@@ -238,7 +238,12 @@ double optimal_eta(const Decomposition& parts, const Decomposition& active) {
   };
   if (imbalance(high) >= 0) return high;
   const double root = decreasing_root(low, high, imbalance, 1e-3);
-  return root > 0 ? root : low;
+  if (root > 0) return root;
+  // The radius falls all the way down, for an exact Stage 1: stop where nine tenths of the gain are had.
+  const double generic = spectra.at(high).radius(), best = spectra.at(low).radius();
+  double eta = high;
+  while (eta > low && spectra.at(eta).radius() > best + 0.1 * (generic - best)) eta /= std::sqrt(10.0);
+  return std::max(eta, low);
 }
 
 }  // namespace nscdd

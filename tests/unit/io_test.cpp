@@ -108,7 +108,7 @@ TEST_CASE("case file: every error names file, line and key") {
 }
 
 TEST_CASE("study file: read, and refused with file, line and key") {
-  const CaseReader known = [](const std::string& name) -> Case {
+  const CaseReader known = [](const std::string& name, bool) -> Case {
     if (name != "disks4") throw Error("no such case");
     return testing::strip(4);
   };

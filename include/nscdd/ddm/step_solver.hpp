@@ -16,6 +16,7 @@ struct StepSolver {
   Index maximum_iterations = 1000;
   std::string criterion = "zeta";
   double tolerance = 1e-4;
+  double gluing_tolerance = 0.01;
   std::string order = "natural";
   Index seed = 1;
   double contact_relaxation = 1;
@@ -40,13 +41,17 @@ struct StepSolver {
                 .choices = "zeta interface_change natural_map quad_dv none"});
     visit("tolerance", self.tolerance,
           Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
+    visit("gluing_tolerance", self.gluing_tolerance,
+          Field{.description = "largest jump at the interface of a converged step, relative to the speeds of "
+                               "its grains (not asked of the semi-implicit scheme)",
+                .minimum = 0});
     visit("order", self.order, Field{.description = "order of a sweep", .choices = contact_orders});
     visit("seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
     visit("contact_relaxation", self.contact_relaxation,
           Field{.description = "part of each local change of impulse that is made",
                 .minimum = 0,
                 .minimum_excluded = true,
-                .maximum = 2});
+                .maximum = 1.99});
     visit("warm_start", self.warm_start,
           Field{.description = "start from the impulses of the last step, not from zero"});
     visit("eta", self.eta,

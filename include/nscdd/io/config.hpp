@@ -20,7 +20,8 @@ using ProblemReader = std::function<GlobalFrictionProblem(const std::string& pat
 using SettledReader = std::function<SettledPacking(const std::string& name)>;
 
 /// Finds the case named in a study file ("disks4", or a path) and reads it.
-using CaseReader = std::function<Case(const std::string& name)>;
+/// `large`: the table it is for is run only where large tables are asked for.
+using CaseReader = std::function<Case(const std::string& name, bool large)>;
 
 /// A case from the text of a case file. Strict: an unknown key, a wrong type, a missing section or a value
 /// out of its bounds throws Error "file:line: key: expected ..., met ...". Without a reader for it, a settled

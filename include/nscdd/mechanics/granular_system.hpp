@@ -89,7 +89,8 @@ struct Interaction {
     visit("cohesion", self.cohesion,
           Field{.description = "largest pulling force of a contact within the alert distance, law cohesive",
                 .unit = "N",
-                .minimum = 0});
+                .minimum = 0,
+                .maximum = 1e100});
     visit("epsilon", self.epsilon,
           Field{.description = "flexibility of law linear_viscous", .unit = "1/kg", .minimum = 0});
   }
