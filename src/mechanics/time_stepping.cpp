@@ -54,20 +54,8 @@ void check_moves(const GranularSystem& system, const GranularState& state, const
   }
 }
 
-// Overlaps of the smaller radius: what a packing may begin with, and what a run cannot recover from.
-constexpr double largest_overlap_at_start = 0.1, largest_overlap = 1;
-
-void check_overlaps(const GranularSystem& system, const std::vector<StepContact>& contacts, double largest) {
-  for (const StepContact& c : contacts) {
-    const bool wall = c.b >= system.disks();
-    const double radius =
-        wall ? system.radius[at(c.a)] : std::min(system.radius[at(c.a)], system.radius[at(c.b)]);
-    if (c.gap < -largest * radius)
-      throw Error(
-          fmt::format("disk {} and {} {}: expected an overlap of at most {} of the smaller radius, met {} m",
-                      c.a, wall ? "wall" : "disk", wall ? c.b - system.disks() : c.b, largest, -c.gap));
-  }
-}
+// Overlap, of the smaller radius, that a run cannot recover from.
+constexpr double largest_overlap = 1;
 
 // A disk of a boundary turns about its reference point exactly, not along the tangent.
 void move_driven(double& x, double& y, const Pose& before, const Pose& after) {
@@ -147,6 +135,18 @@ void start_from(std::vector<DiskContact>& contacts, const std::vector<StepContac
 
 }  // namespace
 
+void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
+  for (const StepContact& c : problem.geometry) {
+    const bool wall = c.b >= system.disks();
+    const double radius =
+        wall ? system.radius[at(c.a)] : std::min(system.radius[at(c.a)], system.radius[at(c.b)]);
+    if (c.gap < -largest * radius)
+      throw Error(
+          fmt::format("disk {} and {} {}: expected an overlap of at most {} of the smaller radius, met {} m",
+                      c.a, wall ? "wall" : "disk", wall ? c.b - system.disks() : c.b, largest, -c.gap));
+  }
+}
+
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start) {
   const double h = scheme.step;
@@ -167,7 +167,7 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   check_moves(system, state, problem.free, h);
   const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
   problem.geometry = find_contacts(system, where, problem.free, scheme);
-  check_overlaps(system, problem.geometry, state.step == 0 ? largest_overlap_at_start : largest_overlap);
+  check_overlaps(system, problem, largest_overlap);
   // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
   if (interaction.restitution > 0)
     std::erase_if(problem.geometry, [](const StepContact& c) { return c.gap > 0; });

@@ -197,6 +197,12 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) {
         fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
   const Packing packing = with_masses(packing_of(one, monitor), one.masses);
   GranularScene start = scene(packing, *one.dynamics);
+  // Overlaps are pushed apart within a step: larger ones than these would explode.
+  constexpr double largest_overlap = 0.5;
+  check_overlaps(
+      start.system,
+      prepare_step(start.system, start.state, one.dynamics->interaction, one.dynamics->time, false),
+      largest_overlap);
   // What arrives in the linear study starts with that velocity here.
   ContactNetwork none;
   none.grains = packing.size();

@@ -70,9 +70,12 @@ struct StepProblem {
 /// Finds contacts and sets the problem up; impulses start from those of the last step where `warm_start`,
 /// from zero else. Throws Error naming the disk where one would move by more than ten of its radii in the
 /// step or has a velocity that is no number, and naming both disks of a pair with one centre or with an
-/// overlap beyond the smaller radius (a tenth of it at step 0).
+/// overlap beyond the smaller radius.
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
+
+/// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
+void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest);
 
 /// V_free + M^-1 H r for the impulses of the contacts.
 std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts);
