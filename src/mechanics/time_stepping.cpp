@@ -54,9 +54,6 @@ void check_moves(const GranularSystem& system, const GranularState& state, const
   }
 }
 
-// Overlap, of the smaller radius, that a run cannot recover from.
-constexpr double largest_overlap = 1;
-
 // A disk of a boundary turns about its reference point exactly, not along the tangent.
 void move_driven(double& x, double& y, const Pose& before, const Pose& after) {
   const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
@@ -167,7 +164,6 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   check_moves(system, state, problem.free, h);
   const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
   problem.geometry = find_contacts(system, where, problem.free, scheme);
-  check_overlaps(system, problem, largest_overlap);
   // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
   if (interaction.restitution > 0)
     std::erase_if(problem.geometry, [](const StepContact& c) { return c.gap > 0; });

@@ -69,8 +69,7 @@ struct StepProblem {
 
 /// Finds contacts and sets the problem up; impulses start from those of the last step where `warm_start`,
 /// from zero else. Throws Error naming the disk where one would move by more than ten of its radii in the
-/// step or has a velocity that is no number, and naming both disks of a pair with one centre or with an
-/// overlap beyond the smaller radius.
+/// step or has a velocity that is no number, and naming both disks of a pair with one centre.
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
 
