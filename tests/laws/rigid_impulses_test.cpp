@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Impulses of networks of thousands of contacts: minutes where the sanitizers watch, so not among the unit
+// tests.
+#include "../support/problems.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/linalg/random.hpp>
+#include <nscdd/mechanics/active_set.hpp>
+#include <nscdd/mechanics/gauss_seidel.hpp>
+#include <nscdd/mechanics/laws/linear_viscous.hpp>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+TEST_CASE("rigid impulses: more than 1 000 contacts, masses over eight decades, least norm all the same") {
+  Case large;
+  Packing packing = generate(HexagonalLattice{.columns = 22, .rows = 18});
+  RandomStream random(3);
+  for (Index i = 0; i < packing.size(); ++i) packing.mass.push_back(std::pow(10.0, 8 * random.uniform() - 4));
+  large.packing = PackingFile{"unequal masses", packing};
+  large.prescribed = {{200, {-1.0, 0.3}}};
+  const Model model = build(large);
+  REQUIRE(model.problem.contacts() > 1000);
+  const RigidImpulses rigid = rigid_impulses(model.problem);
+  CHECK_FALSE(rigid.unique);
+  CHECK(rigid.residual < 1e-9);
+  // least norm: no part of r is a self-stress, that is r lies in the range of H^T
+  const Matrix transposed = Matrix(model.problem.h).transpose();
+  const Vector velocity = transposed.colPivHouseholderQr().solve(rigid.impulses);
+  CHECK((transposed * velocity - rigid.impulses).norm() < 1e-8 * rigid.impulses.norm());
+}
+
+TEST_CASE("rigid impulses: the iterative solution tells how far it got (more than 4 000 contacts)") {
+  const Model model = build(strip(2010));
+  REQUIRE(model.problem.contacts() > 4000);
+  const RigidImpulses rigid = rigid_impulses(model.problem);
+  CHECK(rigid.unique);
+  CHECK(rigid.residual < 1e-8);
+}
