@@ -24,9 +24,6 @@ double seconds_since(Clock::time_point start) {
 constexpr Index patience = 10000;
 constexpr double explosion = 1e6;
 
-// Overlap, of the smaller radius, that a run cannot recover from.
-constexpr double largest_overlap = 1;
-
 double criterion_value(const std::string& criterion, const IterationRecord& record,
                        const ContactResidual& residual) {
   if (criterion == "zeta") return record.zeta;
@@ -113,7 +110,6 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   const StepSolver& solver = dynamics.solver;
   StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
                                      solver.warm_start);
-  check_overlaps(simulation.system, problem, largest_overlap);
   Partition partition = partition_step(simulation, problem);
   const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
   GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
