@@ -58,11 +58,9 @@ void put_column(Triplets& triplets, const DiskContact& c, std::span<const DiskVe
     const Index row = first[static_cast<std::size_t>(body)];
     if (row < 0) continue;
     const Eigen::Vector3d root = root_inertia(v[static_cast<std::size_t>(body)]);
-    const double x = sign * (c.normal_x * normal - c.normal_y * tangential);
-    const double y = sign * (c.normal_y * normal + c.normal_x * tangential);
-    triplets.emplace_back(static_cast<int>(row), static_cast<int>(column), x / root[0]);
-    triplets.emplace_back(static_cast<int>(row + 1), static_cast<int>(column), y / root[1]);
-    triplets.emplace_back(static_cast<int>(row + 2), static_cast<int>(column), -tangential / root[2]);
+    const std::array<double, 3> impulse = impulse_on_disk(c, sign, {normal, tangential});
+    for (int k = 0; k < 3; ++k)
+      triplets.emplace_back(static_cast<int>(row + k), static_cast<int>(column), impulse[at(k)] / root[k]);
   }
 }
 
@@ -139,6 +137,8 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, const std::vector<
       sweeps_(sweeps),
       enriched_(std::move(enriched)),
       relaxation_(relaxation) {
+  copies_ = parts_;
+  for (GranularSubdomain& subdomain : copies_.subdomains) subdomain.contacts = {};
   std::vector<std::vector<Index>> first;
   for (const GranularSubdomain& subdomain : parts_.subdomains) first.push_back(entries(subdomain, size_));
   Triplets triplets;
@@ -155,7 +155,7 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, const std::vector<
 }
 
 Vector FrozenIteration::apply(const Vector& y) const {
-  GranularDecomposition work = parts_;
+  GranularDecomposition work = copies_;
   Index k = 0;
   const auto exchange = [&](const auto& visit) {
     k = 0;

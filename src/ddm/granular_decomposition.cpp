@@ -122,11 +122,12 @@ ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
     const DiskContact& k = problem.contacts[at(c)];
     for (const auto& [body, sign] : {std::pair(Index{k.a}, -1.0), std::pair(Index{k.b}, 1.0)}) {
       if (problem.free[at(body)].inverse_mass == 0) continue;
-      put(entries, 3 * body, 2 * c, sign * k.normal_x);
-      put(entries, 3 * body + 1, 2 * c, sign * k.normal_y);
-      put(entries, 3 * body, 2 * c + 1, -sign * k.normal_y);
-      put(entries, 3 * body + 1, 2 * c + 1, sign * k.normal_x);
-      put(entries, 3 * body + 2, 2 * c + 1, -1.0);
+      const auto normal = impulse_on_disk(k, sign, {1, 0}), tangent = impulse_on_disk(k, sign, {0, 1});
+      put(entries, 3 * body, 2 * c, normal[0]);
+      put(entries, 3 * body + 1, 2 * c, normal[1]);
+      put(entries, 3 * body, 2 * c + 1, tangent[0]);
+      put(entries, 3 * body + 1, 2 * c + 1, tangent[1]);
+      put(entries, 3 * body + 2, 2 * c + 1, tangent[2]);
     }
   }
   result.h.resize(3 * disks, 2 * count(problem.contacts));

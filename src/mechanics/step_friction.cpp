@@ -39,11 +39,12 @@ SparseMatrix contact_directions(std::span<const DiskContact> contacts, const std
     for (const auto& [body, sign] : {std::pair(Index{k.a}, -1.0), std::pair(Index{k.b}, 1.0)}) {
       const Index row = row_of[at(body)];
       if (row < 0) continue;
-      put(row, 2 * c, sign * k.normal_x);
-      put(row + 1, 2 * c, sign * k.normal_y);
-      put(row, 2 * c + 1, -sign * k.normal_y);
-      put(row + 1, 2 * c + 1, sign * k.normal_x);
-      put(row + 2, 2 * c + 1, -radius[at(body)]);  // both arms are radii: rims move alike
+      const auto normal = impulse_on_disk(k, sign, {1, 0}), tangent = impulse_on_disk(k, sign, {0, 1});
+      put(row, 2 * c, normal[0]);
+      put(row + 1, 2 * c, normal[1]);
+      put(row, 2 * c + 1, tangent[0]);
+      put(row + 1, 2 * c + 1, tangent[1]);
+      put(row + 2, 2 * c + 1, radius[at(body)] * tangent[2]);  // both arms are radii: rims move alike
     }
   }
   SparseMatrix h(rows, 2 * static_cast<Index>(contacts.size()));

@@ -234,9 +234,8 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
     for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
       const DiskVelocity& v = velocities[static_cast<std::size_t>(body)];
       if (v.inverse_mass > 0) continue;
-      const double px = c.normal_x * c.impulse_n - c.normal_y * c.impulse_t;
-      const double py = c.normal_y * c.impulse_n + c.normal_x * c.impulse_t;
-      boundary_work -= sign * (px * v.x + py * v.y) - c.impulse_t * v.rim;
+      const auto impulse = impulse_on_disk(c, sign, {c.impulse_n, c.impulse_t});
+      boundary_work -= impulse[0] * v.x + impulse[1] * v.y + impulse[2] * v.rim;
     }
   }
   ++state.step;

@@ -4,6 +4,7 @@
 #include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/contact_law.hpp>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,6 +50,11 @@ inline LocalVector relative_velocity(const DiskContact& c, std::span<const DiskV
   const DiskVelocity& b = v[static_cast<std::size_t>(c.b)];
   const double dx = b.x - a.x, dy = b.y - a.y;
   return {c.normal_x * dx + c.normal_y * dy, c.normal_x * dy - c.normal_y * dx - a.rim - b.rim};
+}
+
+/// H_c r on one of its disks, (x, y, rim), N s; sign +1 for b, -1 for a. With r a unit vector, a column of H.
+inline std::array<double, 3> impulse_on_disk(const DiskContact& c, double sign, LocalVector r) {
+  return {sign * (c.normal_x * r.n - c.normal_y * r.t), sign * (c.normal_y * r.n + c.normal_x * r.t), -r.t};
 }
 
 /// V += M^-1 H_c r: the velocities of both disks after an impulse r on b and -r on a.
