@@ -87,8 +87,7 @@ void RunSummary::add(const StepReport& report) {
 }
 
 std::string RunSummary::text(const Simulation& simulation, const RunOutcome& outcome) const {
-  const Index driven = std::count_if(simulation.system.driven_by.begin(), simulation.system.driven_by.end(),
-                                     [](Index boundary) { return boundary >= 0; });
+  const Index driven = simulation.system.disks() - simulation.system.free_disks();
   std::string statuses;
   for (const auto& [status, number] : statuses_)
     statuses += fmt::format("{}{} {}", statuses.empty() ? "" : ", ", number, status);

@@ -186,6 +186,16 @@ ContactResidual GranularTwoStage::residual() const {
   return sum;
 }
 
+std::vector<ContactStatus> GranularTwoStage::statuses() const {
+  std::size_t contacts = 0;
+  for (const GranularSubdomain& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
+  std::vector<ContactStatus> result(contacts);
+  for (const GranularSubdomain& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contacts.contact(k, subdomain.velocities));
+  return result;
+}
+
 std::vector<DiskContact> GranularTwoStage::contacts(const StepProblem& problem) const {
   std::vector<DiskContact> result = problem.contacts;
   for (const GranularSubdomain& subdomain : parts_.subdomains)

@@ -32,14 +32,10 @@ std::vector<Column> solver_columns() {
           {"interface_dofs", "1", "interface unknowns n_Gamma"}};
 }
 
-Index free_disks(const GranularSystem& system) {
-  return std::count(system.driven_by.begin(), system.driven_by.end(), Index{-1});
-}
-
 Row solver_cells(const Case& one, const Simulation& simulation, double eta, Index interface_size) {
   const StepSolver& solver = simulation.dynamics.solver;
   return {one.name,
-          std::int64_t{free_disks(simulation.system)},
+          std::int64_t{simulation.system.free_disks()},
           solver.algorithm,
           std::int64_t{solver.gauss_seidel_sweeps},
           solver.algorithm == "enriched" ? eta : infinity,

@@ -53,15 +53,6 @@ class Stretches {
   bool ended_ = false;
 };
 
-std::vector<ContactStatus> statuses_of(const GranularTwoStage& iteration, const ContactLaw& law,
-                                       std::size_t contacts) {
-  std::vector<ContactStatus> result(contacts, ContactStatus::open);
-  for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      result[at(subdomain.numbers[k])] = status_of(law, subdomain.contacts.contact(k, subdomain.velocities));
-  return result;
-}
-
 void fit(PredictedObserved& result, const Stretch& stretch) {
   if (stretch.depth() > least_decay) return;
   const std::size_t begin = stretch.decay.size() / 2;
@@ -108,7 +99,6 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   require_comparable(simulation.dynamics);
   const StepSolver& solver = simulation.dynamics.solver;
   PreparedStep step = prepare_solution(simulation);
-  const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
   const GranularDecomposition parts = step.iteration.parts();
   Stretches stretches;
   IterationWatch watch(solver);
@@ -117,8 +107,7 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   result.interface_size = parts.interface_size();
   for (;;) {
     const IterationRecord record = step.iteration.iterate();
-    stretches.record(record.iteration, record.interface_second_change,
-                     statuses_of(step.iteration, law, step.problem.contacts.size()));
+    stretches.record(record.iteration, record.interface_second_change, step.iteration.statuses());
     result.iterations = record.iteration;
     const ContactResidual residual =
         needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{};

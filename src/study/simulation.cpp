@@ -42,25 +42,14 @@ bool all_finite(const std::vector<DiskVelocity>& velocities) {
   });
 }
 
-// Status of every contact, subdomain by subdomain, and how many differ from the last call.
-class StatusChanges {
- public:
-  Index update(const GranularTwoStage& iteration, const ContactLaw& law) {
-    Index changes = 0;
-    std::size_t k = 0;
-    for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
-      for (std::size_t c = 0; c < subdomain.contacts.size(); ++c) {
-        const ContactStatus now = status_of(law, subdomain.contacts.contact(c, subdomain.velocities));
-        if (k == statuses_.size()) statuses_.push_back(ContactStatus::open);
-        changes += statuses_[k] != now;
-        statuses_[k++] = now;
-      }
-    return changes;
-  }
-
- private:
-  std::vector<ContactStatus> statuses_;
-};
+// Contacts whose status differs from the iteration before; all that are not open at the first.
+Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
+  statuses.resize(now.size(), ContactStatus::open);
+  Index changes = 0;
+  for (std::size_t k = 0; k < now.size(); ++k) changes += statuses[k] != now[k];
+  statuses = std::move(now);
+  return changes;
+}
 
 }  // namespace
 
@@ -143,7 +132,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   report.eta = prepared.eta;
   report.setup_seconds = seconds_since(begin);
   IterationWatch watch(solver);
-  StatusChanges statuses;
+  std::vector<ContactStatus> statuses;
   for (;;) {
     const auto start = Clock::now();
     report.last = iteration.iterate();
@@ -154,7 +143,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
       sink({.step = simulation.state.step + 1,
             .record = report.last,
             .residual = report.residual,
-            .status_changes = statuses.update(iteration, law),
+            .status_changes = changes_of(statuses, iteration.statuses()),
             .seconds = report.solve_seconds});
     if (const auto status = watch.judge(report.last, report.residual)) {
       report.status = *status;

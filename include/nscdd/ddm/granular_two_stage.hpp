@@ -48,6 +48,9 @@ class GranularTwoStage {
   /// Sums over all subdomains at the present velocities.
   ContactResidual residual() const;
 
+  /// Status of every contact, in the numbers of the step problem.
+  std::vector<ContactStatus> statuses() const;
+
   /// In the numbers of the step problem; copies of a shared grain are averaged.
   std::vector<DiskContact> contacts(const StepProblem& problem) const;
   std::vector<DiskVelocity> velocities(const StepProblem& problem) const;

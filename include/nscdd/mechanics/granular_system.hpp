@@ -7,6 +7,7 @@
 #include <nscdd/mechanics/contact_law.hpp>
 #include <nscdd/packing/packing.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace nscdd {
@@ -20,6 +21,7 @@ struct GranularSystem {
   std::vector<Boundary> boundaries;
 
   Index disks() const { return count(radius); }
+  Index free_disks() const { return std::count(driven_by.begin(), driven_by.end(), Index{-1}); }
   bool free(Index disk) const { return driven_by[at(disk)] < 0; }
 };
 
