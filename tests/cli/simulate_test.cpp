@@ -3,6 +3,7 @@
 #include "../support/moving_case.hpp"
 #include "session.hpp"
 #include <nscdd/core/error.hpp>
+#include <nscdd/io/csv.hpp>
 #include <nscdd/io/trajectory.hpp>
 
 #include <doctest/doctest.h>
@@ -261,4 +262,32 @@ TEST_CASE("simulate: a case that is settled from itself is refused") {
                 {"a.toml:3: packing.settled", "settled from itself", "a.toml -> b.toml -> c.toml -> a.toml"});
   check_refused(session, "simulate d.toml -o run.h5", {"d.toml:3", "none.toml", "no such file"});
   check_refused(session, "simulate e.toml -o run.h5", {"e.toml:3", "still.toml", "[dynamics]"});
+}
+
+TEST_CASE("simulate: --force does not replace what a run is made from") {
+  const MovingSession session;
+  const std::string text = nscdd::read_text(path_of(session, "shear.toml"));
+  check_refused(session, "simulate shear.toml --steps 1 -o run.h5 --convergence shear.toml --force",
+                {"shear.toml", "which would be lost"});
+  CHECK(nscdd::read_text(path_of(session, "shear.toml")) == text);
+  CHECK_FALSE(fs::exists(session.folder / "run.h5"));
+}
+
+TEST_CASE("simulate: prescribed grains start with their velocity, grains in each other are refused") {
+  const Session session;
+  const std::string rest =
+      "\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\nstep = 0.01\ngravity "
+      "= [0, 0]\n"
+      "[[prescribed]]\ngrain = 1\nvelocity = [0.5, -0.25]\n";
+  session.file("apart.csv", "x,y,radius\n0,0,1\n5,0,1\n");
+  session.file("apart.toml", "[packing]\nfile = \"apart.csv\"" + rest);
+  answer(session, "simulate apart.toml -o apart.h5");
+  const auto end = nscdd::read_last_step(path_of(session, "apart.h5")).state;
+  CHECK(end.velocity_x == std::vector<double>{0, 0.5});
+  CHECK(end.x[1] == doctest::Approx(5.005).epsilon(1e-14));
+  CHECK(end.y[1] == doctest::Approx(-0.0025).epsilon(1e-14));
+  session.file("inside.csv", "x,y,radius\n0,0,1\n1.2,0,1\n");
+  session.file("inside.toml", "[packing]\nfile = \"inside.csv\"" + rest);
+  check_refused(session, "simulate inside.toml -o inside.h5",
+                {"disk 0 and disk 1: expected an overlap of at most 0.5"});
 }

@@ -157,3 +157,17 @@ TEST_CASE("disks that touch and move alike exchange nothing: the step ends at on
     CHECK(step.report.last.iteration < 50);
   }
 }
+
+TEST_CASE("contacts that have settled within subdomains are not converged while the interface is open") {
+  Dynamics dynamics;
+  dynamics.solver.algorithm = "generic";
+  dynamics.solver.interface_relaxation = 1e-4;  // Stage 2 hardly closes the interface
+  dynamics.solver.tolerance = 1e-4;
+  dynamics.solver.maximum_iterations = 3000;
+  Simulation simulation = box_of_grains(60, dynamics, {2, 1});
+  const SolvedStep open = solve_step(simulation);
+  CHECK(open.report.last.gluing > 0.01);
+  CHECK(open.report.status == SolverStatus::maximum_reached);
+  simulation.dynamics.solver.gluing_tolerance = 10;
+  CHECK(solve_step(simulation).report.status == SolverStatus::converged);
+}
