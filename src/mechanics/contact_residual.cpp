@@ -2,7 +2,6 @@
 #include <nscdd/mechanics/contact_residual.hpp>
 
 #include <cmath>
-#include <type_traits>
 
 namespace nscdd {
 namespace {
@@ -10,22 +9,13 @@ namespace {
 double square(LocalVector v) { return v.n * v.n + v.t * v.t; }
 double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
 
-// What is added to the normal impulse before it meets Coulomb's cone.
-template <class Law>
-double shift_of(const Law& law) {
-  if constexpr (std::is_same_v<Law, Cohesive>)
-    return law.cohesion;
-  else
-    return 0.0;
-}
-
 // Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
 constexpr double edge_tolerance = 1e-12;
 
 template <class Law>
 ContactStatus status_under(const Law& law, const DiskContact& c) {
-  if constexpr (std::is_same_v<Law, LinearViscous>) return ContactStatus::stick;
-  return contact_status({c.impulse_n + shift_of(law), c.impulse_t}, c.friction, edge_tolerance);
+  if constexpr (!Law::opens) return ContactStatus::stick;
+  return contact_status({c.impulse_n + law.pull(), c.impulse_t}, c.friction, edge_tolerance);
 }
 
 template <class Law>
@@ -39,12 +29,12 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
   sum.work += dot({(next.n + r.n) / 2, (next.t + r.t) / 2}, change);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
   sum.scale_velocity += (square(here) + square(there)) / 2;
-  if constexpr (std::is_same_v<Law, LinearViscous>) {
+  if constexpr (!Law::opens) {
     sum.natural_map += square({next.n - r.n, next.t - r.t});
   } else {
     const LocalVector relative = relative_velocity(c, v);
     sum.natural_map +=
-        square(natural_map({r.n + shift_of(law), r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
+        square(natural_map({r.n + law.pull(), r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
                            c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;

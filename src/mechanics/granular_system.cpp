@@ -44,10 +44,13 @@ void check(const GranularSystem& system, const GranularState& state) {
 }
 
 ContactLaw contact_law(const Interaction& interaction, double h) {
-  if (interaction.law == Frictionless::name) return Frictionless{};
-  if (interaction.law == Cohesive::name) return Cohesive{h * interaction.cohesion};
-  if (interaction.law == LinearViscous::name) return LinearViscous{interaction.epsilon};
-  return Coulomb{};
+  ContactLaw law;
+  // One try for each alternative; the choices of the field hold the same names.
+  const auto attempt = [&]<class... Laws>(const std::variant<Laws...>&) {
+    return ((interaction.law == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
+  };
+  if (!attempt(law)) throw Error(fmt::format("expected a contact law, met \"{}\"", interaction.law));
+  return law;
 }
 
 }  // namespace nscdd

@@ -150,9 +150,9 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   const auto motions = boundary_velocities(system, state.time + h / 2);
   StepProblem problem;
   problem.h = h;
-  const bool rubs = interaction.law != Frictionless::name;
-  problem.friction = rubs ? interaction.friction : 0;
-  problem.boundary_friction = rubs ? interaction.friction_at_boundaries() : 0;
+  const bool has_friction = rubs(contact_law(interaction, h));
+  problem.friction = has_friction ? interaction.friction : 0;
+  problem.boundary_friction = has_friction ? interaction.friction_at_boundaries() : 0;
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.start = start_velocities(system, state, motions);
   problem.free = problem.start;

@@ -52,7 +52,7 @@ void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus st
 // Columns that impulses may use: a contact without friction has no tangential one. Links that do not exist
 // would make Stage 2 too stiff, and the iterations diverge.
 std::vector<char> usable_columns(const Simulation& simulation, const StepProblem& problem) {
-  const bool always = simulation.dynamics.interaction.law == LinearViscous::name;
+  const bool always = !opens(contact_law(simulation.dynamics.interaction, problem.h));
   std::vector<char> kept(2 * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
     kept[2 * k + 1] = always || problem.contacts[k].friction > 0;

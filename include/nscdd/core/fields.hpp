@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 /// One description per parameter, used to read it from a file, list it, write it and override it.
@@ -22,6 +23,25 @@ struct Field {
   bool minimum_excluded = false;
   double maximum = infinity;
   std::string_view choices = {};  ///< of a text: the values it may have, separated by blanks; empty for any
+};
+
+/// Names of the alternatives of a variant as choices of a field.
+template <class Variant>
+struct NamesOf;
+
+template <class... Alternatives>
+struct NamesOf<std::variant<Alternatives...>> {
+  static constexpr auto characters = [] {
+    std::array<char, ((Alternatives::name.size() + 1) + ...)> text{};
+    std::size_t end = 0;
+    const auto append = [&](std::string_view name) {
+      for (const char letter : name) text[end++] = letter;
+      text[end++] = ' ';
+    };
+    (append(Alternatives::name), ...);
+    return text;
+  }();
+  static constexpr std::string_view value{characters.data(), characters.size() - 1};
 };
 
 /// A parameter as `nscdd list` shows it and as result files record it.

@@ -11,10 +11,25 @@
 namespace nscdd {
 
 /// Laws between two bodies with a normal and a tangential component: one file and one word here per law.
-/// A law has `name` and
-///   impulse(stop, w, friction)  the impulse of one contact solved together with v = W (r - stop),
-/// which is all a Gauss-Seidel sweep asks.
+/// A law has
+///   name
+///   impulse(stop, w, friction)  the impulse of one contact solved together with v = W (r - stop), which is
+///   all
+///                               a Gauss-Seidel sweep asks
+///   of(interaction, h)          the law with its parameters, at a time step of h seconds
+///   opens                       whether a contact may part; one that may obeys Coulomb's law with `pull`
+///   added
+///                               to its normal impulse, which is how statuses and residuals are told
+///   rubs                        whether a contact has a tangential impulse
+///   pull()                      largest pulling impulse, N s
 using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
+
+inline bool opens(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.opens; }, law);
+}
+inline bool rubs(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.rubs; }, law);
+}
 
 /// How a contact stands under Coulomb's law (or a cohesive one, impulses shifted). An impulse within
 /// `tolerance` x friction r_n of the edge of the cone slides.

@@ -76,8 +76,7 @@ struct Interaction {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("law", self.law,
-          Field{.description = "contact law", .choices = "coulomb frictionless cohesive linear_viscous"});
+    visit("law", self.law, Field{.description = "contact law", .choices = NamesOf<ContactLaw>::value});
     visit("friction", self.friction,
           Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
     visit("boundary_friction", self.boundary_friction,

@@ -12,7 +12,11 @@ namespace nscdd {
 /// The example of adding a law: Coulomb's, at a shifted impulse.
 struct Cohesive {
   static constexpr std::string_view name = "cohesive";
+  static constexpr bool opens = true, rubs = true;
   double cohesion = 0;  ///< largest pulling impulse, N s: the force times the time step
+
+  static Cohesive of(const auto& interaction, double h) { return {h * interaction.cohesion}; }
+  double pull() const { return cohesion; }
 
   /// As Coulomb::impulse.
   template <class Delassus>

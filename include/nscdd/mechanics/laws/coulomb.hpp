@@ -13,6 +13,10 @@ namespace nscdd {
 /// |r_t| <= friction r_n, opposite to v_t where equal.
 struct Coulomb {
   static constexpr std::string_view name = "coulomb";
+  static constexpr bool opens = true, rubs = true;
+
+  static Coulomb of(const auto& /*interaction*/, double /*h*/) { return {}; }
+  double pull() const { return 0; }
 
   /// Solves v = W (r - stop) together with the law, exactly: open, stick or slide. `stop` = r - W^-1 v of the
   /// present state is the impulse that would bring the contact to rest, N s.

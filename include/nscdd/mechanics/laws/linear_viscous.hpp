@@ -11,7 +11,11 @@ namespace nscdd {
 /// epsilon is a flexibility, 1/kg (inverse of an integral viscosity, the paper's 1/k).
 struct LinearViscous {
   static constexpr std::string_view name = "linear_viscous";
+  static constexpr bool opens = false, rubs = true;
   double epsilon = 1.0;
+
+  static LinearViscous of(const auto& interaction, double /*h*/) { return {interaction.epsilon}; }
+  double pull() const { return 0; }
 
   double flexibility() const { return epsilon; }
 
