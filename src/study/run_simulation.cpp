@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace nscdd {
@@ -25,6 +27,27 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
   }
   return std::nullopt;
 }
+
+// Whether grains have come to rest: slow for `rest_steps` steps, and not ever faster meanwhile, which is how
+// a fall begins.
+class RestWatch {
+ public:
+  explicit RestWatch(double rest_speed) : rest_speed_(rest_speed) {}
+
+  void add(double speed) {
+    if (!(speed < rest_speed_)) slow_.clear();
+    if (speed < rest_speed_) slow_.push_back(speed);
+  }
+  bool at_rest() const {
+    if (count(slow_) < rest_steps) return false;
+    const auto begin = slow_.end() - rest_steps;
+    return std::adjacent_find(begin, slow_.end(), std::greater_equal<>()) != slow_.end();
+  }
+
+ private:
+  double rest_speed_;
+  std::vector<double> slow_;
+};
 
 }  // namespace
 
@@ -49,11 +72,13 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
   return std::sqrt(2 * kinetic_energy / mass);
 }
 
-RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, Index quiet_steps) {
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks,
+                          const std::vector<double>& speeds_before) {
   const TimeStepping time = simulation.dynamics.time;
   RunOutcome outcome;
-  const auto at_rest = [&] { return time.rest_speed > 0 && quiet_steps >= rest_steps; };
-  while (simulation.state.step < time.steps && !at_rest()) {
+  RestWatch rest(time.rest_speed);
+  for (const double speed : speeds_before) rest.add(speed);
+  while (simulation.state.step < time.steps && !rest.at_rest()) {
     std::optional<SolvedStep> solved = solve_or_explain(simulation, sinks.iteration, outcome.reason);
     if (!solved) {
       outcome.end = RunEnd::broke_down;
@@ -66,14 +91,13 @@ RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, Index q
     } else {
       report = take_step(simulation, *std::move(solved));
     }
-    const bool quiet = mean_speed(simulation.system, report.energy.kinetic) < time.rest_speed;
-    quiet_steps = quiet ? quiet_steps + 1 : 0;
+    rest.add(mean_speed(simulation.system, report.energy.kinetic));
     if (!nscdd::report(sinks.monitor, simulation.state.step, time.steps)) {
       outcome.end = RunEnd::stopped;
       return outcome;
     }
   }
-  if (at_rest()) outcome.end = RunEnd::at_rest;
+  if (rest.at_rest()) outcome.end = RunEnd::at_rest;
   return outcome;
 }
 

@@ -42,10 +42,18 @@ TEST_CASE("run: a disk that falls comes to rest, and not at its turning point") 
 
 TEST_CASE("run: steps that were quiet before count") {
   Simulation simulation = one_disk(0);
-  CHECK(run_simulation(simulation, {}, 7).end == RunEnd::at_rest);
+  CHECK(run_simulation(simulation, {}, {1, 0, 0, 0, 0, 0, 0, 0}).end == RunEnd::at_rest);
   CHECK(simulation.state.step == rest_steps - 7);
-  CHECK(run_simulation(simulation, {}, rest_steps).end == RunEnd::at_rest);
+  CHECK(run_simulation(simulation, {}, std::vector<double>(at(rest_steps), 0.0)).end == RunEnd::at_rest);
   CHECK(simulation.state.step == rest_steps - 7);
+}
+
+TEST_CASE("run: the slow beginning of a fall is no rest") {
+  Simulation simulation = one_disk(0.1);
+  simulation.dynamics.time.step = 1e-3;
+  simulation.dynamics.time.rest_speed = 0.5;  // reached by falling for 51 steps, the disk lands after 142
+  CHECK(run_simulation(simulation, {}).end == RunEnd::at_rest);
+  CHECK(simulation.state.step > 142);
 }
 
 TEST_CASE("run: never at rest where no speed is given") {

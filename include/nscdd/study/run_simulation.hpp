@@ -7,13 +7,14 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace nscdd {
 
 /// Why a run of a simulation ended.
 enum class RunEnd {
   completed,   ///< TimeStepping::steps are done
-  at_rest,     ///< free grains were slower than TimeStepping::rest_speed for `rest_steps` steps
+  at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, and not ever rising
   stopped,     ///< the monitor asked for it
   broke_down,  ///< a step could not be prepared, diverged, or gave values that are no numbers
 };
@@ -39,10 +40,11 @@ struct RunSinks {
 };
 
 /// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks
-/// down; then the simulation is left as the last good step made it. `quiet_steps`: how many steps in a row
-/// grains have been slow for already (a run that goes on). Throws Error where the very first step of all
-/// cannot be prepared: that is bad input.
-RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, Index quiet_steps = 0);
+/// down; then the simulation is left as the last good step made it. `speeds_before`: mean_speed after each
+/// step of a run that goes on. Throws Error where the very first step of all cannot be prepared: that is bad
+/// input.
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks,
+                          const std::vector<double>& speeds_before = {});
 
 /// Root of the mean square velocity of the free grains weighted by mass, spin included, m/s:
 /// sqrt(2 E / m), E their kinetic energy and m their mass.
