@@ -96,8 +96,7 @@ void print_report(const FclibExport& what, const FclibFile& file, const LocalFri
 
 int export_fclib(const FclibExport& what, const Context& context) {
   require_distinct(what.trajectory, what.output);
-  if (what.output == "-")
-    throw Error("--output: expected a file name, met -; standard output is for the report");
+  require_hdf5_name(what.output);
   const TrajectoryHeader header = read_trajectory_header(what.trajectory);
   const Simulation before = rebuilt_simulation(what.trajectory, header, state_before(what).state);
   const std::optional<TrajectoryStep> after = find_trajectory_step(what.trajectory, what.step);

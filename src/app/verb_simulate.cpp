@@ -9,7 +9,7 @@
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
-#include <nscdd/io/packing_file.hpp>
+#include <nscdd/io/output_file.hpp>
 #include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/simulation_tables.hpp>
 
@@ -56,22 +56,18 @@ Case resolve(const Options& options) {
 }
 
 void check_names(const Options& options) {
-  if (packing_format(options.output) != PackingFormat::hdf5 || is_stream(options.output))
-    throw Error(fmt::format("{}: expected the name of a file that ends in .h5 or .hdf5", options.output));
+  require_hdf5_name(options.output);
   if (!options.convergence.empty()) require_distinct(options.output, options.convergence);
   if (options.restart && options.force)
     throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
   if (!options.restart) require_writable(options.output, options.force);
 }
 
-// Steps in a row, up to the last one, in which grains were slow.
-Index quiet_steps(const std::string& path, const Simulation& simulation) {
-  const std::vector<double> kinetic = read_summary(path, "kinetic");
-  Index quiet = 0;
-  while (quiet < count(kinetic) && mean_speed(simulation.system, kinetic[kinetic.size() - 1 - at(quiet)]) <
-                                       simulation.dynamics.time.rest_speed)
-    ++quiet;
-  return quiet;
+// After each step of the run in a file.
+std::vector<double> speeds_of(const std::string& path, const GranularSystem& system) {
+  std::vector<double> speeds;
+  for (const double kinetic : read_summary(path, "kinetic")) speeds.push_back(mean_speed(system, kinetic));
+  return speeds;
 }
 
 // The state to go on from: that of the file, of the same run.
@@ -79,6 +75,9 @@ void take_up(Simulation& simulation, const std::string& path, const TrajectoryHe
   require_same_run(path, read_trajectory_header(path), header);
   simulation.state = read_last_step(path).state;
   check(simulation.system, simulation.state);
+  if (simulation.state.step > simulation.dynamics.time.steps)
+    throw Error(fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path,
+                            simulation.state.step, simulation.dynamics.time.steps));
 }
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome,
@@ -124,14 +123,15 @@ int run(const Options& options) {
                                 simulation.system};
   if (options.restart) take_up(simulation, options.output, header);
   const Index before = simulation.state.step;
-  const Index quiet = options.restart ? quiet_steps(options.output, simulation) : 0;
+  const std::vector<double> speeds =
+      options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
   std::optional<Index> steps_done;
   if (options.restart) steps_done = before;
   Interruption interruption;
   ConvergenceTable table(options.convergence, options.force, steps_done);
   std::optional<TrajectoryWriter> trajectory;
   if (options.restart)
-    trajectory.emplace(options.output, step_columns());
+    trajectory.emplace(options.output, header.case_text, step_columns());
   else
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
   Progress progress("simulate " + one.name, before, "step");
@@ -144,7 +144,7 @@ int run(const Options& options) {
     trajectory->append(trajectory_step(after, solved), step_row(report), keep);
     summary.add(report);
   };
-  const RunOutcome outcome = run_simulation(simulation, sinks, quiet);
+  const RunOutcome outcome = run_simulation(simulation, sinks, speeds);
   trajectory->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
                                          : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
   return close(options, simulation, outcome, summary, table);
@@ -178,8 +178,10 @@ std::function<int()> declare_simulate(CLI::App& command, const Context& context)
       ->allow_extra_args(false);
   declare_threads(command, options->threads);
   command.add_option("-o,--output", options->output, "trajectory, .h5 or .hdf5")->required();
-  command.add_option("--convergence", options->convergence,
-                     "also a table with one row per iteration, - for standard output");
+  command.add_option(
+      "--convergence", options->convergence,
+      "also a table with one row per iteration, - for standard output; with --restart the rows "
+      "of the steps taken now are added to it");
   command.add_option("--save-every", options->save_every, "keep every Nth step; the last one always is")
       ->check(CLI::Range(Index{1}, Index{1000000000}))
       ->capture_default_str();

@@ -109,12 +109,11 @@ void write_result(FclibFile file, const FrictionSolution& solution, const Option
 }
 
 void check_names(const Options& options) {
-  for (const auto& [option, name] :
-       {std::pair{"--convergence", options.convergence}, std::pair{"--output", options.output}}) {
-    if (name == "-")
-      throw Error(fmt::format("{}: expected a file name, met -; standard output is for the report", option));
+  if (options.convergence == "-")
+    throw Error("--convergence: expected a file name, met -; standard output is for the report");
+  if (!options.output.empty()) require_hdf5_name(options.output);
+  for (const std::string& name : {options.convergence, options.output})
     if (!name.empty()) require_distinct(options.file, name);
-  }
   if (!options.convergence.empty() && !options.output.empty())
     require_distinct(options.convergence, options.output);
 }
@@ -188,8 +187,8 @@ std::function<int()> declare_solve(CLI::App& command, const Context& context) {
       "Nonlinear Gauss-Seidel with exact local solutions. Exit code 0: converged, 1: not (the status says "
       "why).\n"
       "Examples:\n"
-      "  nscdd solve box.hdf5\n"
-      "  nscdd solve box.hdf5 --tolerance 1e-10 --convergence box.csv -o solved.hdf5");
+      "  nscdd solve problem.hdf5\n"
+      "  nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5");
   return [options] { return run(*options); };
 }
 

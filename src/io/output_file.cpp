@@ -56,6 +56,12 @@ void require_distinct(const std::string& first, const std::string& second) {
   throw Error(fmt::format("{}: expected another name for each output, met the same twice", first));
 }
 
+void require_hdf5_name(const std::string& path) {
+  const fs::path extension = fs::path(path).extension();
+  if ((extension != ".h5" && extension != ".hdf5") || is_stream(path))
+    throw Error(fmt::format("{}: expected the name of a file that ends in .h5 or .hdf5", path));
+}
+
 void complete(const fs::path& path) {
   std::error_code status;
   fs::rename(partial_path(path), path, status);

@@ -138,8 +138,17 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
   });
 }
 
-TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns)
-    : implementation_(new Implementation{path, AlternatingFile(path), summary_columns}) {}
+TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::string& case_text,
+                                   const std::vector<Column>& summary_columns)
+    : implementation_(new Implementation{path, AlternatingFile(path), summary_columns}) {
+  implementation_->file.change([case_text](const std::string& name) {
+    change_file(name, [&](hid_t file) {
+      H5Ldelete(file, "case", H5P_DEFAULT);
+      put_text(file, "case", case_text);
+      put_attribute(file, "ended", std::string("running"));
+    });
+  });
+}
 
 TrajectoryWriter::~TrajectoryWriter() = default;
 

@@ -35,7 +35,8 @@ void check(const GranularSystem& system, const GranularState& state) {
       throw Error(fmt::format("disk {}: expected one of {} boundaries, met number {}", i,
                               system.boundaries.size(), system.driven_by[i]));
     any_free = any_free || system.driven_by[i] < 0;
-    for (const auto* field : {&state.x, &state.y, &state.velocity_x, &state.velocity_y, &state.spin})
+    for (const auto* field :
+         {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
       if (!std::isfinite((*field)[i]))
         throw Error(fmt::format("disk {}: expected finite positions and velocities, met {}", i, (*field)[i]));
   }

@@ -268,7 +268,8 @@ TEST_CASE("export: bad input is refused, and nothing is written") {
   check_refused(session, "export run.h5", {"expected either --vtk FOLDER or --fclib STEP", "neither"});
   check_refused(session, "export run.h5 --vtk v --fclib 1 -o p.hdf5", {"--vtk"});
   check_refused(session, "export run.h5 --fclib 1", {"-o FILE"});
-  check_refused(session, "export run.h5 --fclib 1 -o -", {"expected a file name"});
+  check_refused(session, "export run.h5 --fclib 1 -o -", {"-: expected the name of a file that ends in .h5"});
+  check_refused(session, "export run.h5 --fclib 1 -o one.csv", {"one.csv", ".hdf5"});
   check_refused(session, "export run.h5 --fclib 1 -o run.h5 --force", {"the same twice"});
   check_refused(session, "export run.h5 --fclib 1 -o old.hdf5", {"old.hdf5", "exists already"});
   check_refused(session, "export run.h5 --fclib 1 --subdomain 7 -o p.hdf5",

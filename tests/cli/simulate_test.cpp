@@ -112,6 +112,23 @@ TEST_CASE("simulate: 10 steps and a restart to 20 are 20, bit for bit, rows incl
   CHECK(contains(again, "0 steps in this run, 20 of 20 in all"));
 }
 
+TEST_CASE("simulate: a restart between two decompositions goes on with the one before, and its eta") {
+  const MovingSession session;
+  for (const std::string& options : Texts{"--set solver.redecompose=4", "--algorithm enriched --eta optimal",
+                                          "--algorithm enriched --eta optimal --gauss-seidel-sweeps 20 --set "
+                                          "solver.redecompose=4"}) {
+    CAPTURE(options);
+    const std::string line = "simulate shear.toml --iterations 30 --force " + options;
+    answer(session, line + " -o whole.h5 --steps 11");
+    answer(session, line + " -o parts.h5 --steps 6");  // 6: two steps behind a decomposition
+    const std::string restart = "simulate shear.toml --iterations 30 --restart " + options;
+    answer(session, restart + " -o parts.h5 --steps 11");
+    check_same_end(session, "whole.h5", "parts.h5");
+    CHECK(nscdd::read_last_step(path_of(session, "whole.h5")).state.eta ==
+          nscdd::read_last_step(path_of(session, "parts.h5")).state.eta);
+  }
+}
+
 TEST_CASE("simulate: the last state is kept whatever is saved") {
   const MovingSession session;
   answer(session, "simulate shear.toml -o whole.h5");
@@ -188,6 +205,9 @@ TEST_CASE("simulate: bad input is refused and nothing is written") {
   check_refused(session, "simulate shear.toml -o run.h5 --set solver.speed=1",
                 {"solver.speed", "solver.order"});
   check_refused(session, "simulate shear.toml -o run.h5 --restart", {"run.h5", "no such file"});
+  answer(session, "simulate shear.toml --steps 2 -o two.h5");
+  check_refused(session, "simulate shear.toml --steps 1 -o two.h5 --restart",
+                {"two.h5", "2 steps or more", "met 1"});
   session.file("wide.toml", replaced(moving_case(), "radius = 0.198\n[[", "radius = 1e-9\n[["));
   check_refused(session, "simulate wide.toml -o run.h5", {"floor", "disks"});
   answer(session, "simulate shear.toml --steps 1 -o run.h5");

@@ -107,8 +107,8 @@ TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
   check_refused(session, "solve p.hdf5 -o old.hdf5", {"old.hdf5", "exists already"});
   check_refused(session, "solve p.hdf5 --convergence old.csv", {"old.csv", "exists already"});
   check_refused(session, "solve p.hdf5 -o p.hdf5 --force", {"p.hdf5", "the same twice"});
-  check_refused(session, "solve p.hdf5 --convergence x -o x", {"the same twice"});
-  check_refused(session, "solve p.hdf5 -o -", {"--output", "expected a file name"});
+  check_refused(session, "solve p.hdf5 --convergence x.h5 -o x.h5", {"the same twice"});
+  check_refused(session, "solve p.hdf5 -o -", {"-: expected the name of a file that ends in .h5"});
   check_refused(session, "solve none.hdf5", {"none.hdf5"});
   check_refused(session, "solve cut.hdf5", {"cut.hdf5", "expected an HDF5 file"});
   check_refused(session, "solve text.hdf5 -o new.hdf5", {"text.hdf5", "expected an HDF5 file"});

@@ -18,6 +18,10 @@ void require_writable(const std::filesystem::path& path, bool force, bool partia
 /// Throws Error where two outputs would be one file (devices and pipes aside).
 void require_distinct(const std::string& first, const std::string& second);
 
+/// Throws Error where an output that is HDF5 has another name than NAME.h5 or NAME.hdf5, which readers tell
+/// it by.
+void require_hdf5_name(const std::string& path);
+
 /// The name under which an output grows until it is complete.
 std::filesystem::path partial_path(const std::filesystem::path& path);
 

@@ -48,8 +48,9 @@ class TrajectoryWriter {
   TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
                    const std::vector<Column>& summary_columns);
 
-  /// Goes on with a trajectory there is.
-  TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
+  /// Goes on with a trajectory there is; `case_text` replaces its own, for it may ask for more steps.
+  TrajectoryWriter(const std::string& path, const std::string& case_text,
+                   const std::vector<Column>& summary_columns);
   ~TrajectoryWriter();
   TrajectoryWriter(const TrajectoryWriter&) = delete;
   TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
