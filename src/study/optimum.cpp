@@ -227,6 +227,16 @@ Index optima(const Model& model, const SweepParameters& sweep, const RowSink& si
   return failed;
 }
 
+double stable_eta(const Decomposition& parts, double relaxation) {
+  const InterfaceFamily family(parts);
+  Spectra spectra(parts, family.at(infinity), {});
+  const double scale = family.at(infinity).scale().mean();
+  // max - 2/omega falls from large values at eta = 0 to 1 - 2/omega.
+  return decreasing_root(
+      scale * std::pow(10.0, -decades), scale * std::pow(10.0, decades),
+      [&](double eta) { return relaxation * spectra.at(eta).max - 2; }, 1e-3);
+}
+
 double optimal_eta(const Decomposition& parts, const Decomposition& active) {
   const InterfaceOperator system = InterfaceFamily(active).at(0.0);
   Spectra spectra(parts, system, {});

@@ -162,7 +162,8 @@ bool decomposes_afresh(const Simulation& simulation, Index step) {
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta) {
   const Decomposition all = linear_parts(simulation, problem, partition);
-  if (simulation.dynamics.solver.network == "active")
+  const StepSolver& solver = simulation.dynamics.solver;
+  if (solver.network == "active" || solver.enrichment == "semi_implicit")  // frozen from the step before
     return InterfaceFamily(restrict_contacts(all, active_columns(simulation, problem))).at(eta);
   return InterfaceFamily(all).at(eta);
 }
@@ -171,7 +172,8 @@ double best_eta(const Simulation& simulation, const StepProblem& problem, const 
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return simulation.state.eta;
   const Decomposition all = linear_parts(simulation, problem, partition);
-  return optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)));
+  const double best = optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)));
+  return std::max(best, stable_eta(all, simulation.dynamics.solver.interface_relaxation));
 }
 
 }  // namespace nscdd

@@ -63,7 +63,8 @@ struct StepSolver {
               .choices = "all active"});
     visit("enrichment", self.enrichment,
           Field{.description =
-                    "where the enriched Stage 2 acts; once and never again is the semi-implicit scheme",
+                    "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
+                    "carried an impulse in the last step",
                 .choices = "every_iteration first_iteration semi_implicit"});
     visit("interface_method", self.interface_method,
           Field{.description = "how Stage 2 uses its operator", .choices = "richardson conjugate_gradient"});

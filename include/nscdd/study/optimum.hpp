@@ -60,6 +60,12 @@ Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
 /// may go to zero.
 double optimal_eta(const Decomposition& parts, const Decomposition& active);
 
+/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 where
+/// it stays below throughout. From there up Stage 2 is stable whichever contacts open or slide: with an exact
+/// Stage 1 and any set of active contacts S <= X, so that omega lambda_max(S, X_eta) <= 2. Needs 0 < omega
+/// < 2.
+double stable_eta(const Decomposition& parts, double relaxation = 1);
+
 /// Columns and row of a table of optima, described in docs/formats.md.
 std::vector<Column> optimum_columns();
 Row optimum_row(const Model& model, const OptimumParameters& parameters, const Optimum& best);

@@ -11,10 +11,12 @@ Partition partition_step(const Simulation& simulation, const StepProblem& proble
 bool decomposes_afresh(const Simulation& simulation, Index step);
 
 /// The flexibility of smallest predicted radius (see optimal_eta) for the network that 100 sweeps of the
-/// undecomposed step find, sought anew with every decomposition.
+/// undecomposed step find, but none below stable_eta; sought anew with every decomposition. Networks change
+/// from iteration to iteration: the best of one may diverge on those before it.
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
 
-/// X_eta of the linear Stage 2 of a step, on the contacts its network has.
+/// X_eta of the linear Stage 2 of a step, on the contacts its network has: all considered, or (`network`
+/// active, and always in the semi-implicit scheme) those that carried an impulse in the step before.
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta);
 
