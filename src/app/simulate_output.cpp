@@ -77,6 +77,10 @@ void RunSummary::add(const StepReport& report) {
   }
   overlap_ = std::max(overlap_, report.overlap.maximum);
   gluing_ = std::max(gluing_, report.last.gluing);
+  if (report.energy.dissipation < -1e-6 * report.energy.kinetic) {
+    ++gaining_steps_;
+    gain_ -= report.energy.dissipation;
+  }
   boundary_work_ += report.energy.boundary_work;
   dissipation_ += report.energy.dissipation;
   numerical_ += report.energy.numerical;
@@ -111,7 +115,24 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
       last_.energy.kinetic, boundary_work_, dissipation_, numerical_);
   text += fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", solve_seconds_, setup_seconds_);
   if (visits_ > 0) text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * solve_seconds_ / visits_);
-  return text + "\n";
+  return text + "\n" + warnings(simulation.dynamics.solver);
+}
+
+std::string RunSummary::warnings(const StepSolver& solver) const {
+  std::string text;
+  const auto converged = statuses_.find(to_string(SolverStatus::converged));
+  const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
+  if (open > 0 && solver.criterion != "none")
+    text += fmt::format(
+        "attention: {} of {} steps ended before {} fell to {} and jumps to {}; --iterations allows more than "
+        "{}\n",
+        open, steps_, solver.criterion, solver.tolerance, solver.gluing_tolerance, solver.maximum_iterations);
+  if (gaining_steps_ > 0)
+    text += fmt::format(
+        "attention: contacts added {:.3g} J in {} steps: overlaps pushed apart (dynamics."
+        "penetration_correction), or steps that had not converged\n",
+        gain_, gaining_steps_);
+  return text;
 }
 
 namespace {

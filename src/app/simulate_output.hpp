@@ -32,6 +32,10 @@ class RunSummary {
   std::string text(const Simulation& simulation, const RunOutcome& outcome) const;
 
  private:
+  std::string warnings(
+      const StepSolver& solver) const;  ///< what a reader of the numbers must know; mostly ""
+  Index gaining_steps_ = 0;
+  double gain_ = 0;  // energy that contacts added, J
   Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0;
   std::map<std::string_view, Index> statuses_;
   double worst_ = 0, boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0, gluing_ = 0;

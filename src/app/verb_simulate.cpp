@@ -32,6 +32,16 @@ struct Options {
   Context context;
 };
 
+// What is asked for on the command line must not be passed over in silence.
+void require_effect(const Options& options, const std::string& algorithm) {
+  if (options.eta && algorithm != "enriched")
+    throw Error(fmt::format("--eta: expected --algorithm enriched with it, met {}", algorithm));
+  if (!options.subdomains.empty() && algorithm == "nlgs")
+    throw Error(
+        "--subdomains: expected --algorithm generic or enriched with it, met nlgs, which does not "
+        "decompose");
+}
+
 Case resolve(const Options& options) {
   Case one = read_any_case(options.name);
   if (!one.dynamics)
@@ -52,6 +62,7 @@ Case resolve(const Options& options) {
   set("solver.tolerance", options.tolerance);
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
+  require_effect(options, one.dynamics->solver.algorithm);
   return one;
 }
 

@@ -42,6 +42,32 @@ bool all_finite(const std::vector<DiskVelocity>& velocities) {
   });
 }
 
+// What contacts can leave of the energy of a step: they dissipate, driven bodies and bodies that are pushed
+// out of each other hand on their speed at most twice over. A step with this many times as much went wrong,
+// however few its iterations.
+constexpr double energy_explosion = 10;
+
+double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
+  double sum = 0;
+  for (const DiskVelocity& v : velocities)
+    if (v.inverse_mass > 0)
+      sum += (v.x * v.x + v.y * v.y + v.rim * v.rim / rim_mass_ratio) / (2 * v.inverse_mass);
+  return sum;
+}
+
+bool energy_exploded(const StepProblem& problem, const std::vector<DiskVelocity>& velocities) {
+  double mass = 0, speed_squared = 0;  // of all free disks; the fastest that something else moves
+  for (const DiskVelocity& v : problem.start) {
+    if (v.inverse_mass > 0) mass += 1 / v.inverse_mass;
+    if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, v.x * v.x + v.y * v.y + v.rim * v.rim);
+  }
+  for (const DiskContact& c : problem.contacts)
+    speed_squared = std::max(speed_squared, c.bias_n * c.bias_n + c.bias_t * c.bias_t);
+  const double reference =
+      kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2;
+  return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
+}
+
 // Contacts whose status differs from the iteration before; all that are not open at the first.
 Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
   statuses.resize(now.size(), ContactStatus::open);
@@ -82,7 +108,8 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
   if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   if (record.impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
   // The contacts may have settled within subdomains that have not met yet.
-  const bool glued = record.gluing <= solver_.gluing_tolerance || solver_.enrichment == "semi_implicit";
+  const bool semi_implicit = solver_.algorithm == "enriched" && solver_.enrichment == "semi_implicit";
+  const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
   if (value <= solver_.tolerance && glued) return SolverStatus::converged;
   if (value < best_) {
     best_ = value;
@@ -159,7 +186,10 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     report.residual.impulses = scale;
   }
   // Laws open a contact whose velocity is no number: its impulse is 0, and the indicators may look well.
-  if (!all_finite(step.velocities)) report.status = SolverStatus::no_number;
+  if (!all_finite(step.velocities))
+    report.status = SolverStatus::no_number;
+  else if (energy_exploded(step.problem, step.velocities))
+    report.status = SolverStatus::diverged;
   step.gluing = iteration.gluing();
   step.interface_impulses = iteration.interface_impulses();
   report.step = simulation.state.step + 1;
@@ -186,7 +216,9 @@ StepReport take_step(Simulation& simulation, SolvedStep step) {
 }
 
 std::string describe_breakdown(const SolvedStep& step) {
-  const auto name = [](const StepContact& c) { return fmt::format("contact of bodies {} and {}", c.a, c.b); };
+  const auto name = [](const StepContact& c) {
+    return fmt::format("contact of bodies {} and {} at ({:.6g}, {:.6g}) m", c.a, c.b, c.point[0], c.point[1]);
+  };
   std::size_t largest = 0;
   double size = -1;
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
@@ -201,7 +233,7 @@ std::string describe_breakdown(const SolvedStep& step) {
     if (!std::isfinite(step.velocities[i].x + step.velocities[i].y + step.velocities[i].rim))
       return fmt::format("disk {}: velocity is no number", i);
   if (step.contacts.empty()) return "no contact";
-  return fmt::format("{}: largest impulse, {} N s", name(step.problem.geometry[largest]), size);
+  return fmt::format("{}: largest impulse, {:.6g} N s", name(step.problem.geometry[largest]), size);
 }
 
 }  // namespace nscdd

@@ -192,13 +192,48 @@ TEST_CASE("simulate: a breakdown names the disk, keeps the last good state and e
   CHECK(nscdd::read_last_step(path_of(session, "run.h5")).state.step == 10);
 }
 
+TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, is not the last good state") {
+  const MovingSession session;
+  const Outcome exploded =
+      session.run(words("simulate shear.toml --algorithm enriched --eta 1e-4 --iterations 8 -o run.h5"));
+  CHECK(exploded.exit_code == 1);
+  CHECK(contains(exploded.standard_error, ": diverged after "));
+  CHECK(contains(exploded.standard_error, "contact of bodies "));
+  const auto end = nscdd::read_last_step(path_of(session, "run.h5")).state;
+  for (const double speed : end.velocity_y) CHECK(std::abs(speed) < 10);
+  session.file("light.csv", "x,y,radius,mass\n0,0,1,1\n2,0,1,1e-310\n4,0,1,1\n");
+  session.file("light.toml",
+               "[packing]\nfile = \"light.csv\"\n[dynamics]\nsteps = 3\n[partition]\ngrid = [1, 1]\n");
+  const Outcome none = session.run(words("simulate light.toml -o light.h5"));
+  CHECK(none.exit_code == 1);
+  CHECK(contains(none.standard_error, "no number"));
+  CHECK(nscdd::read_last_step(path_of(session, "light.h5")).state.step == 0);
+}
+
+TEST_CASE("simulate: says what a reader of its numbers must know") {
+  const MovingSession session;
+  CHECK(contains(answer(session, "simulate shear.toml --steps 3 --iterations 7 -o few.h5"),
+                 "attention: 3 of 3 steps ended before zeta fell to 0.0001"));
+  CHECK_FALSE(
+      contains(answer(session, "simulate shear.toml --steps 3 --iterations 100000 -o all.h5"), "attention"));
+  session.file("inside.csv", "x,y,radius\n0,0,1\n1.9,0,1\n");
+  session.file("inside.toml",
+               "[packing]\nfile = \"inside.csv\"\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n"
+               "[dynamics]\nsteps = 2\nstep = 1e-4\ngravity = [0, 0]\n");
+  CHECK(contains(answer(session, "simulate inside.toml -o inside.h5"), "attention: contacts added "));
+}
+
 TEST_CASE("simulate: bad input is refused and nothing is written") {
   const MovingSession session;
   check_refused(session, "simulate disks4 -o run.h5", {"disks4", "[dynamics]"});
   check_refused(session, "simulate shear.toml -o run.csv", {"run.csv", ".h5"});
   check_refused(session, "simulate shear.toml -o nowhere/run.h5", {"nowhere"});
   check_refused(session, "simulate shear.toml -o run.h5 --algorithm jacobi", {"solver.algorithm", "jacobi"});
-  check_refused(session, "simulate shear.toml -o run.h5 --eta best", {"solver.eta", "best"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm enriched --eta best",
+                {"solver.eta", "best"});
+  check_refused(session, "simulate shear.toml -o run.h5 --eta 2", {"--eta", "enriched", "met generic"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm nlgs --subdomains 2x2",
+                {"--subdomains", "nlgs"});
   check_refused(session, "simulate shear.toml -o run.h5 --tolerance -1", {"solver.tolerance", "-1"});
   check_refused(session, "simulate shear.toml -o run.h5 --save-every 0", {"--save-every"});
   check_refused(session, "simulate shear.toml -o run.h5 --subdomains 2", {"--subdomains", "2x1"});

@@ -17,8 +17,8 @@ enum class SolverStatus {
   converged,        ///< the criterion fell to its tolerance
   stalled,          ///< no fall of the criterion for 10 000 iterations and four fifths of all
   maximum_reached,  ///< as many iterations as allowed
-  diverged,         ///< impulses grew a million times beyond their first size
-  no_number,        ///< an impulse or velocity is no number
+  diverged,   ///< impulses grew a million times beyond their first size, or energy beyond what there was
+  no_number,  ///< an impulse or velocity is no number
 };
 std::string_view to_string(SolverStatus status);
 
