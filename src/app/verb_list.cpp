@@ -13,7 +13,7 @@ namespace {
 template <class Parameters>
 void print_fields(const std::string& section) {
   for (const FieldDescription& field : describe_fields(Parameters{}))
-    fmt::print("      {:<36}{} [{}{}{}]\n", section + field.key + " = " + field.value, field.description,
+    fmt::print("      {:<44} {} [{}{}{}]\n", section + field.key + " = " + field.value, field.description,
                field.type, field.unit == "1" ? "" : ", ", field.unit == "1" ? "" : field.unit);
 }
 

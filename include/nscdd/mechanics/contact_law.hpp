@@ -13,15 +13,17 @@ namespace nscdd {
 /// Laws between two bodies with a normal and a tangential component: one file and one word here per law.
 /// A law has
 ///   name
-///   impulse(stop, w, friction)  the impulse of one contact solved together with v = W (r - stop), which is
-///   all
-///                               a Gauss-Seidel sweep asks
-///   of(interaction, h)          the law with its parameters, at a time step of h seconds
-///   opens                       whether a contact may part; one that may obeys Coulomb's law with `pull`
-///   added
-///                               to its normal impulse, which is how statuses and residuals are told
-///   rubs                        whether a contact has a tangential impulse
-///   pull()                      largest pulling impulse, N s
+///   impulse(stop, w, friction)
+///       the impulse of one contact, solved together with v = W (r - stop): all that a sweep asks
+///   of(interaction, h)
+///       the law with its parameters, at a time step of h seconds
+///   opens
+///       whether a contact may part; one that may obeys Coulomb's law with `pull` added to its normal
+///       impulse, which is how statuses and residuals are told
+///   rubs
+///       whether a contact has a tangential impulse
+///   pull()
+///       largest pulling impulse, N s
 using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
 
 inline bool opens(const ContactLaw& law) {
