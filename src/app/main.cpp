@@ -46,7 +46,9 @@ std::string joined(int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("nscdd: convergence study of domain decomposition for nonsmooth contact dynamics", "nscdd");
+  CLI::App app(
+      "nscdd: convergence study, and simulation, of domain decomposition for nonsmooth contact dynamics",
+      "nscdd");
   app.set_version_flag("--version", "nscdd " + nscdd::version());
   app.require_subcommand(1);
   app.footer(
@@ -54,6 +56,7 @@ int run(int argc, char** argv) {
       "  nscdd sweep disks4 --epsilon 0,1 --csv -\n"
       "  nscdd optimum disks8\n"
       "  nscdd run figure-5\n"
+      "  nscdd simulate shear-1k --steps 20 -o twenty.h5\n"
       "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted. 'nscdd VERB --help' has "
       "the options.");
   const Context context{joined(argc, argv)};
