@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures 8 and 10: shear tests before and after, grains by subdomain, force chains by width."""
+import os
 import sys
 
 import numpy as np
@@ -10,6 +11,13 @@ from matplotlib.collections import EllipseCollection, LineCollection
 # Subdomains in turn; grains that several of them share, and disks that boundaries drive.
 SUBDOMAINS = ["#c6d8ea", "#f3d9b1", "#cfe3c5", "#e4cbe0"]
 SHARED, DRIVEN, CHAIN = "#b03a2e", "0.35", "black"
+
+
+def look(rows):
+    """Widths in points of the edge of a disk and of a strong contact, and whether an SVG holds them as pixels."""
+    if len(rows) < 3000:
+        return 0.15, 2.2, False
+    return (0.0, 0.7, False) if len(rows) < 30000 else (0.0, 0.35, True)
 
 
 def draw_disks(axes, rows):
@@ -23,24 +31,25 @@ def draw_disks(axes, rows):
             colours.append(SUBDOMAINS[int(max(row["subdomain"], 0)) % len(SUBDOMAINS)])
     size = 2 * style.column(rows, "radius")
     places = np.column_stack([style.column(rows, "x"), style.column(rows, "y")])
-    edge = 0.15 if len(rows) < 3000 else 0.0
+    edge, _, pixels = look(rows)
     axes.add_collection(EllipseCollection(size, size, np.zeros(len(rows)), units="xy", offsets=places,
                                           transOffset=axes.transData, facecolors=colours, edgecolors="white",
-                                          linewidths=edge))
+                                          linewidths=edge, rasterized=pixels))
     margin = size.max()
     axes.set_xlim(places[:, 0].min() - margin, places[:, 0].max() + margin)
     axes.set_ylim(places[:, 1].min() - margin, places[:, 1].max() + margin)
     axes.set_aspect("equal")
 
 
-def draw_chains(axes, rows, largest, widest):
+def draw_chains(axes, rows, largest, widest, pixels):
     strong = [r for r in rows if r["impulse_n"] > 0.02 * largest]
     segments = [[(r["x_a"], r["y_a"]), (r["x_b"], r["y_b"])] for r in strong]
     widths = np.minimum(style.column(strong, "impulse_n") / largest, 1.5) * widest if strong else []
-    axes.add_collection(LineCollection(segments, linewidths=widths, colors=CHAIN, capstyle="round"))
+    axes.add_collection(LineCollection(segments, linewidths=widths, colors=CHAIN, capstyle="round",
+                                       rasterized=pixels))
 
 
-def draw_one(results, output, formats, study, name, suffix=""):
+def draw_one(results, output, formats, study, suffix=""):
     disks = style.read_table(results, f"{study}/disks{suffix}.csv", texts="case",
                              numbers="step x y radius subdomain multiplicity", flags="driven")
     chains = style.read_table(results, f"{study}/chains{suffix}.csv", texts="case",
@@ -53,7 +62,8 @@ def draw_one(results, output, formats, study, name, suffix=""):
         links = style.where(chains, step=step)
         # Widths relative to the impulse that one contact in fifty exceeds in this state.
         largest = np.quantile(style.column(links, "impulse_n"), 0.98) if links else 1.0
-        draw_chains(axes, links, largest, 2.2 if len(own) < 3000 else 0.7)
+        _, widest, pixels = look(own)
+        draw_chains(axes, links, largest, widest, pixels)
         style.panel(axes, letter, f"after {step:.0f} steps" if step else "initial")
         axes.set_xlabel("$x$ (m)")
     grid.flat[0].set_ylabel("$y$ (m)")
@@ -65,15 +75,18 @@ def draw_one(results, output, formats, study, name, suffix=""):
     labels = [f"subdomain {k + 1}" for k in range(min(number, len(SUBDOMAINS)))]
     labels += ["interface grains", "boundaries", "normal impulse (width)"]
     style.legend_above(fig, handles, labels, 3)
-    return style.save(fig, output, name, formats)
+    return style.save(fig, output, f"{study}{suffix}", formats)
 
 
 def draw_8(results, output, formats):
-    return draw_one(results, output, formats, "figure-8", "figure-8")
+    paths = draw_one(results, output, formats, "figure-8")
+    if os.path.exists(os.path.join(results, "figure-8/disks-large.csv")):  # run on demand only
+        paths += draw_one(results, output, formats, "figure-8", "-large")
+    return paths
 
 
 def draw_10(results, output, formats):
-    return draw_one(results, output, formats, "figure-10", "figure-10")
+    return draw_one(results, output, formats, "figure-10")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures 9 and 11: indicators of convergence against iterations of a step with friction."""
+import os
 import sys
 
 import style
@@ -13,8 +14,8 @@ def loglog(axes, rows):
     axes.set_xlabel("iteration $i$")
 
 
-def draw_9(results, output, formats):
-    rows = style.read_table(results, "figure-9/indicators.csv", texts="case",
+def draw_one_9(results, output, formats, suffix=""):
+    rows = style.read_table(results, f"figure-9/indicators{suffix}.csv", texts="case",
                             numbers="iteration zeta interface_change natural_map")
     fig, axes = style.figure(style.COLUMN, 66)
     loglog(axes, rows)
@@ -27,7 +28,14 @@ def draw_9(results, output, formats):
         axes.plot(style.column(own, "iteration"), style.column(own, column), label=label, **look)
     axes.set_ylabel("indicator")
     axes.legend()
-    return style.save(fig, output, "figure-9", formats)
+    return style.save(fig, output, f"figure-9{suffix}", formats)
+
+
+def draw_9(results, output, formats):
+    paths = draw_one_9(results, output, formats)
+    if os.path.exists(os.path.join(results, "figure-9/indicators-large.csv")):  # run on demand only
+        paths += draw_one_9(results, output, formats, "-large")
+    return paths
 
 
 def draw_11(results, output, formats):
