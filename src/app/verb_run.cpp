@@ -60,7 +60,8 @@ std::vector<Case> cases_of(const Study& study) {
 }
 
 // One table of the study, the rows found included; false where it was interrupted.
-bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interruption, Table& result) {
+bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interruption, LeadIn& lead_in,
+             Table& result) {
   const auto collect = [&](const Row& row) { result.rows.push_back(row); };
   csv.replay(collect);
   Index failed = 0;
@@ -72,7 +73,7 @@ bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interrup
           csv.write(row);
           collect(row);
         },
-        interruption.watch(progress.monitor()), csv.kept());
+        interruption.watch(progress.monitor()), csv.kept(), &lead_in);
   }
   if (interruption.stopped()) return false;
   csv.finish();
@@ -114,7 +115,7 @@ int check_baselines(const Study& study, const std::string& folder, const std::ve
     const StudyTable& work = study.tables[i];
     if (!has_baseline(work, baseline)) continue;
     const std::string found = compare(tables[i].table, parse_csv(read_text(baseline), baseline),
-                                      work.check_tolerance, work.column_tolerance);
+                                      work.check_tolerance, work.column_tolerance, work.check_relative);
     if (found.empty()) continue;
     note(fmt::format("{}/{} differs from {}: {}", study.name, tables[i].name, baseline, found));
     exit_code = 1;
@@ -173,10 +174,12 @@ int run(const Options& options) {
 
   std::vector<NamedTable> tables;
   std::string seeds;
+  LeadIn lead_in;
   for (const StudyTable& work : study.tables) {
     ResumableTable csv(outputs.table(work), work, how);
     tables.push_back({work.name, {study_columns(work), {}}});
-    if (!run_one(work, csv, interruption, tables.back().table)) return leave(csv, work, outputs.table(work));
+    if (!run_one(work, csv, interruption, lead_in, tables.back().table))
+      return leave(csv, work, outputs.table(work));
     if (work.observable == Observable::observed_rate) seeds += fmt::format("{} {}\n", work.name, work.seed);
   }
   Provenance origin = provenance(options.context, cases_of(study));

@@ -107,18 +107,28 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
   }
 }
 
-// Steps of cases that move: done (configuration, force_chains), or examined, which counts from 1.
+// Steps of cases that move: done (configuration, force_chains, runs), or examined, which counts from 1.
 void read_steps(StrictTable& section, StudyTable& table) {
   const std::vector<std::string> items = list(section, "steps");
   if (items.empty()) return;
-  const bool done =
-      table.observable == Observable::configuration || table.observable == Observable::force_chains;
+  const bool done = table.observable == Observable::configuration ||
+                    table.observable == Observable::force_chains || table.observable == Observable::runs;
   table.steps.clear();
   for (const std::string& item : items) {
     table.steps.push_back(parse_integer(item, section.location(section.node("steps")) + ": steps"));
     check_bounds(table.steps.back(), Field{.description = "", .minimum = done ? 0.0 : 1.0, .maximum = 1e9},
                  section.location(section.node("steps")) + ": steps");
   }
+}
+
+void read_lead_in(StrictTable& section, StudyTable& table) {
+  const bool always_own = table.observable == Observable::runs;
+  std::string name(to_string(always_own ? LeadInSolver::own : table.lead_in));
+  section.read("lead_in", name);
+  if (name != "own" && (always_own || name != "plain"))
+    section.fail("lead_in", always_own ? "\"own\", as runs always are" : "\"plain\" or \"own\"",
+                 "\"" + name + "\"");
+  table.lead_in = name == "own" ? LeadInSolver::own : LeadInSolver::plain;
 }
 
 StudyTable read_table(StrictTable section, const CaseReader& read) {
@@ -161,7 +171,9 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));
   table.seed = static_cast<std::uint64_t>(seed);
   read_steps(section, table);
+  read_lead_in(section, table);
   section.read("baseline", table.baseline);
+  section.read("check_relative", table.check_relative);
   read_tolerances(section, table);
   section.finish();
   return table;

@@ -30,7 +30,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-bool same_value(const Cell& cell, const std::string& expected, double tolerance) {
+bool same_value(const Cell& cell, const std::string& expected, double tolerance, bool relative) {
   const std::string text = to_text(cell);
   if (text == expected) return true;
   if (!std::holds_alternative<double>(cell)) return false;
@@ -41,7 +41,8 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance)
   } catch (const Error&) {
     return false;
   }
-  return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * std::max(1.0, std::abs(b));
+  const double scale = relative ? std::abs(b) : std::max(1.0, std::abs(b));
+  return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * scale;
 }
 
 // The values of one line; those in quotes that are not as they stand in the text are kept in `quoted`.
@@ -211,7 +212,7 @@ Table untyped_table(const CsvText& csv) {
 }
 
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
-                    const std::map<std::string, double>& column_tolerance) {
+                    const std::map<std::string, double>& column_tolerance, bool relative) {
   constexpr std::array<std::string_view, 5> not_compared{"applications", "iterations", "spectra", "residual",
                                                          "difference"};
   std::vector<std::string> names;
@@ -224,7 +225,7 @@ std::string compare(const Table& table, const CsvText& expected, double toleranc
       if (std::find(not_compared.begin(), not_compared.end(), names[j]) != not_compared.end()) continue;
       const auto own = column_tolerance.find(names[j]);
       if (!same_value(table.rows[i][j], expected.rows[i][j],
-                      own == column_tolerance.end() ? tolerance : own->second))
+                      own == column_tolerance.end() ? tolerance : own->second, relative))
         return fmt::format("row {}, column {}: expected {}, met {}", i + 1, names[j], expected.rows[i][j],
                            to_text(table.rows[i][j]));
     }

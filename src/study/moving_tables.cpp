@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/moving_tables.hpp>
 #include <nscdd/study/predicted_observed.hpp>
 #include <nscdd/study/simulation_tables.hpp>
-#include <nscdd/study/step_decomposition.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace nscdd {
 namespace {
-
-StepSolver lead_in_solver() {
-  StepSolver solver;
-  solver.warm_start = true;
-  solver.order = "interleaved";
-  solver.criterion = "zeta";
-  solver.tolerance = 1e-6;
-  solver.maximum_iterations = 2000;
-  return solver;
-}
 
 std::vector<Column> solver_columns() {
   return {{"case", "", "name of the case"},
@@ -78,17 +64,6 @@ Membership membership(const SolvedStep& step, Index disks) {
   return result;
 }
 
-// The next step after a state, solved as the steps on the way are, but decomposed as the case says.
-SolvedStep next_step(Simulation simulation) {
-  const StepSolver of_case = simulation.dynamics.solver;
-  simulation.dynamics.solver = lead_in_solver();
-  SolvedStep step = solve_step(simulation);
-  simulation.dynamics.solver = of_case;
-  if (simulation.dynamics.solver.algorithm == "nlgs") simulation.dynamics.solver.algorithm = "generic";
-  step.partition = partition_step(simulation, step.problem);
-  return step;
-}
-
 // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
 bool shown(Index iteration) {
   const auto place = [](Index i) { return std::floor(40 * std::log10(static_cast<double>(i))); };
@@ -97,31 +72,6 @@ bool shown(Index iteration) {
 
 }  // namespace
 
-Simulation LeadIn::at(const Case& one, Index steps, const Monitor& monitor) {
-  Simulation fresh = simulation_of(one, monitor);
-  Case bare = one;
-  bare.dynamics->solver = lead_in_solver();
-  bare.dynamics->time.steps = 0;
-  const std::string key = to_toml(bare);
-  auto found = known_.find(key);
-  if (found == known_.end() || found->second.state.step > steps) {
-    fresh.dynamics.solver = lead_in_solver();
-    found = known_.insert_or_assign(key, std::move(fresh)).first;
-  }
-  Simulation& simulation = found->second;
-  while (simulation.state.step < steps) {
-    SolvedStep step = solve_step(simulation);
-    if (step.report.status == SolverStatus::diverged || step.report.status == SolverStatus::no_number)
-      throw Error(fmt::format("step {}: {}: {}", step.report.step, to_string(step.report.status),
-                              describe_breakdown(step)));
-    take_step(simulation, std::move(step));
-    if (!report(monitor, simulation.state.step, steps)) break;
-  }
-  Simulation result = simulation;
-  result.dynamics.solver = one.dynamics->solver;
-  return result;
-}
-
 std::vector<Column> indicator_columns() {
   std::vector<Column> columns = solver_columns();
   const std::vector<Column> more = timeless_columns();
@@ -129,9 +79,8 @@ std::vector<Column> indicator_columns() {
   return columns;
 }
 
-void indicator_rows(const Case& one, Index step, LeadIn& lead_in, const RowSink& sink,
-                    const Monitor& monitor) {
-  const Simulation simulation = lead_in.at(one, step - 1, monitor);
+void indicator_rows(const Case& one, Place before, LeadIn& lead_in, const RowSink& sink) {
+  const Simulation simulation = lead_in.at(one, before.steps, before.solver).simulation;
   std::vector<IterationRow> rows;
   const SolvedStep solved = solve_step(simulation, [&](const IterationRow& row) { rows.push_back(row); });
   const Row cells = solver_cells(one, simulation, solved.report.eta, solved.report.interface_size);
@@ -157,17 +106,14 @@ std::vector<Column> configuration_columns() {
           {"multiplicity", "1", "subdomains that hold it"}};
 }
 
-void configuration_rows(const Case& one, const std::vector<Index>& steps, LeadIn& lead_in,
-                        const RowSink& sink, const Monitor& monitor) {
-  for (const Index number : steps) {
-    const Simulation simulation = lead_in.at(one, number, monitor);
-    const GranularState& state = simulation.state;
-    const Membership of = membership(next_step(simulation), simulation.system.disks());
-    for (Index i = 0; i < simulation.system.disks(); ++i)
-      sink({one.name, std::int64_t{number}, std::int64_t{i}, state.x[nscdd::at(i)], state.y[nscdd::at(i)],
-            simulation.system.radius[nscdd::at(i)], state.angle[nscdd::at(i)], !simulation.system.free(i),
-            std::int64_t{of.first[nscdd::at(i)]}, std::int64_t{of.multiplicity[nscdd::at(i)]}});
-  }
+void configuration_rows(const Case& one, Place place, LeadIn& lead_in, const RowSink& sink) {
+  const Simulation simulation = lead_in.at(one, place.steps, place.solver).simulation;
+  const GranularState& state = simulation.state;
+  const Membership of = membership(next_step(simulation, place.solver), simulation.system.disks());
+  for (Index i = 0; i < simulation.system.disks(); ++i)
+    sink({one.name, std::int64_t{place.steps}, std::int64_t{i}, state.x[at(i)], state.y[at(i)],
+          simulation.system.radius[at(i)], state.angle[at(i)], !simulation.system.free(i),
+          std::int64_t{of.first[at(i)]}, std::int64_t{of.multiplicity[at(i)]}});
 }
 
 std::vector<Column> chain_columns() {
@@ -183,24 +129,62 @@ std::vector<Column> chain_columns() {
           {"subdomain", "1", "subdomain of the contact"}};
 }
 
-void chain_rows(const Case& one, const std::vector<Index>& steps, LeadIn& lead_in, const RowSink& sink,
-                const Monitor& monitor) {
-  for (const Index number : steps) {
-    const Simulation simulation = lead_in.at(one, number, monitor);
-    const SolvedStep step = next_step(simulation);
-    const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
-    for (std::size_t k = 0; k < step.contacts.size(); ++k) {
-      const DiskContact& c = step.contacts[k];
-      const StepContact& g = step.problem.geometry[k];
-      if (c.impulse_n == 0 && c.impulse_t == 0) continue;
-      const bool wall = g.b >= simulation.system.disks();
-      const auto a = nscdd::at(g.a), b = nscdd::at(g.b);
-      sink({one.name, std::int64_t{number}, simulation.state.x[a], simulation.state.y[a],
-            wall ? g.point[0] : simulation.state.x[b], wall ? g.point[1] : simulation.state.y[b], c.impulse_n,
-            c.impulse_t, std::string(to_string(status_of(law, c))),
-            std::int64_t{step.partition.subdomain_of_contact[k]}});
-    }
+void chain_rows(const Case& one, Place place, LeadIn& lead_in, const RowSink& sink) {
+  const Simulation simulation = lead_in.at(one, place.steps, place.solver).simulation;
+  const SolvedStep step = next_step(simulation, place.solver);
+  const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
+  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
+    const DiskContact& c = step.contacts[k];
+    const StepContact& g = step.problem.geometry[k];
+    if (c.impulse_n == 0 && c.impulse_t == 0) continue;
+    const bool wall = g.b >= simulation.system.disks();
+    const auto a = at(g.a), b = at(g.b);
+    sink({one.name, std::int64_t{place.steps}, simulation.state.x[a], simulation.state.y[a],
+          wall ? g.point[0] : simulation.state.x[b], wall ? g.point[1] : simulation.state.y[b], c.impulse_n,
+          c.impulse_t, std::string(to_string(status_of(law, c))),
+          std::int64_t{step.partition.subdomain_of_contact[k]}});
   }
+}
+
+std::vector<Column> run_columns() {
+  std::vector<Column> columns = solver_columns();
+  const std::vector<Column> more{
+      {"steps", "1", "steps of the run"},
+      {"converged_steps", "1", "of them those that converged"},
+      {"iterations", "1", "of all steps"},
+      {"natural_map", "1", "|natural map| / |r| of the velocities kept, the worst of all steps"},
+      {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps"},
+      {"kinetic", "J", "energy of the free disks at the end"},
+      {"distance_mean", "m", "of the free disks at the end from those of plain Gauss-Seidel"},
+      {"distance_maximum", "m", "the largest of these distances"}};
+  columns.insert(columns.end(), more.begin(), more.end());
+  return columns;
+}
+
+void run_row(const Case& one, Index steps, LeadIn& lead_in, const RowSink& sink) {
+  const Arrival own = lead_in.at(one, steps, LeadInSolver::own);
+  const GranularState plain = lead_in.at(one, steps, LeadInSolver::plain).simulation.state;
+  const GranularSystem& system = own.simulation.system;
+  const GranularState& state = own.simulation.state;
+  double mean = 0, maximum = 0;
+  for (Index i = 0; i < system.disks(); ++i) {
+    if (!system.free(i)) continue;
+    const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)]);
+    mean += distance / static_cast<double>(system.free_disks());
+    maximum = std::max(maximum, distance);
+  }
+  const RunTotals& totals = own.totals;
+  Row row = solver_cells(one, own.simulation, totals.eta, totals.interface_size);
+  const Row more{std::int64_t{steps},
+                 std::int64_t{totals.converged},
+                 std::int64_t{totals.iterations},
+                 totals.natural_map,
+                 totals.gluing,
+                 totals.kinetic,
+                 mean,
+                 maximum};
+  row.insert(row.end(), more.begin(), more.end());
+  sink(row);
 }
 
 std::vector<Column> predicted_observed_columns() {
@@ -216,6 +200,9 @@ std::vector<Column> predicted_observed_columns() {
       {"observed", "1",
        "rate fitted to the run; nan where no stretch of fixed statuses decays enough, at one rate"},
       {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it"},
+      {"relative_gap", "1", "|observed - predicted| / (1 - predicted)"},
+      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit"},
+      {"rate_z", "1", "rate fitted to Z itself over the same iterations"},
       {"first_iteration", "1", "first iteration fitted"},
       {"last_iteration", "1", "last iteration fitted"},
       {"iterations", "1", "iterations run"},
@@ -225,13 +212,12 @@ std::vector<Column> predicted_observed_columns() {
   return columns;
 }
 
-bool predicted_observed_row(const Case& one, Index step, LeadIn& lead_in, const RowSink& sink,
-                            const Monitor& monitor) {
-  const Simulation simulation = lead_in.at(one, step - 1);
-  const PredictedObserved result = predicted_observed(simulation, monitor);
+bool predicted_observed_row(const Case& one, Place before, LeadIn& lead_in, const RowSink& sink) {
+  const Simulation simulation = lead_in.at(one, before.steps, before.solver).simulation;
+  const PredictedObserved result = predicted_observed(simulation);
   const bool known = result.converged && result.observed == result.observed;
   Row row = solver_cells(one, simulation, result.eta, result.interface_size);
-  const Row more{std::int64_t{step},
+  const Row more{std::int64_t{before.steps + 1},
                  std::int64_t{result.active},
                  std::int64_t{result.stick},
                  std::int64_t{result.slide},
@@ -240,6 +226,9 @@ bool predicted_observed_row(const Case& one, Index step, LeadIn& lead_in, const 
                  result.complex_pair,
                  result.observed,
                  result.observed_error,
+                 result.relative_gap(),
+                 result.agree(),
+                 result.rate_z,
                  std::int64_t{result.first},
                  std::int64_t{result.last},
                  std::int64_t{result.iterations},

@@ -23,6 +23,7 @@ constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth 
 struct Stretch {
   Index first = 0;
   std::vector<double> decay;  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as it stands out of rounding
+  std::vector<double> z;      // Z of the same iterations
   std::vector<ContactStatus> statuses;
 
   double depth() const { return decay.size() < 2 * shortest ? 1.0 : decay.back() / decay.front(); }
@@ -31,14 +32,16 @@ struct Stretch {
 // Follows a run and keeps the stretch that decayed most.
 class Stretches {
  public:
-  void record(Index iteration, double second_change, std::vector<ContactStatus> statuses) {
+  void record(const IterationRecord& record, std::vector<ContactStatus> statuses) {
     if (statuses != now_.statuses) {
       close();
-      now_ = {.first = iteration, .decay = {}, .statuses = std::move(statuses)};
+      now_ = {.first = record.iteration, .decay = {}, .z = {}, .statuses = std::move(statuses)};
       ended_ = false;
     }
-    ended_ = ended_ || !(second_change > rounding);
-    if (!ended_) now_.decay.push_back(second_change);
+    ended_ = ended_ || !(record.interface_second_change > rounding);
+    if (ended_) return;
+    now_.decay.push_back(record.interface_second_change);
+    now_.z.push_back(record.interface_change);
   }
   Stretch best() {
     close();
@@ -56,10 +59,11 @@ class Stretches {
 void fit(PredictedObserved& result, const Stretch& stretch) {
   if (stretch.depth() > least_decay) return;
   const std::size_t begin = stretch.decay.size() / 2;
-  std::vector<double> x, y;
+  std::vector<double> x, y, z;
   for (std::size_t k = begin; k < stretch.decay.size(); ++k) {
     x.push_back(static_cast<double>(k - begin));
     y.push_back(std::log(stretch.decay[k]));
+    z.push_back(std::log(stretch.z[k]));
   }
   const LinearFit line = linear_fit(x, y);
   const std::size_t half = x.size() / 2;
@@ -69,6 +73,7 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   // A rate that still changes by this much along the fit is not that of one mode.
   if (drift > largest_drift * std::abs(line.slope)) return;
   result.observed = std::exp(line.slope);
+  result.rate_z = std::exp(linear_fit(x, z).slope);
   result.observed_error = result.observed * (line.slope_error + drift);
   result.first = stretch.first + static_cast<Index>(begin);
   result.last = stretch.first + count(stretch.decay) - 1;
@@ -96,6 +101,14 @@ void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>&
 
 }  // namespace
 
+double PredictedObserved::relative_gap() const {
+  return std::abs((observed - predicted) / (1 - predicted));
+}
+
+bool PredictedObserved::agree() const {
+  return relative_gap() <= 0.01 || std::abs(observed - predicted) <= 3 * observed_error;
+}
+
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {
   require_comparable(simulation.dynamics);
   const StepSolver& solver = simulation.dynamics.solver;
@@ -108,7 +121,7 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   result.interface_size = parts.interface_size();
   for (;;) {
     const IterationRecord record = step.iteration.iterate();
-    stretches.record(record.iteration, record.interface_second_change, step.iteration.statuses());
+    stretches.record(record, step.iteration.statuses());
     result.iterations = record.iteration;
     const ContactResidual residual =
         needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{};

@@ -32,6 +32,8 @@ std::vector<Column> observable_columns(const StudyTable& table) {
       return chain_columns();
     case Observable::predicted_observed:
       return predicted_observed_columns();
+    case Observable::runs:
+      return run_columns();
   }
   return {};
 }
@@ -45,6 +47,7 @@ std::optional<Index> rows_per_case(const StudyTable& table) {
     case Observable::optimum:
       return count(table.sweep.epsilon);
     case Observable::predicted_observed:
+    case Observable::runs:
       return count(table.steps);
     case Observable::links:
     case Observable::grains:
@@ -75,6 +78,7 @@ Index observe(const Model& model, const StudyTable& table, const RowSink& sink, 
     case Observable::configuration:
     case Observable::force_chains:
     case Observable::predicted_observed:
+    case Observable::runs:
       break;  // of cases that move: see observe_moving
   }
   return 0;
@@ -83,14 +87,16 @@ Index observe(const Model& model, const StudyTable& table, const RowSink& sink, 
 Index observe_moving(const Case& one, const StudyTable& table, LeadIn& lead_in, const RowSink& sink,
                      const Monitor& monitor, Index first) {
   Index failed = 0;
-  if (table.observable == Observable::configuration) configuration_rows(one, table.steps, lead_in, sink);
-  if (table.observable == Observable::force_chains) chain_rows(one, table.steps, lead_in, sink);
   for (Index k = first; k < count(table.steps); ++k) {
-    if (table.observable == Observable::indicators) indicator_rows(one, table.steps[at(k)], lead_in, sink);
-    if (table.observable == Observable::predicted_observed) {
-      failed += !predicted_observed_row(one, table.steps[at(k)], lead_in, sink);
-      if (!report(monitor, k + 1, count(table.steps))) break;
-    }
+    const Index steps = table.steps[at(k)];
+    const Place done{steps, table.lead_in}, before{steps - 1, table.lead_in};
+    if (table.observable == Observable::configuration) configuration_rows(one, done, lead_in, sink);
+    if (table.observable == Observable::force_chains) chain_rows(one, done, lead_in, sink);
+    if (table.observable == Observable::indicators) indicator_rows(one, before, lead_in, sink);
+    if (table.observable == Observable::predicted_observed)
+      failed += !predicted_observed_row(one, before, lead_in, sink);
+    if (table.observable == Observable::runs) run_row(one, steps, lead_in, sink);
+    if (rows_per_case(table) && !report(monitor, k + 1, count(table.steps))) break;
   }
   return failed;
 }
@@ -158,7 +164,8 @@ Row varied_cells(const StudyTable& table, const Combination& combination) {
 
 bool moves(Observable observable) {
   return observable == Observable::indicators || observable == Observable::configuration ||
-         observable == Observable::force_chains || observable == Observable::predicted_observed;
+         observable == Observable::force_chains || observable == Observable::predicted_observed ||
+         observable == Observable::runs;
 }
 
 std::vector<Column> study_columns(const StudyTable& table) {
@@ -185,8 +192,9 @@ std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, I
   std::vector<std::pair<std::string, Cell>> cells{{"case", table.cases[at(combination.base)].name}};
   const std::vector<Variation> parameters = variations(table);
   for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(parameters[i].parameter, varied[i]);
-  if (table.observable == Observable::predicted_observed) {
-    cells.emplace_back("step", std::int64_t{table.steps[at(number)]});
+  if (moves(table.observable)) {
+    cells.emplace_back(table.observable == Observable::runs ? "steps" : "step",
+                       std::int64_t{table.steps[at(number)]});
     return cells;
   }
   if (table.observable == Observable::optimum) {
@@ -217,7 +225,8 @@ VariedCase varied_case(const StudyTable& table, Index number) {
   return varied;
 }
 
-Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first) {
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first,
+                LeadIn* lead_in) {
   const std::optional<Index> rows = rows_per_case(table);
   if (!rows && first > 0)
     throw Error(fmt::format("table {}: expected to start at row 0, met {}: its rows are not known beforehand",
@@ -225,7 +234,8 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
   const Index cases = varied_case_count(table), total = cases * rows.value_or(1);
   Index failed = 0;
   bool stopped = false;
-  LeadIn lead_in;
+  LeadIn own;
+  LeadIn& states = lead_in == nullptr ? own : *lead_in;
   for (Index number = rows ? first / *rows : 0; number < cases && !stopped; ++number) {
     const auto [one, cells] = varied_case(table, number);
     const RowSink with_varied = [&sink, &varied = cells](const Row& row) {
@@ -239,7 +249,7 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
     };
     try {
       const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
-      failed += moves(table.observable) ? observe_moving(one, table, lead_in, with_varied, within, known)
+      failed += moves(table.observable) ? observe_moving(one, table, states, with_varied, within, known)
                                         : observe(build(one), table, with_varied, within, known);
     } catch (const Error& error) {
       throw Error(fmt::format("case {}: {}", one.name, error.what()));

@@ -88,6 +88,8 @@ std::string options_text(const StudyTable& table) {
   text += fmt::format("relaxation = {}\n", list_text(texts(sweep.relaxation, "optimal")));
   text += fmt::format("gauss_seidel_sweeps = {}\n", list_text(texts(sweep.gauss_seidel_sweeps, "inf")));
   text += fmt::format("contacts = {}\n", to_string(sweep.contacts));
+  if (moves(table.observable))
+    text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
   return text + fmt::format("seed = {}\n", table.seed);
 }
 

@@ -82,9 +82,10 @@ Table untyped_table(const CsvText& csv);
 
 /// First difference between a table and the CSV text of another, or "" where there is none: same columns,
 /// same number of rows, texts equal, numbers within `tolerance` x max(1, |number|), or the tolerance given
-/// for their column. Columns that tell the effort of a solver (applications, iterations, spectra) or its
-/// rounding (residual, difference) are not compared.
+/// for their column (`relative`: x |number| alone, so that small numbers count as much as large ones).
+/// Columns that tell the effort of a solver (applications, iterations, spectra) or its rounding (residual,
+/// difference) are not compared.
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
-                    const std::map<std::string, double>& column_tolerance = {});
+                    const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
 
 }  // namespace nscdd

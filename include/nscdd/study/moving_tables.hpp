@@ -1,49 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/monitor.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/study/case.hpp>
-#include <nscdd/study/simulation.hpp>
+#include <nscdd/study/lead_in.hpp>
 #include <nscdd/study/sweep.hpp>
 
-#include <map>
-#include <string>
 #include <vector>
 
 namespace nscdd {
 
-/// States of cases on the way, kept so that variants of the solver of a step start from the same one. The
-/// steps before are solved by plain Gauss-Seidel, warm-started, to zeta <= 1e-6 or 2 000 sweeps, whatever the
-/// solver of the case.
-class LeadIn {
- public:
-  /// The simulation of a case after `steps` steps, with the solver of the case. Throws Error for a case that
-  /// is not made to move and where a step on the way breaks down.
-  Simulation at(const Case& one, Index steps, const Monitor& monitor = {});
-
- private:
-  std::map<std::string, Simulation> known_;  // by the case without its solver
+/// A place on the way of a case, and how to get there.
+struct Place {
+  Index steps = 0;  ///< done
+  LeadInSolver solver = LeadInSolver::plain;
 };
 
-/// Indicators of the iterations of step `step` (from 1), one row each: all up to the twentieth, then about
+/// Indicators of the iterations of the step after a place, one row each: all up to the twentieth, then about
 /// forty per decade, and the last. Figures 9 and 11 of [ADI12].
 std::vector<Column> indicator_columns();
-void indicator_rows(const Case& one, Index step, LeadIn& lead_in, const RowSink& sink,
-                    const Monitor& monitor = {});
+void indicator_rows(const Case& one, Place before, LeadIn& lead_in, const RowSink& sink);
 
-/// Disks after given numbers of steps, one row each, and the contacts that carry an impulse: Figures 8
+/// Disks at a place, one row each, and the contacts that carry an impulse in the step after it: Figures 8
 /// and 10.
 std::vector<Column> configuration_columns();
-void configuration_rows(const Case& one, const std::vector<Index>& steps, LeadIn& lead_in,
-                        const RowSink& sink, const Monitor& monitor = {});
+void configuration_rows(const Case& one, Place place, LeadIn& lead_in, const RowSink& sink);
 std::vector<Column> chain_columns();
-void chain_rows(const Case& one, const std::vector<Index>& steps, LeadIn& lead_in, const RowSink& sink,
-                const Monitor& monitor = {});
+void chain_rows(const Case& one, Place place, LeadIn& lead_in, const RowSink& sink);
 
-/// Predicted beside observed rate of step `step`, one row per case; returns whether both are known.
+/// A run of `steps` steps with the solver of the case: iterations, residuals, and how far it has taken the
+/// free disks from where plain Gauss-Seidel (LeadInSolver::plain) takes them. One row.
+std::vector<Column> run_columns();
+void run_row(const Case& one, Index steps, LeadIn& lead_in, const RowSink& sink);
+
+/// Predicted beside observed rate of the step after a place, one row; returns whether both are known.
 std::vector<Column> predicted_observed_columns();
-bool predicted_observed_row(const Case& one, Index step, LeadIn& lead_in, const RowSink& sink,
-                            const Monitor& monitor = {});
+bool predicted_observed_row(const Case& one, Place before, LeadIn& lead_in, const RowSink& sink);
 
 }  // namespace nscdd

@@ -19,9 +19,16 @@ struct PredictedObserved {
   bool converged = false;                 ///< of the prediction
   double observed = not_a_number;         ///< factor per iteration; NaN where no stretch decayed enough
   double observed_error = not_a_number;   ///< standard error of the fit plus drift along it
+  double rate_z = not_a_number;           ///< factor per iteration of Z itself over the stretch fitted
   Index first = 0, last = 0;              ///< iterations of the stretch fitted
   Index iterations = 0;                   ///< run in all
   SolverStatus status = SolverStatus::maximum_reached;
+
+  /// |observed - predicted| / (1 - predicted): what is left of a run to say about its rate. NaN where either
+  /// is not known.
+  double relative_gap() const;
+  /// Whether the gap is at most 1 %, or the rates differ by at most three times `observed_error`.
+  bool agree() const;
 };
 
 /// Runs the iterations of the next step of a simulation to their end, and looks for the stretch of iterations

@@ -4,6 +4,7 @@
 #include <nscdd/core/monitor.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/study/case.hpp>
+#include <nscdd/study/lead_in.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <array>
@@ -28,10 +29,11 @@ enum class Observable {
   configuration,       ///< disks of a moving case after some steps
   force_chains,        ///< impulses of a moving case after some steps
   predicted_observed,  ///< rate of a step with friction: frozen statuses beside the run
+  runs,                ///< whole runs of a moving case with its own solver
 };
 
 /// Name and summary of each observable, in the order of the enumeration.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 9> observables{{
+inline constexpr std::array<std::pair<std::string_view, std::string_view>, 10> observables{{
     {"spectral_radius", "spectral radius of the contraction operator at every point of a sweep"},
     {"optimum", "best flexibility eta of the enriched algorithm, with and without relaxation"},
     {"observed_rate", "rate fitted to a run of the algorithm, beside the predicted radius"},
@@ -41,6 +43,8 @@ inline constexpr std::array<std::pair<std::string_view, std::string_view>, 9> ob
     {"configuration", "disks of a case that moves after some steps, with their subdomains"},
     {"force_chains", "contacts with their impulses of a case that moves after some steps"},
     {"predicted_observed", "rate of a step with friction, predicted at its frozen statuses and observed"},
+    {"runs",
+     "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel"},
 }};
 
 /// Whether an observable is one of cases that move.
@@ -64,12 +68,14 @@ struct StudyTable {
   SweepParameters sweep;
   std::uint64_t seed = 1;
   std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
-  bool large = false;           ///< run only where large tables are asked for
-  bool baseline = true;         ///< whether the study keeps one (a picture of thousands of disks does not)
+  LeadInSolver lead_in = LeadInSolver::plain;  ///< of a case that moves: how it gets there
+  bool large = false;                          ///< run only where large tables are asked for
+  bool baseline = true;  ///< whether the study keeps one (a picture of thousands of disks does not)
   /// What a comparison with the baseline allows for, times max(1, |number|), and for single columns instead
   /// of it (the place of a flat minimum is known less well than its value).
   double check_tolerance = 1e-8;
   std::map<std::string, double> column_tolerance;
+  bool check_relative = false;  ///< times |number| alone, for columns that fall over decades
 };
 
 /// A study folder, resolved.
@@ -104,7 +110,8 @@ VariedCase varied_case(const StudyTable& table, Index number);
 /// Rows of a study table from row `first` on, as they come; returns how many of them did not converge. No
 /// case is built whose rows are all known. Throws Error naming the case where one cannot be built, and for
 /// `first` > 0 where the number of rows is not known beforehand. The monitor counts rows (cases where the
-/// number of rows is not known).
-Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0);
+/// number of rows is not known). Tables that look at the same cases on the way may share the `lead_in`.
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
+                LeadIn* lead_in = nullptr);
 
 }  // namespace nscdd

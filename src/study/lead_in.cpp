@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/study/lead_in.hpp>
+#include <nscdd/study/step_decomposition.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace nscdd {
+namespace {
+
+StepSolver plain_solver() {
+  StepSolver solver;
+  solver.warm_start = true;
+  solver.order = "interleaved";
+  solver.criterion = "zeta";
+  solver.tolerance = 1e-6;
+  solver.maximum_iterations = 2000;
+  return solver;
+}
+
+void advance(Arrival& arrival) {
+  SolvedStep step = solve_step(arrival.simulation);
+  if (step.report.status == SolverStatus::diverged || step.report.status == SolverStatus::no_number)
+    throw Error(fmt::format("step {}: {}: {}", step.report.step, to_string(step.report.status),
+                            describe_breakdown(step)));
+  arrival.totals.add(take_step(arrival.simulation, std::move(step)));
+}
+
+}  // namespace
+
+std::string_view to_string(LeadInSolver solver) { return solver == LeadInSolver::own ? "own" : "plain"; }
+
+void RunTotals::add(const StepReport& report) {
+  iterations += report.last.iteration;
+  converged += report.status == SolverStatus::converged;
+  natural_map = std::max(natural_map, report.residual.relative_natural_map());
+  gluing = std::max(gluing, report.last.gluing);
+  kinetic = report.energy.kinetic;
+  eta = report.eta;
+  interface_size = report.interface_size;
+}
+
+Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
+  Simulation fresh = simulation_of(one);
+  const StepSolver of_case = fresh.dynamics.solver;
+  const StepSolver used = solver == LeadInSolver::own ? of_case : plain_solver();
+  Case way = one;
+  way.dynamics->solver = used;
+  way.dynamics->time.steps = 0;
+  std::map<Index, Arrival>& kept = known_[to_toml(way)];
+  const auto behind = kept.upper_bound(steps);
+  Arrival arrival = behind == kept.begin() ? Arrival{std::move(fresh), {}} : std::prev(behind)->second;
+  arrival.simulation.dynamics.solver = used;
+  while (arrival.simulation.state.step < steps) advance(arrival);
+  kept.insert_or_assign(steps, arrival);
+  arrival.simulation.dynamics.solver = of_case;
+  return arrival;
+}
+
+SolvedStep next_step(Simulation simulation, LeadInSolver solver) {
+  StepSolver decomposing = simulation.dynamics.solver;
+  if (decomposing.algorithm == "nlgs") decomposing.algorithm = "generic";
+  if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
+  SolvedStep step = solve_step(simulation);
+  simulation.dynamics.solver = std::move(decomposing);
+  step.partition = partition_step(simulation, step.problem);
+  return step;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tables of cases that move: how they get to the step they look at, whole runs, and what a comparison sees.
+#include "../support/moving_case.hpp"
+#include "../support/studies.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/io/config.hpp>
+#include <nscdd/io/csv.hpp>
+#include <nscdd/study/run_simulation.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+StudyTable table_of(const std::string& observable, const std::string& more) {
+  const std::string text =
+      "[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more;
+  const auto read = [](const std::string&, bool) { return parse_case(moving_case(), "small.toml", {}); };
+  return parse_study(text, "s/study.toml", read).tables[0];
+}
+
+struct Run {
+  Simulation simulation;
+  Index iterations = 0, converged = 0;
+  double natural_map = 0, gluing = 0, kinetic = 0;
+};
+
+Run run_of(const Case& one, Index steps) {
+  Run result{simulation_of(one)};
+  result.simulation.dynamics.time.steps = steps;
+  RunSinks sinks;
+  sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) {
+    result.iterations += report.last.iteration;
+    result.converged += report.status == SolverStatus::converged;
+    result.natural_map = std::max(result.natural_map, report.residual.relative_natural_map());
+    result.gluing = std::max(result.gluing, report.last.gluing);
+    result.kinetic = report.energy.kinetic;
+  };
+  run_simulation(result.simulation, sinks);
+  return result;
+}
+
+double number(const Table& table, std::size_t row, const std::string& column) {
+  return std::get<double>(table.rows[row][table.column(column)]);
+}
+std::int64_t integer(const Table& table, std::size_t row, const std::string& column) {
+  return std::get<std::int64_t>(table.rows[row][table.column(column)]);
+}
+
+}  // namespace
+
+TEST_CASE("runs: a row tells of the run that the solver of the case makes, plain Gauss-Seidel apart") {
+  const StudyTable work = table_of("runs", "steps = [3, 6]\n");
+  const Table table = run(work);
+  REQUIRE(table.rows.size() == 2);
+  for (std::size_t row = 0; row < 2; ++row) {
+    const Index steps = row == 0 ? 3 : 6;
+    const Run expected = run_of(work.cases[0], steps);
+    CHECK(integer(table, row, "steps") == steps);
+    CHECK(integer(table, row, "iterations") == expected.iterations);
+    CHECK(integer(table, row, "converged_steps") == expected.converged);
+    CHECK(number(table, row, "natural_map") == expected.natural_map);
+    CHECK(number(table, row, "gluing") == expected.gluing);
+    CHECK(number(table, row, "kinetic") == expected.kinetic);
+  }
+  // Forty iterations are not enough for one solution, so the runs part.
+  CHECK(number(table, 1, "distance_maximum") > number(table, 0, "distance_maximum"));
+  CHECK(number(table, 0, "distance_mean") > 0);
+  CHECK(number(table, 0, "distance_mean") < number(table, 0, "distance_maximum"));
+}
+
+TEST_CASE("lead_in: with its own solver a configuration is that of a simulation, else that of Gauss-Seidel") {
+  const StudyTable plain = table_of("configuration", "steps = [0, 4]\n");
+  const StudyTable own = table_of("configuration", "steps = [0, 4]\nlead_in = \"own\"\n");
+  const Table with_plain = run(plain), with_own = run(own);
+  const Run expected = run_of(own.cases[0], 4);
+  const auto disks = expected.simulation.state.x.size();
+  REQUIRE(with_own.rows.size() == 2 * disks);
+  double apart = 0;
+  for (std::size_t i = 0; i < disks; ++i) {
+    CHECK(number(with_own, i, "x") == number(with_plain, i, "x"));  // at the start
+    CHECK(number(with_own, disks + i, "x") == expected.simulation.state.x[i]);
+    CHECK(number(with_own, disks + i, "y") == expected.simulation.state.y[i]);
+    apart = std::max(apart, std::abs(number(with_plain, disks + i, "y") - expected.simulation.state.y[i]));
+  }
+  CHECK(apart > 0);
+}
+
+TEST_CASE("lead_in: tables that share the way get the rows of tables that do not") {
+  const StudyTable chains = table_of("force_chains", "steps = [4, 2]\nlead_in = \"own\"\n");
+  LeadIn lead_in;
+  Table shared{study_columns(chains), {}};
+  run_table(
+      table_of("runs", "steps = [4]\n"), [](const Row&) {}, {}, 0, &lead_in);
+  run_table(
+      chains, [&](const Row& row) { shared.rows.push_back(row); }, {}, 0, &lead_in);
+  const Table alone = run(chains);
+  REQUIRE(alone.rows.size() > 100);
+  CHECK(shared.rows == alone.rows);
+}
+
+TEST_CASE("lead_in: refused where it is none, and where a run has no other") {
+  CHECK_THROWS_WITH_AS(table_of("indicators", "lead_in = \"mine\"\n"),
+                       doctest::Contains("lead_in: expected \"plain\" or \"own\""), Error);
+  CHECK_THROWS_WITH_AS(table_of("runs", "lead_in = \"plain\"\n"),
+                       doctest::Contains("lead_in: expected \"own\""), Error);
+}
+
+TEST_CASE("a relative comparison sees small numbers that an absolute one lets pass") {
+  const Table table{{{"z", "", ""}}, {{2e-5}, {0.0}}};
+  const CsvText same = parse_csv("z\n2.00001e-5\n0\n", "t"), other = parse_csv("z\n3e-5\n0\n", "t");
+  CHECK(compare(table, other, 1e-3) == "");
+  CHECK(compare(table, other, 1e-3, {}, true) != "");
+  CHECK(compare(table, same, 1e-3, {}, true) == "");
+  CHECK(compare(table, same, 1e-3, {{"z", 1e-6}}, true) != "");
+}
+
+TEST_CASE("a wrong rate does not pass: predicted and observed are compared within parts of 1 - rho") {
+  const Study study = read_study("predicted-observed");
+  const std::string path = baseline_path(study, 0);
+  const CsvText baseline = parse_csv(read_text(path), path);
+  for (const StudyTable& work : study.tables) {
+    const Table right = untyped_table(baseline);
+    REQUIRE(compare(right, baseline, work.check_tolerance, work.column_tolerance) == "");
+    for (const char* column : {"predicted", "predicted_exact", "observed"})
+      for (std::size_t row = 0; row < right.rows.size(); ++row) {
+        Table wrong = right;
+        double& rate = std::get<double>(wrong.rows[row][wrong.column(column)]);
+        if (std::isnan(rate)) continue;
+        rate = 1 - 1.01 * (1 - rate);
+        CHECK(compare(wrong, baseline, work.check_tolerance, work.column_tolerance) != "");
+      }
+  }
+}
