@@ -198,7 +198,7 @@ std::vector<Column> predicted_observed_columns() {
       {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings"},
       {"complex_pair", "", "whether the dominant eigenvalue is one of a complex pair"},
       {"observed", "1",
-       "rate fitted to the run; nan where no stretch of fixed statuses decays enough, at one rate"},
+       "rate fitted to the run; nan where no stretch of fixed statuses falls or grows enough, at one rate"},
       {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it"},
       {"relative_gap", "1", "|observed - predicted| / (1 - predicted)"},
       {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit"},

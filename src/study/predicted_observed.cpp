@@ -13,8 +13,8 @@
 namespace nscdd {
 namespace {
 
-constexpr double rounding = 1e-13;    // below this the second differences of F are noise
-constexpr double least_decay = 1e-2;  // a stretch must show at least this much of a decay
+constexpr double rounding = 1e-13;   // below this the second differences of F are noise
+constexpr double least_change = 10;  // the half that is fitted must fall, or grow, by at least this factor
 constexpr double largest_drift = 0.1;
 constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
 constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth its dense factorisations
@@ -22,25 +22,30 @@ constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth 
 // Iterations without a change of status.
 struct Stretch {
   Index first = 0;
-  std::vector<double> decay;  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as it stands out of rounding
-  std::vector<double> z;      // Z of the same iterations
+  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as it stands out of rounding, and Z of the same iterations
+  std::vector<double> second_changes, z;
   std::vector<ContactStatus> statuses;
 
-  double depth() const { return decay.size() < 2 * shortest ? 1.0 : decay.back() / decay.front(); }
+  std::size_t middle() const { return second_changes.size() / 2; }
+  // log of the factor by which the last half falls or, where the frozen map is unstable, grows.
+  double change() const {
+    if (second_changes.size() < 2 * shortest) return 0;
+    return std::abs(std::log(second_changes.back() / second_changes[middle()]));
+  }
 };
 
-// Follows a run and keeps the stretch that decayed most.
+// Follows a run and keeps the stretch in which one rate shows best.
 class Stretches {
  public:
   void record(const IterationRecord& record, std::vector<ContactStatus> statuses) {
     if (statuses != now_.statuses) {
       close();
-      now_ = {.first = record.iteration, .decay = {}, .z = {}, .statuses = std::move(statuses)};
+      now_ = {.first = record.iteration, .second_changes = {}, .z = {}, .statuses = std::move(statuses)};
       ended_ = false;
     }
     ended_ = ended_ || !(record.interface_second_change > rounding);
     if (ended_) return;
-    now_.decay.push_back(record.interface_second_change);
+    now_.second_changes.push_back(record.interface_second_change);
     now_.z.push_back(record.interface_change);
   }
   Stretch best() {
@@ -50,19 +55,19 @@ class Stretches {
 
  private:
   void close() {
-    if (now_.depth() < best_.depth()) best_ = now_;
+    if (now_.change() > best_.change()) best_ = now_;
   }
   Stretch now_, best_;
   bool ended_ = false;
 };
 
 void fit(PredictedObserved& result, const Stretch& stretch) {
-  if (stretch.depth() > least_decay) return;
-  const std::size_t begin = stretch.decay.size() / 2;
+  if (stretch.change() < std::log(least_change)) return;
+  const std::size_t begin = stretch.middle();
   std::vector<double> x, y, z;
-  for (std::size_t k = begin; k < stretch.decay.size(); ++k) {
+  for (std::size_t k = begin; k < stretch.second_changes.size(); ++k) {
     x.push_back(static_cast<double>(k - begin));
-    y.push_back(std::log(stretch.decay[k]));
+    y.push_back(std::log(stretch.second_changes[k]));
     z.push_back(std::log(stretch.z[k]));
   }
   const LinearFit line = linear_fit(x, y);
@@ -76,7 +81,7 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   result.rate_z = std::exp(linear_fit(x, z).slope);
   result.observed_error = result.observed * (line.slope_error + drift);
   result.first = stretch.first + static_cast<Index>(begin);
-  result.last = stretch.first + count(stretch.decay) - 1;
+  result.last = stretch.first + count(stretch.second_changes) - 1;
 }
 
 void require_comparable(const Dynamics& dynamics) {
@@ -101,9 +106,7 @@ void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>&
 
 }  // namespace
 
-double PredictedObserved::relative_gap() const {
-  return std::abs((observed - predicted) / (1 - predicted));
-}
+double PredictedObserved::relative_gap() const { return std::abs((observed - predicted) / (1 - predicted)); }
 
 bool PredictedObserved::agree() const {
   return relative_gap() <= 0.01 || std::abs(observed - predicted) <= 3 * observed_error;
