@@ -177,7 +177,7 @@ TEST_CASE(
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
       CAPTURE(cluster.name);
       CAPTURE(seed);
-      const Simulation simulation = shaken(cluster, "frictionless", 0.4, seed);
+      Simulation simulation = shaken(cluster, "frictionless", 0.4, seed);
       const SolvedStep step = solve_step(simulation);
       REQUIRE(step.report.status == SolverStatus::converged);
       const SmallProblem problem = written_down(simulation, step);
@@ -186,6 +186,13 @@ TEST_CASE(
       REQUIRE_FALSE(solutions.empty());
       const Vector v = velocities_of(simulation, step);
       for (const Vector& r : solutions) CHECK((problem.velocities(r) - v).norm() < 1e-9);
+      for (const double relaxation : {0.7, 1.5}) {  // other iterates, the same end
+        CAPTURE(relaxation);
+        simulation.dynamics.solver.contact_relaxation = relaxation;
+        const SolvedStep relaxed = solve_step(simulation);
+        REQUIRE(relaxed.report.status == SolverStatus::converged);
+        CHECK((velocities_of(simulation, relaxed) - v).norm() < 1e-9);
+      }
       ++solved;
       with_impulse += solutions.front().norm() > 1e-6;
     }
@@ -221,6 +228,22 @@ TEST_CASE(
   MESSAGE("contacts that slide: ", sliding, ", that stick: ", sticking, ", further solutions: ", several);
   CHECK(sliding > 50);
   CHECK(sticking > 50);
+}
+
+TEST_CASE("relaxation: a resting disk is given that part of what its weight still lacks in every sweep") {
+  for (const double relaxation : {0.7, 1.0, 1.5})
+    for (const Index sweeps : {Index{1}, Index{2}, Index{5}}) {
+      CAPTURE(relaxation);
+      CAPTURE(sweeps);
+      Dynamics dynamics = tight();
+      dynamics.boundaries = {floor_wall()};
+      dynamics.solver.contact_relaxation = relaxation;
+      dynamics.solver.criterion = "none";
+      dynamics.solver.maximum_iterations = sweeps;
+      const SolvedStep step = solve_step(simulation_of({{.y = 0.5, .mass = 2}}, dynamics));
+      const double lacking = std::pow(1 - relaxation, static_cast<double>(sweeps));
+      CHECK(step.contacts.at(0).impulse_n == doctest::Approx((1 - lacking) * 2 * g * 0.005).epsilon(1e-13));
+    }
 }
 
 TEST_CASE("natural map: zero on every status, positive as soon as a law is broken") {

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "granular_solution.hpp"
+
+#include <cmath>
+
+namespace nscdd::testing {
+
+Close closely(const Simulation& simulation) {
+  PreparedStep step = prepare_solution(simulation);
+  Close result;
+  for (int k = 1; k <= 60'000 && (result.gluing > 1e-10 || result.map > 1e-10); ++k) {
+    result.gluing = step.iteration.iterate().gluing;
+    if (k % 20 == 0) result.map = step.iteration.residual().relative_natural_map();
+  }
+  result.contacts = step.iteration.contacts(step.problem);
+  result.velocities = step.iteration.velocities(step.problem);
+  result.interface_size = step.iteration.parts().interface_size();
+  result.problem = std::move(step.problem);
+  return result;
+}
+
+double relative_natural_map(const std::vector<DiskContact>& contacts, const std::vector<DiskVelocity>& v) {
+  double map = 0, impulses = 0;
+  for (const DiskContact& c : contacts) {
+    const LocalVector w = relative_velocity(c, v), r{c.impulse_n, c.impulse_t};
+    const LocalVector one =
+        natural_map(r, {w.n + c.bias_n, w.t + c.bias_t}, c.friction, c.inverse_w.inverse_n);
+    map += one.n * one.n + one.t * one.t;
+    impulses += r.n * r.n + r.t * r.t;
+  }
+  return std::sqrt(map / impulses);
+}
+
+}  // namespace nscdd::testing
