@@ -30,6 +30,19 @@ Simulation sheared_box(Index grains, std::array<Index, 2> grid, const std::strin
   return simulation;
 }
 
+// A box whose side walls turn about their feet, both the same way, 20 steps on.
+Simulation box_with_turning_walls(Index grains, Index seed) {
+  const double width = std::sqrt(static_cast<double>(grains)) * 0.28, spin = -0.075;
+  Dynamics dynamics;
+  dynamics.solver.maximum_iterations = 300;
+  dynamics.solver.warm_start = true;
+  dynamics.boundaries = {wall("turning left", {0, 1}, {0, 0}, moving({0, 0, spin})),
+                         wall("turning right", {width, 0}, {width, 1}, moving({0, 0, spin}, {width, 0}))};
+  Simulation simulation = box_of_grains(grains, dynamics, {2, 1}, seed);
+  for (int k = 0; k < 20; ++k) take_step(simulation, solve_step(simulation));
+  return simulation;
+}
+
 // M^1/2 V of the free bodies of all subdomains, as FrozenIteration has it.
 Vector scaled_velocities(const GranularDecomposition& parts) {
   std::vector<double> y;
@@ -132,6 +145,35 @@ TEST_CASE("predicted and observed rates agree, without friction whatever the coe
   REQUIRE(result.converged);
   REQUIRE(std::isfinite(result.observed));
   CHECK(std::abs(result.observed - result.predicted) < 0.05 * (1 - result.predicted));
+}
+
+TEST_CASE("predicted and observed rates agree with friction, where contacts slide") {
+  // Boxes whose statuses stay long enough for the slowest mode to rule, one that is real.
+  struct Box {
+    Index grains, seed;
+  };
+  for (const Box box : {Box{40, 1}, {60, 2}}) {
+    const Simulation sheared = box_with_turning_walls(box.grains, box.seed);
+    for (const Index sweeps : {1, 10})
+      for (const std::string eta : {"inf", "0.1"}) {
+        CAPTURE(box.grains);
+        CAPTURE(sweeps);
+        CAPTURE(eta);
+        Simulation simulation = sheared;
+        StepSolver& solver = simulation.dynamics.solver;
+        solver.algorithm = eta == "inf" ? "generic" : "enriched";
+        solver.eta = eta;
+        solver.gauss_seidel_sweeps = sweeps;
+        solver.criterion = "none";
+        solver.maximum_iterations = 12000;
+        const PredictedObserved result = predicted_observed(simulation);
+        REQUIRE(result.converged);
+        REQUIRE(std::isfinite(result.observed));
+        CHECK(result.slide > 10);
+        CHECK(result.stick > 10);
+        CHECK(std::abs(result.observed - result.predicted) < 1e-4 * (1 - result.predicted));
+      }
+  }
 }
 
 TEST_CASE("a rate is not predicted for iterations that are not the frozen one") {
