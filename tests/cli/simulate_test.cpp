@@ -100,16 +100,17 @@ TEST_CASE("simulate: options reach the solver, threads leave every bit") {
   }
 }
 
-TEST_CASE("simulate: 10 steps and a restart to 20 are 20, bit for bit, rows included") {
+TEST_CASE("simulate: 50 steps and a restart to 100 are 100, bit for bit, rows included") {
   const MovingSession session;
-  answer(session, "simulate shear.toml --convergence whole.csv -o whole.h5");
-  answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 10");
-  answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 20 --restart");
+  REQUIRE(contains(session.read("shear.toml"), "warm_start = true"));
+  answer(session, "simulate shear.toml --convergence whole.csv -o whole.h5 --steps 100");
+  answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 50");
+  answer(session, "simulate shear.toml --convergence parts.csv -o parts.h5 --steps 100 --restart");
   check_same_end(session, "whole.h5", "parts.h5");
   CHECK(without_seconds(session.read("parts.csv")) == without_seconds(session.read("whole.csv")));
-  CHECK(nscdd::trajectory_steps(path_of(session, "parts.h5")).size() == 21);
-  const std::string again = answer(session, "simulate shear.toml -o parts.h5 --steps 20 --restart");
-  CHECK(contains(again, "0 steps in this run, 20 of 20 in all"));
+  CHECK(nscdd::trajectory_steps(path_of(session, "parts.h5")).size() == 101);
+  const std::string again = answer(session, "simulate shear.toml -o parts.h5 --steps 100 --restart");
+  CHECK(contains(again, "0 steps in this run, 100 of 100 in all"));
 }
 
 TEST_CASE("simulate: a restart between two decompositions goes on with the one before, and its eta") {
