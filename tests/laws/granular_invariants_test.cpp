@@ -153,7 +153,7 @@ TEST_CASE("a box with moving walls: work put in, dissipation and energy balance 
   Dynamics dynamics;
   dynamics.solver.maximum_iterations = 60;  // the balance holds for any impulses, converged or not
   dynamics.solver.warm_start = true;
-  dynamics.boundaries = {wall("paddle", {0.2, 5}, {0.2, 0}, moving({0.3, 0, -0.2}, {0.2, 0}))};
+  dynamics.boundaries = {wall("paddle", {0, 5}, {0, 0}, moving({0.3, 0, -0.2}, {0, 0}))};
   Simulation simulation = box_of_grains(60, dynamics);
   const StepEnergy start = energy_of(simulation.system, simulation.state, dynamics.time);
   double work = 0, dissipation = 0, scale = 0;
