@@ -137,6 +137,15 @@ def figure_9(results):
                f"Z {row['interface_change']:.2e}, error of the contact law {row['natural_map']:.2e}")
 
 
+def figure_10(results):
+    rows = style.read_table(results, "figure-10/runs.csv", texts="case algorithm",
+                            numbers="gauss_seidel_sweeps steps converged_steps iterations natural_map distance_mean")
+    for row in rows:
+        yield ("figure-10", row["case"], f"{row['algorithm']}, n_GS {row['gauss_seidel_sweeps']:.0f}: "
+               f"{row['converged_steps']:.0f} of {row['steps']:.0f} steps converged in {row['iterations']:.0f} iterations, "
+               f"{row['distance_mean']:.2g} m from Gauss-Seidel")
+
+
 def figure_11(results):
     numbers = "iteration gauss_seidel_sweeps eta interface_change"
     rows = style.read_table(results, "figure-11/generic.csv", texts="case", numbers=numbers)
@@ -170,7 +179,7 @@ def partition(results):
 
 
 SECTIONS = [networks, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one, observed_rate,
-            size, scalability, disorder, partition, figure_9, figure_11, predicted_observed]
+            size, scalability, disorder, partition, figure_9, figure_10, figure_11, predicted_observed]
 
 
 def main():
