@@ -86,18 +86,28 @@ TEST_CASE("Figure 9: zeta and Z are quite similar, and differ essentially after 
   for (const auto& [iteration, value] : error) CHECK(value < zeta.at(iteration));
 }
 
-TEST_CASE("Figure 10: whole runs of Algorithm 1, generic and enriched") {
+TEST_CASE("Figure 10: all steps of Algorithm 1 converge, and no run ends far from that of Gauss-Seidel") {
   const Table table = baseline("figure-10");
-  REQUIRE(table.rows.size() == 4);
+  REQUIRE(table.rows.size() == 5);
+  int converged = 0;
+  std::map<double, double> jump;  // of the generic runs that are cut short, by n_GS
   for (const Row& row : table.rows) {
     CHECK(number(table, row, "steps") == 250);
     CHECK(number(table, row, "grains") == 780);
-    CHECK(number(table, row, "distance_mean") <= number(table, row, "distance_maximum"));
-    if (number(table, row, "gauss_seidel_sweeps") == 100) continue;
-    CHECK(number(table, row, "converged_steps") == 250);
-    CHECK(number(table, row, "gluing") <= 0.01);
-    CHECK(number(table, row, "natural_map") < 2e-4);
+    CHECK(number(table, row, "distance_mean") < 0.015);  // grains move by 0.4 m
+    CHECK(number(table, row, "distance_mean") < number(table, row, "distance_maximum"));
+    if (number(table, row, "solver.maximum_iterations") == 10000) {
+      ++converged;
+      CHECK(number(table, row, "converged_steps") == 250);
+      CHECK(number(table, row, "gluing") <= 0.01);
+      CHECK(number(table, row, "natural_map") < 1.2e-4);
+    } else {
+      CHECK(number(table, row, "gluing") > 0.01);
+      jump.emplace(number(table, row, "gauss_seidel_sweeps"), number(table, row, "gluing"));
+    }
   }
+  CHECK(converged == 1);
+  CHECK(jump.at(100) > 5 * jump.at(1));  // ten times the sweeps, a hundred at a time
 }
 
 TEST_CASE("Figure 11: a gain of the enriched algorithm at first that vanishes; n_GS = 100 better than 1") {
@@ -139,7 +149,6 @@ TEST_CASE("predicted-observed: rates agree with few sweeps and small beds, and a
     const bool agree =
         gap <= 0.01 || std::abs(observed - predicted) <= 3 * number(table, row, "observed_error");
     CHECK(text(table, row, "agree") == (agree ? "true" : "false"));
-    CHECK(number(table, row, "rate_z") > observed);  // Z drifts: it hides the rate
     if (text(table, row, "case") == "shear-300") CHECK(gap < 2e-5);
     if (number(table, row, "gauss_seidel_sweeps") == 1) CHECK(gap < 2e-3);
     agreeing += agree;

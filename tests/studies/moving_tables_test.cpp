@@ -6,6 +6,7 @@
 #include <nscdd/io/config.hpp>
 #include <nscdd/io/csv.hpp>
 #include <nscdd/study/run_simulation.hpp>
+#include <nscdd/study/work_record.hpp>
 
 #include <doctest/doctest.h>
 
@@ -109,6 +110,14 @@ TEST_CASE("lead_in: refused where it is none, and where a run has no other") {
                        doctest::Contains("lead_in: expected \"plain\" or \"own\""), Error);
   CHECK_THROWS_WITH_AS(table_of("runs", "lead_in = \"plain\"\n"),
                        doctest::Contains("lead_in: expected \"own\""), Error);
+}
+
+TEST_CASE("resume: other steps or another lead-in are other work") {
+  const auto record = [](const std::string& more) { return work_record(table_of("configuration", more)); };
+  const WorkRecord one = record("steps = [3]\n");
+  CHECK(difference(one, record("steps = [3]\n")) == "");
+  CHECK(difference(one, record("steps = [4]\n")) != "");
+  CHECK(difference(one, record("steps = [3]\nlead_in = \"own\"\n")) != "");
 }
 
 TEST_CASE("a relative comparison sees small numbers that an absolute one lets pass") {
