@@ -11,26 +11,37 @@ MARKERS = {1: "o", 10: "s", 100: "^"}
 
 def draw(results, output, formats):
     rows = style.read_table(results, "predicted-observed/rate.csv", texts="case algorithm",
-                            numbers="grains gauss_seidel_sweeps predicted observed")
+                            numbers="grains gauss_seidel_sweeps predicted observed relative_gap", flags="agree")
     known = [r for r in rows if np.isfinite(r["observed"]) and np.isfinite(r["predicted"])]
     if not known:
         raise style.DataError("predicted-observed/rate.csv: no row with both rates")
-    fig, axes = style.figure(style.COLUMN, 80)
-    gaps = [1 - r[c] for r in known for c in ("predicted", "observed")]
-    low, high = min(g for g in gaps if g > 0) / 2, max(gaps) * 2
-    axes.plot([low, high], [low, high], color=style.GREY, linewidth=0.6)
+    fig, (rates, gaps) = style.figure(style.COLUMN_AND_HALF, 86, 1, 2)
+    both = [1 - r[c] for r in known for c in ("predicted", "observed")]
+    low, high = min(g for g in both if g > 0) / 2, max(both) * 2
+    rates.plot([low, high], [low, high], color=style.GREY, linewidth=0.6)
+    gaps.axhline(0.01, color=style.GREY, linewidth=0.6)
     for algorithm, colour in (("generic", "black"), ("enriched", "#b03a2e")):
         for sweeps, marker in MARKERS.items():
             own = style.where(known, algorithm=algorithm, gauss_seidel_sweeps=float(sweeps))
+            look = {"color": colour, "markersize": 4.5, "linestyle": "none", "marker": marker}
             if own:
-                axes.plot(1 - style.column(own, "predicted"), 1 - style.column(own, "observed"), marker,
-                          color=colour, markerfacecolor="none", markersize=4.5,
-                          label=rf"{algorithm}, $n_{{\mathrm{{GS}}}} = {sweeps}$")
-    for axis in (axes.xaxis, axes.yaxis):
+                rates.plot(1 - style.column(own, "predicted"), 1 - style.column(own, "observed"),
+                           markerfacecolor="none", label=rf"{algorithm}, $n_{{\mathrm{{GS}}}} = {sweeps}$", **look)
+            for agree, face in ((True, "none"), (False, "0.7")):
+                some = [r for r in own if r["agree"] == agree]
+                if some:
+                    gaps.plot(1 - style.column(some, "predicted"), style.column(some, "relative_gap"),
+                              markerfacecolor=face, **look)
+    for axis in (rates.xaxis, rates.yaxis, gaps.xaxis):
         style.log_axis(axis, low, high)
-    axes.set_xlabel(r"predicted at frozen statuses, $1 - \rho$")
-    axes.set_ylabel(r"observed in the run, $1 - \rho$")
-    axes.legend(loc="upper left")
+    gaps.set_yscale("log")
+    rates.set_ylabel(r"observed in the run, $1 - \rho$")
+    gaps.set_ylabel(r"$|$observed $-$ predicted$|$ / ($1 - \rho$)")
+    for axes, letter, title in ((rates, "a", "rates"), (gaps, "b", "their gap (grey: do not agree)")):
+        axes.set_xlabel(r"predicted at frozen statuses, $1 - \rho$")
+        style.panel(axes, letter, title)
+    handles, labels = rates.get_legend_handles_labels()
+    style.legend_above(fig, handles, labels, 3)
     return style.save(fig, output, "predicted-observed", formats)
 
 

@@ -140,7 +140,6 @@ TEST_CASE("predicted-observed: rates agree with few sweeps and small beds, and a
   int agreeing = 0, exact = 0;
   for (const Row& row : table.rows) {
     CAPTURE(text(table, row, "case"));
-    CAPTURE(number(table, row, "gauss_seidel_sweeps"));
     const double predicted = number(table, row, "predicted"), observed = number(table, row, "observed");
     const double gap = std::abs(observed - predicted) / (1 - predicted);
     CHECK(text(table, row, "converged") == "true");
@@ -149,13 +148,26 @@ TEST_CASE("predicted-observed: rates agree with few sweeps and small beds, and a
     const bool agree =
         gap <= 0.01 || std::abs(observed - predicted) <= 3 * number(table, row, "observed_error");
     CHECK(text(table, row, "agree") == (agree ? "true" : "false"));
-    if (text(table, row, "case") == "shear-300") CHECK(gap < 2e-5);
-    if (number(table, row, "gauss_seidel_sweeps") == 1) CHECK(gap < 2e-3);
+    const double sweeps = number(table, row, "gauss_seidel_sweeps"), rate_z = number(table, row, "rate_z");
+    const double gap_of_z = std::abs(rate_z - predicted) / (1 - predicted);
+    if (text(table, row, "case") == "shear-300") {
+      CHECK(gap < 2e-5);
+      CHECK(gap_of_z < 2e-5);
+    }
+    if (sweeps == 1) CHECK(gap < 2e-3);
+    if (sweeps == 1) CHECK(gap_of_z < 1e-4);
+    if (text(table, row, "case") == "shear-100" && sweeps == 100) {
+      CHECK(gap < 1e-4);
+      CHECK(gap_of_z > 0.99);  // impulses drift, and Z with them
+    }
+    const bool known_to_differ = text(table, row, "case") == "shear-1k" && sweeps > 1;
+    CHECK((gap > 0.01) == known_to_differ);
     agreeing += agree;
     exact += gap < 1e-3;
   }
   REQUIRE(table.rows.size() == 18);
   CHECK(agreeing >= 14);
+  CHECK(agreeing < 18);
   CHECK(exact >= 10);
   // An iteration with more sweeps contracts more, and the enriched one a little more than the generic one.
   std::map<std::string, std::map<double, double>> gaps;
