@@ -7,7 +7,10 @@
 namespace nscdd {
 namespace {
 
-constexpr double lanczos_reduction = 1e-2;  // of 1/(lambda - sigma), per shift
+constexpr double share_of_margin = 0.2;  // of the distance of the last shift, for the error left by Lanczos
+constexpr Index few = 16;                // eigenvalues beyond a shift that are looked for from it
+constexpr Index most_reaches = 6;        // after which the search starts again from further out
+constexpr double list_distance = 1e-3;   // of the shift a list is found from, relative to the first value
 
 class EndSearch {
  public:
@@ -16,9 +19,9 @@ class EndSearch {
       : family_(family), p_(p), point_(point), end_(end), options_(options) {}
 
   PencilEnd run(const std::optional<EndGuess>& guess, Vector start) {
-    double shift = first_shift(guess);
+    double shift = first_shift(guess), last_distance = infinity;
     while (result_.factorisations < options_.maximum_factorisations) {
-      std::optional<ShiftedPencil> pencil = factorise(shift);
+      const std::optional<ShiftedPencil> pencil = factorise(shift);
       if (!pencil) break;
       if (beyond(*pencil) < 0) {  // among the eigenvalues of the kernel
         outer_ = pencil->shift();
@@ -27,63 +30,100 @@ class EndSearch {
       }
       if (beyond(*pencil) > 0) {
         inner_ = pencil->shift();
-        shift = step_out(inner_);
+        shift = reach_out(*pencil) ? closer_shift() : step_out(inner_);
+        start = {};  // what has missed the end once is no way to it
         continue;
       }
       if (!outer_ || inward(pencil->shift() - *outer_) > 0) outer_ = pencil->shift();
-      if (!lanczos(*pencil, start, 1)) break;
-      start = result_.vectors.col(0);
-      if (result_.residual <= tolerance()) {
-        result_.converged = true;
-        if (!options_.certify || certify()) {
-          if (options_.eigenvalues > 1) list(start);
-          break;
-        }
-        shift = step_out(inner_);  // a closer one lies beyond what was found
-        result_.converged = false;
-        continue;
+      if (found() && distance_to_proof() <= tolerance()) {
+        complete(*pencil);
+      } else {
+        if (!close_in(*pencil, start)) break;
+        start = result_.vectors.col(0);
       }
+      if (converged()) {
+        if (bound_ > tolerance()) sharpen(*pencil);
+        break;
+      }
+      if (quotient_ && distance_to_proof() > 0.9 * last_distance)
+        break;  // no shift nearer to the end can be relied on
+      last_distance = distance_to_proof();
       shift = closer_shift();
     }
+    finish();
     return result_;
   }
 
  private:
+  bool found() const { return result_.values.size() > 0; }
+  double value() const { return result_.values[0]; }
+
   // Signed so that inwards is positive at both ends.
   double inward(double difference) const { return end_ == SpectrumEnd::smallest ? difference : -difference; }
 
-  // Of lambda here: relative where |1 - lambda|, an eigenvalue of B, is above 1.
-  double tolerance() const {
-    return options_.tolerance *
-           (result_.values.size() > 0 ? std::max(1.0, std::abs(1 - result_.values[0])) : 1.0);
+  // Of lambda: relative where |1 - lambda|, an eigenvalue of B, is above 1.
+  double tolerance(double lambda) const { return options_.tolerance * std::max(1.0, std::abs(1 - lambda)); }
+  double tolerance() const { return tolerance(value()); }
+  double rounding(double lambda) const { return point_.rounding * std::max(1.0, std::abs(lambda)); }
+
+  // How far beyond the end its last shift is: a count says nothing within the rounding of the matrix. A
+  // tenth, for the same distance times a relaxation is the residual of a relaxed spectrum.
+  double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
+
+  // From what is proved to have no eigenvalue beyond it, inwards to the value.
+  double distance_to_proof() const {
+    const double known = end_ == SpectrumEnd::smallest ? point_.low : point_.high;
+    const double outer = outer_ && inward(*outer_ - known) > 0 ? *outer_ : known;
+    return std::max(0.0, inward(value() - outer));
   }
 
-  double first_shift(const std::optional<EndGuess>& guess) const {
-    const double beyond_bound =
-        end_ == SpectrumEnd::smallest ? point_.low * (1 - 1e-3) : point_.high * (1 + 1e-3);
-    if (guess) {
-      const double shift = guess->value - inward(2 * guess->uncertainty + 10 * options_.tolerance);
-      if (shift > 0 && inward(shift - beyond_bound) > 0) return shift;
-    }
-    if (end_ == SpectrumEnd::smallest) return beyond_bound > 0 ? beyond_bound : 0.1;
-    return std::isfinite(beyond_bound) ? beyond_bound : 1 + 1e-3;
+  bool converged() {
+    result_.residual = quotient_ ? distance_to_proof() + solution_error_ : infinity;
+    return result_.converged = result_.residual <= tolerance();
+  }
+
+  void finish() {
+    if (!found()) return;
+    if (!converged()) return;
+    if (options_.certify) certify();
+    if (options_.eigenvalues > 1) list();
+  }
+
+  double first_shift(const std::optional<EndGuess>& guess) {
+    if (!guess) return beyond_what_is_known();
+    guess_ = guess->value;
+    distance_ = 2 * guess->uncertainty + 10 * options_.tolerance;
+    return beyond_guess();
+  }
+
+  double beyond_guess() const {
+    if (end_ == SpectrumEnd::largest) return std::min(guess_ + distance_, point_.high * (1 + 1e-3));
+    return std::max(guess_ / (1 + distance_ / guess_),
+                    point_.low * (1 - 1e-3));  // positive, however uncertain
+  }
+
+  double beyond_what_is_known() const {
+    if (end_ == SpectrumEnd::smallest) return point_.low > 0 ? point_.low * (1 - 1e-3) : 0.1;
+    return std::isfinite(point_.high) ? point_.high * (1 + 1e-3) : 1 + 1e-3;
   }
 
   // Further out than a shift that has eigenvalues beyond it.
-  double step_out(double shift) const {
+  double step_out(double shift) {
     if (outer_) return std::sqrt(shift * *outer_);
-    return end_ == SpectrumEnd::smallest ? shift / 16 : shift * 4;
+    const double far = end_ == SpectrumEnd::smallest ? shift / 16 : shift * 4;
+    if (guess_ == 0) return far;
+    distance_ *= 8;
+    return inward(beyond_guess() - shift) < 0 ? beyond_guess() : far;
   }
 
   // `side`: where to step, inwards (1) or outwards (-1), from a shift that will not do.
   std::optional<ShiftedPencil> factorise(double shift, double side = -1) {
-    for (int attempt = 0; attempt < 5; ++attempt) {
+    // First within the tolerance of the end, then far enough to leave the accident that spoilt this one.
+    for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
       ++result_.factorisations;
       ShiftedPencil pencil = family_.at(point_.epsilon, point_.eta, shift);
       if (pencil.reliable()) return pencil;
-      // Near enough to serve, far enough to leave the accident that spoilt this one.
-      const double step = std::max(0.3 * tolerance(), 1e-9 * shift) * std::pow(10.0, attempt);
-      shift = std::max(shift + side * inward(step), 0.5 * shift);
+      shift = std::max(shift + side * inward(step * tolerance(shift)), 0.5 * shift);
     }
     return std::nullopt;
   }
@@ -92,78 +132,165 @@ class EndSearch {
     return end_ == SpectrumEnd::smallest ? pencil.below() - point_.kernel : p_.rows() - pencil.below();
   }
 
-  bool lanczos(const ShiftedPencil& pencil, const Vector& start, Index wanted) {
-    const double shift = pencil.shift();
-    // Relative to 1/(lambda - sigma): the distance is known from earlier rounds, or one is left to come.
-    ArpackOptions arpack = options_.arpack;
-    arpack.tolerance = lanczos_reduction;
-    if (result_.values.size() > 0)
-      arpack.tolerance = std::max(lanczos_reduction, 0.3 * tolerance() / std::abs(result_.values[0] - shift));
-    // A list is asked for once its first value is known: the others lie within about 1 of the shift.
-    if (wanted > 1) arpack.tolerance = 0.1 * options_.tolerance;
-    arpack.basis = std::max(arpack.basis, 2 * wanted + 8);
+  Vector solve(const ShiftedPencil& pencil, const Vector& x) { return ++result_.solves, pencil.solve(x); }
+
+  ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd side, Index wanted,
+                            const ShiftInvertOptions& options, const Vector& start,
+                            const Matrix& locked = {}) {
     const LinearMap p = [this](const Vector& x) -> Vector { return p_.apply(x); };
-    const LinearMap solve = [&](const Vector& x) -> Vector { return ++result_.solves, pencil.solve(x); };
-    ShiftInvertResult found = shift_invert_lanczos(p_.rows(), solve, p, shift, end_, wanted, arpack, start);
-    if (found.values.size() == 0) return false;
-    double residual = 0;
-    for (Index k = 0; k < found.values.size(); ++k) {
-      const Vector x = found.vectors.col(k);
-      const Vector px = p(x), y = solve(px);
-      const double norm = x.dot(px), nu = y.dot(px) / norm;  // Rayleigh quotient of (S - sigma P)^-1 P
-      const Vector r = y - nu * x;
-      const double bound = std::sqrt(std::max(0.0, r.dot(p(r))) / norm);
-      found.values[k] = shift + 1 / nu;
-      const double safe = std::abs(nu) - bound;  // |1/nu - 1/nu*| for |nu - nu*| <= bound
-      residual = std::max(residual, (safe > 0 ? bound / (std::abs(nu) * safe) : infinity) +
-                                        pencil.solution_error() / std::abs(nu));
-    }
-    result_.values = found.values;
-    result_.vectors = found.vectors;
-    result_.residual = found.converged ? residual : std::max(residual, 2 * tolerance());
+    const LinearMap inverse = [&](const Vector& x) -> Vector { return solve(pencil, x); };
+    return shift_invert_lanczos(p_.rows(), inverse, p, pencil.shift(), side, wanted, options, start, locked);
+  }
+
+  // Number k of a run becomes the first value, unless one clearly further out is known.
+  void take(const ShiftInvertResult& run, Index k, const ShiftedPencil& pencil) {
+    const double doubt = 2 * solution_error_ + (found() ? margin(value()) : 0);
+    if (quotient_ && inward(run.values[k] - value()) > doubt) return;
+    result_.values = run.values.segment(k, 1);
+    result_.vectors = run.vectors.col(k);
+    bound_ = run.bounds[k];
+    error_ = run.errors[k];
+    solution_error_ = pencil.solution_error() * std::abs(value() - pencil.shift());
+  }
+
+  ShiftInvertOptions accuracy_at(double lambda) const {
+    return {.maximum_steps = options_.steps, .accuracy = share_of_margin * margin(lambda)};
+  }
+
+  // From a shift that is beyond the end.
+  bool close_in(const ShiftedPencil& pencil, const Vector& start) {
+    const ShiftInvertResult run = lanczos(pencil, end_, 1, accuracy_at(pencil.shift()), start);
+    if (run.values.size() == 0) return false;
+    take(run, 0, pencil);
+    quotient_ = true;
     return true;
   }
 
-  // The eigenvalues next to the end, from a shift far enough to see them all.
-  void list(const Vector& start) {
-    const Index wanted = std::min(options_.eigenvalues, p_.rows() - 2);
-    const double value = result_.values[0];
-    const std::optional<ShiftedPencil> pencil = factorise(value - inward(1e-3 * value));
-    const PencilEnd first = result_;
-    if (pencil && lanczos(*pencil, start, wanted) && result_.values.size() == wanted) {
-      result_.converged = result_.residual <= tolerance();
-    } else {
-      result_.values = first.values;
-      result_.vectors = first.vectors;
-      result_.converged = false;
+  // The same for a vector as good as its value, whose error is of second order.
+  void sharpen(const ShiftedPencil& pencil) {
+    const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
+    const Vector start = result_.vectors.col(0);
+    const ShiftInvertResult run =
+        lanczos(pencil, end_, 1, {.maximum_steps = 2 * options_.steps, .tolerance = relative}, start);
+    if (run.values.size() > 0) take(run, 0, pencil);
+  }
+
+  // From a shift that has a few eigenvalues beyond it: the last of these is the end.
+  bool reach_out(const ShiftedPencil& pencil) {
+    const Index wanted = beyond(pencil);
+    const bool kernel = end_ == SpectrumEnd::smallest && point_.kernel > 0;  // lies beyond as well
+    if (kernel || wanted > few || ++reached_out_ > most_reaches) return false;
+    const SpectrumEnd outwards = end_ == SpectrumEnd::smallest ? SpectrumEnd::largest : SpectrumEnd::smallest;
+    const ShiftInvertResult run = lanczos(pencil, outwards, wanted, accuracy_at(pencil.shift()), {});
+    const Index last = run.values.size() - 1;
+    if (last + 1 < wanted || !(run.values[last] > 0)) return false;
+    if (outer_ && inward(run.values[last] - *outer_) <= 0) return false;
+    quotient_ = false;  // seen from inside Ritz values err outwards
+    take(run, last, pencil);
+    return true;
+  }
+
+  // Inverse iteration from a shift next to the value: with (S - sigma P) y = P x the Rayleigh quotient of y
+  // is sigma + delta, delta = x'Py / y'Py, and ||x - delta y||_P / ||y||_P its residual.
+  void complete(const ShiftedPencil& pencil) {
+    Vector x = result_.vectors.col(0);
+    for (int k = 0; k < 3; ++k) {
+      const Vector px = p_.apply(x), y = solve(pencil, px), py = p_.apply(y);
+      const double norm = y.dot(py), delta = x.dot(py) / norm;
+      const double residual = std::sqrt(std::max(0.0, (x - delta * y).dot(px - delta * py)) / norm);
+      if (!std::isfinite(residual)) return;
+      x = y / std::sqrt(norm);
+      result_.values[0] = pencil.shift() + delta;
+      result_.vectors.col(0) = x;
+      solution_error_ = pencil.solution_error() * std::abs(delta);
+      bound_ = error_ = residual;
+      quotient_ = true;
+      if (residual <= 0.1 * tolerance()) return;
     }
   }
 
+  // A tenth of the tolerance beyond the value if its error is likely to be smaller, or else where it is
+  // proved to be.
   double closer_shift() const {
-    const double value = result_.values[0];
-    const double step = std::max(2 * result_.residual, 2 * tolerance());
-    const double shift = value - inward(step);
+    const double beyond_value = margin(value());
+    if (error_ <= 2 * share_of_margin * beyond_value)
+      return std::max(value() - inward(beyond_value), 0.5 * value());
+    const double step = std::max(2 * bound_, beyond_value);
     // Never further out than what is proved already.
-    return outer_ && inward(shift - *outer_) <= 0 ? value - inward(0.3 * std::abs(value - *outer_)) : shift;
+    const double room = outer_ ? 0.3 * std::abs(value() - *outer_) : infinity;
+    return std::max(value() - inward(std::min(step, room)), 0.5 * value());
   }
 
-  // Counts just outside and just inside; false where an eigenvalue beyond the first was missed.
-  bool certify() {
-    const double value = result_.values[0];
-    const double margin =
-        std::max({tolerance(), 2 * result_.residual, 4 * point_.rounding * std::max(1.0, std::abs(value))});
-    const std::optional<ShiftedPencil> out = factorise(std::max(value - inward(margin), 0.5 * value));
-    const std::optional<ShiftedPencil> in = factorise(value + inward(margin), 1);
-    if (!out || !in) return true;  // converged, not certified
-    if (beyond(*out) > 0) {
-      inner_ = out->shift();
-      return false;
+  // The count just outside is there; another just inside says how many eigenvalues the end has.
+  void certify() {
+    const double keep_away = std::max(tolerance(), 4 * rounding(value()));
+    const double distance = outer_ ? std::abs(value() - *outer_) : infinity;
+    if (distance < 2 * rounding(value()) || distance > keep_away) {
+      const std::optional<ShiftedPencil> out = factorise(value() - inward(keep_away));
+      if (!out || beyond(*out) != 0) return;
+      outer_ = out->shift();
     }
-    result_.outside = out->shift();
+    const std::optional<ShiftedPencil> in = factorise(value() + inward(keep_away), 1);
+    if (!in) return;
+    result_.outside = *outer_;
     result_.inside = in->shift();
     result_.within = beyond(*in);
     result_.certified = result_.within > 0;
+  }
+
+  // The eigenvalues next to the end, from a shift far enough to see them all.
+  void list() {
+    const std::optional<ShiftedPencil> pencil = factorise(value() - inward(list_distance * value()));
+    result_.converged = pencil && extend_list(*pencil) && result_.residual <= tolerance();
+  }
+
+  // Lanczos alone may see one copy of a multiple eigenvalue: on until the count outside the last one wanted
+  // is that of the list.
+  bool extend_list(const ShiftedPencil& pencil) {
+    const Index wanted = std::min(options_.eigenvalues, p_.rows() - point_.kernel);
+    while (result_.values.size() < wanted)
+      if (!add_to_list(pencil, wanted - result_.values.size())) return false;
+    const double last = result_.values[wanted - 1];
+    const std::optional<ShiftedPencil> outside = factorise(last - inward(margin(last)));
+    if (!outside) return false;
+    const auto missing = [&, counted = beyond(*outside)] {
+      return counted - std::count_if(result_.values.begin(), result_.values.end(),
+                                     [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
+    };
+    while (missing() > 0)
+      if (!add_to_list(pencil, missing())) return false;
+    if (missing() < 0) return false;
+    result_.values.conservativeResize(wanted);
+    result_.vectors.conservativeResize(Eigen::NoChange, wanted);
     return true;
+  }
+
+  // False where no further one is found.
+  bool add_to_list(const ShiftedPencil& pencil, Index wanted) {
+    const ShiftInvertOptions options{.maximum_steps = options_.list_steps,
+                                     .tolerance = 0.1 * options_.tolerance};
+    const Matrix locked = result_.vectors;
+    const ShiftInvertResult run = lanczos(pencil, end_, wanted, options, {}, locked);
+    const Index before = locked.cols();
+    for (Index k = 0; k < run.values.size(); ++k) {
+      const double error = run.bounds[k] + pencil.solution_error() * std::abs(run.values[k] - pencil.shift());
+      if (error > tolerance(run.values[k])) continue;
+      Index place = result_.values.size();
+      while (place > 1 && inward(result_.values[place - 1] - run.values[k]) > 0) --place;
+      insert(place, run.values[k], run.vectors.col(k));
+      result_.residual = std::max(result_.residual, error);
+    }
+    return result_.values.size() > before;
+  }
+
+  void insert(Index place, double lambda, const Vector& vector) {
+    const Index size = result_.values.size(), behind = size - place;
+    Vector values(size + 1);
+    values << result_.values.head(place), lambda, result_.values.tail(behind);
+    Matrix vectors(vector.size(), size + 1);
+    vectors << result_.vectors.leftCols(place), vector, result_.vectors.rightCols(behind);
+    result_.values = values;
+    result_.vectors = vectors;
   }
 
   const ShiftedPencilFamily& family_;
@@ -174,6 +301,11 @@ class EndSearch {
   PencilEnd result_;
   std::optional<double> outer_;  // innermost shift with no eigenvalue beyond it
   double inner_ = 0;             // last shift with one
+  Index reached_out_ = 0;
+  double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search has begun
+  double bound_ = infinity, error_ = infinity;  // of the value, as Lanczos has them
+  double solution_error_ = 0;
+  bool quotient_ = false;  // the value is a Rayleigh quotient of (S, P), which is never beyond the end
 };
 
 }  // namespace

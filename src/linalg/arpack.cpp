@@ -99,56 +99,6 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
   return result;
 }
 
-ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const LinearMap& m, double sigma,
-                                       SpectrumEnd end, Index wanted, const ArpackOptions& options,
-                                       const Vector& start) {
-  require_size(n);
-  const std::lock_guard lock(one_call_at_a_time);
-  ShiftInvertResult result;
-  Workspace w(n, wanted, options, 3);
-  // A neighbour's vector may be an eigenvector here too, and then ARPACK would go on from a random vector of
-  // its own: a shade of the fixed vector keeps the iteration reproducible.
-  if (start.size() == n && start.norm() > 0) w.resid = start / start.norm() + 1e-4 * w.resid / w.resid.norm();
-  const auto which = end == SpectrumEnd::smallest
-                         ? arpack::which::largest_algebraic  // of 1 / (lambda - sigma)
-                         : arpack::which::smallest_algebraic;
-  w.workl = Vector::Zero(w.ncv * (w.ncv + 8));
-  const a_int lworkl = static_cast<a_int>(w.workl.size());
-  a_int ido = 0, info = 1;
-  while (true) {
-    arpack::saupd(ido, arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
-                  w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, info);
-    if (ido == -1 || ido == 1) {
-      const Vector mx = ido == 1 ? Vector(w.block(2)) : m(w.block(0));
-      w.block(1) = solve(mx);
-      ++result.applications;
-    } else if (ido == 2) {
-      w.block(1) = m(w.block(0));
-    } else {
-      break;
-    }
-  }
-  const Index found = std::min<Index>(w.iparam[4], w.nev);
-  if (info < 0 || found < 1) return result;
-  std::vector<a_int> select(at(w.ncv), 0);
-  Vector values(w.nev);
-  Matrix z(n, w.nev);
-  a_int status = 0;
-  arpack::seupd(1, arpack::howmny::ritz_vectors, select.data(), values.data(), z.data(), w.n, sigma,
-                arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
-                w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, status);
-  if (status != 0) return result;
-  std::vector<Index> order;
-  for (Index k = 0; k < found; ++k) order.push_back(k);
-  std::sort(order.begin(), order.end(), [&](Index i, Index j) {
-    return end == SpectrumEnd::smallest ? values[i] < values[j] : values[i] > values[j];
-  });
-  result.values = values(order);
-  result.vectors = z(Eigen::all, order);
-  result.converged = info == 0 && found >= wanted;
-  return result;
-}
-
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options, double unit_tolerance) {
   require_size(n);
   const std::lock_guard lock(one_call_at_a_time);

@@ -64,21 +64,25 @@ SweepParameters two_way_sweep() {
 }  // namespace
 
 TEST_CASE("warm starts agree with cold ones within their residuals, whatever the path") {
+  bool certified_before = false;
   for (const Case& one :
        {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
     CAPTURE(one.name);
     const InterfaceFamily family(build(one).parts);
     for (const std::vector<Point>& path : every_path()) {
+      const bool certify = !certified_before;
+      certified_before = certify;
       SpectralMemory memory;
       for (const auto& [epsilon, eta] : path) {
         CAPTURE(epsilon);
         CAPTURE(eta);
         const Contraction b{family.at(eta), family.at(epsilon)};
-        const SpectralRadius warm = spectral_radius(b, shift_invert, &memory);
+        const SpectralRadius warm =
+            spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = certify}, &memory);
         const SpectralRadius cold = spectral_radius(b, shift_invert);
         REQUIRE(warm.converged);
         REQUIRE(cold.converged);
-        CHECK(warm.certified);
+        CHECK(warm.certified == certify);
         const double slack =
             warm.residual + cold.residual + 1e-15 / epsilon + 1e-12 * std::max(1.0, cold.value);
         CHECK(std::abs(warm.value - cold.value) <= slack);
@@ -100,6 +104,24 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
   }
 }
 
+TEST_CASE("warm starts are not caught by a mode that is no longer the end, certified or not") {
+  // The order of two modes changes between 0.158 and 0.252: the vector of the one is no way to the other.
+  Case one = lattice_in_grid(10000, {1, 1});
+  one.partition = MetisPartitioner{.metis = 16};
+  const InterfaceFamily family(build(one).parts);
+  SpectralMemory memory;
+  for (const double exponent : {0.0, 1.0, 2.0, 3.0, 4.0}) {
+    const double epsilon = 0.04 * std::pow(25.0, exponent / 7);
+    CAPTURE(epsilon);
+    const Contraction b{family.at(infinity), family.at(epsilon)};
+    const SpectralRadius warm = spectral_radius(b, {.solver = SpectralSolver::shift_invert}, &memory);
+    const SpectralRadius proved = spectral_radius(b, shift_invert);
+    CHECK(warm.converged);
+    REQUIRE(proved.certified);
+    CHECK(std::abs(warm.value - proved.value) <= warm.residual + proved.residual);
+  }
+}
+
 TEST_CASE("warm starts save work along a fine sweep") {
   const InterfaceFamily family(build(lattice_in_grid(400, {8, 1})).parts);
   SpectralMemory memory;
@@ -109,7 +131,7 @@ TEST_CASE("warm starts save work along a fine sweep") {
     warm += spectral_radius(b, {.solver = SpectralSolver::shift_invert}, &memory).factorisations;
     cold += spectral_radius(b, {.solver = SpectralSolver::shift_invert}).factorisations;
   }
-  CHECK(warm < 0.7 * static_cast<double>(cold));
+  CHECK(warm < 0.85 * static_cast<double>(cold));  // two of each end are its proof
 }
 
 TEST_CASE("a memory used for another packing, or another set of contacts, is not believed") {

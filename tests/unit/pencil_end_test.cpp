@@ -6,6 +6,8 @@
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/random.hpp>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -60,10 +62,10 @@ TEST_CASE("pencil end: without bounds, with loose bounds, with exact ones") {
         const PencilEnd found = problem.find(end, {.certify = true});
         REQUIRE(found.converged);
         CHECK(found.certified);
-        CHECK(found.residual <= 1e-8);
+        CHECK(found.residual <= 1e-8 * std::max(1.0, std::abs(1 - found.values[0])));
         CHECK(std::abs(found.values[0] - problem.expected(end)) <= found.residual + 1e-12);
         CHECK(found.within >= 1);
-        CHECK(found.factorisations >= 3);
+        CHECK(found.factorisations >= 2);
         CHECK(found.solves > 0);
       }
     }
@@ -108,6 +110,30 @@ TEST_CASE("pencil end: a start vector helps or does no harm, even an eigenvector
     }
 }
 
+TEST_CASE("pencil end: an eigenvector of the next mode is not the end, certified or not") {
+  for (const Problem& problem : some_problems())
+    for (const SpectrumEnd end : both_ends) {
+      const Index n = problem.b.rows();
+      const Matrix scaled = problem.dense.p.llt().solve(problem.dense.s);
+      const double truth = problem.expected(end);
+      // number k from the end, by inverse iteration
+      for (const Index k : {1, 2, 3}) {
+        const double other = problem.dense.lambda[end == SpectrumEnd::smallest ? k : n - 1 - k];
+        Vector x = RandomStream(5).normal_vector(n);
+        const Eigen::PartialPivLU<Matrix> lu(scaled - other * (1 + 1e-9) * Matrix::Identity(n, n));
+        for (int repetition = 0; repetition < 3; ++repetition) x = Vector(lu.solve(x)).normalized();
+        const Vector impulses = problem.dense.root.asDiagonal() * x;
+        for (const double distance : {1e-3, 1e-6}) {
+          const double side = end == SpectrumEnd::smallest ? -1 : 1;
+          const EndGuess guess{truth + side * distance, 0};
+          const PencilEnd found = problem.find(end, {}, guess, impulses);
+          REQUIRE(found.converged);
+          CHECK(std::abs(found.values[0] - truth) <= found.residual + 1e-12);
+        }
+      }
+    }
+}
+
 TEST_CASE("pencil end: the tolerance asked for is met, loose or tight") {
   for (const Problem& problem : some_problems())
     for (const SpectrumEnd end : both_ends)
@@ -115,7 +141,7 @@ TEST_CASE("pencil end: the tolerance asked for is met, loose or tight") {
         CAPTURE(tolerance);
         const PencilEnd found = problem.find(end, {.tolerance = tolerance, .certify = true});
         REQUIRE(found.converged);
-        CHECK(found.residual <= tolerance);
+        CHECK(found.residual <= tolerance * std::max(1.0, std::abs(1 - found.values[0])));
         CHECK(std::abs(found.values[0] - problem.expected(end)) <= found.residual + 1e-12);
         REQUIRE(found.certified);
         const double from = std::min(found.outside, found.inside), to = std::max(found.outside, found.inside);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <nscdd/ddm/shifted_pencil.hpp>
-#include <nscdd/linalg/arpack.hpp>
+#include <nscdd/linalg/shift_invert_lanczos.hpp>
 
 #include <optional>
 
@@ -30,17 +30,19 @@ struct EndOptions {
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  ArpackOptions arpack = {.basis = 10, .maximum_restarts = 60};
+  Index steps = 40;        ///< of Lanczos from one shift, after which a closer one is worth its factorisation
+  Index list_steps = 300;  ///< the same where several eigenvalues are wanted
 };
 
 /// One end of the spectrum of (S, P).
 struct PencilEnd {
   Vector values;   ///< from the end inwards; empty where nothing was found
   Matrix vectors;  ///< n_Gamma x k, interface impulses
-  /// An eigenvalue lies within this distance of the first value, and of each other: the residual of
-  /// (S - sigma P)^-1 P in the P norm, taken back to lambda, plus an estimate of the error of the solves.
+  /// The end lies within this distance of the first value, and an eigenvalue of each other one. A Rayleigh
+  /// quotient is never beyond the end, and an inertia count (or what is known before) leaves no eigenvalue
+  /// beyond a shift: the distance is that between the two, plus an estimate of the error of the solves.
   double residual = infinity;
-  bool converged = false;  ///< residual <= tolerance
+  bool converged = false;  ///< residual <= tolerance, and no copy missing among the values
   /// Inertia counts found every eigenvalue beyond `outside` and those of the list up to `inside`.
   bool certified = false;
   double outside = not_a_number, inside = not_a_number;
@@ -49,9 +51,12 @@ struct PencilEnd {
 };
 
 /// Finds one end by shift-inverted Lanczos from shifts beyond it that close in on it: each factorisation says
-/// by its inertia whether the shift is beyond the end, and each Lanczos run stops at a hundredth of the
-/// distance, which sets the next shift. Crowded ends cost factorisations, not thousands of products. `start`:
-/// a vector to start from, or empty. Never throws for what does not converge.
+/// by its inertia whether the shift is beyond the end. From the first, a few Lanczos steps bring the end to
+/// within a fraction of the tolerance where it is not crowded; the next shift is placed half a tolerance
+/// beyond what they found. If its count says that nothing was passed over, the end is proved, and one solve
+/// completes the vector; if not, what lies beyond is looked for from there. Crowded ends cost factorisations,
+/// not thousands of products. `start`: a vector to start from, or empty. Never throws for what does not
+/// converge.
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
                    const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
                    const Vector& start, const EndOptions& options);

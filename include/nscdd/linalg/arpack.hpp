@@ -27,23 +27,6 @@ struct LanczosResult {
 
 enum class SpectrumEnd { smallest, largest };
 
-/// Eigenvalues of A x = lambda M x next to a shift sigma on one side of it, nearest first.
-struct ShiftInvertResult {
-  Vector values;           ///< lambda, as many as converged (none: empty)
-  Matrix vectors;          ///< their Ritz vectors, n x k
-  Index applications = 0;  ///< products with (A - sigma M)^-1
-  bool converged = false;  ///< all that were wanted
-};
-
-/// Shift-inverted Lanczos (ARPACK dsaupd, mode 3) in the inner product of M.
-/// `solve`: x -> (A - sigma M)^-1 x; `m`: x -> M x. `end` = smallest looks above the shift, where the
-/// smallest eigenvalues lie if none is below it; largest looks below. `tolerance` is relative to 1 / (lambda
-/// - sigma). `start`: where the iteration starts, such as the vector of a neighbouring problem; empty for the
-/// fixed one.
-ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const LinearMap& m, double sigma,
-                                       SpectrumEnd end, Index wanted, const ArpackOptions& options = {},
-                                       const Vector& start = {});
-
 /// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M.
 /// `a`, `m`: x -> A x, M x; `m_inverse`: x -> M^-1 x; A symmetric, M symmetric positive definite, n >= 5.
 /// The start vector is fixed, so equal calls give equal bits. One call runs at a time (ARPACK keeps state
