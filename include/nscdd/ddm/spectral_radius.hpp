@@ -34,6 +34,10 @@ inline std::optional<SpectralSolver> spectral_solver(std::string_view name) {
   return std::nullopt;
 }
 
+/// Interface unknowns up to which `automatic` turns to the dense pencil where shift-invert fails in the rigid
+/// limit.
+inline constexpr Index rigid_dense_limit = 4000;
+
 struct SpectralOptions {
   SpectralSolver solver = SpectralSolver::automatic;
   Index dense_limit = 800;  ///< for `automatic`
@@ -59,7 +63,8 @@ struct SpectralRadius {
   std::string_view solver = "none";  ///< "dense", "arpack", "shift-invert", or "none" for an empty interface
   Index applications = 0;  ///< products with interface operators or solves; 0 where they were assembled
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
-  /// this distance of each end given. For shift-invert the same of (S - sigma P)^-1 P, taken back to lambda.
+  /// this distance of each end given. For shift-invert the distance of the end from a shift with no
+  /// eigenvalue beyond it, times omega: the end itself lies within it.
   double residual = 0;
   bool converged = true;  ///< the solver says so and residual <= tolerance x max(1, rho)
 
@@ -85,9 +90,10 @@ struct SpectralMemory {
   std::vector<Visited> visited;                                ///< of one line of the sweep, newest last
 };
 
-/// In the rigid limit shift-invert works on the contacts that are independent within their subdomain and
-/// counts the unit eigenvalues by inertia; the matrix-free solver finds the unit eigenspace densely (not
-/// converged above 4 000 unknowns). What they could not reach is reported with converged = false.
+/// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the
+/// unit eigenvalues are counted from ranks (by inertia above 100 000 contacts); the matrix-free solver finds
+/// the unit eigenspace densely (not converged above 4 000 unknowns). What they could not reach is reported
+/// with converged = false.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectralMemory* memory = nullptr);
 
