@@ -73,6 +73,7 @@ class EndSearch {
   // From what is proved to have no eigenvalue beyond it, inwards to the value.
   double distance_to_proof() const {
     const double known = end_ == SpectrumEnd::smallest ? point_.low : point_.high;
+    if (point_.kernel > 0 && end_ == SpectrumEnd::smallest && !outer_) return infinity;
     const double outer = outer_ && inward(*outer_ - known) > 0 ? *outer_ : known;
     return std::max(0.0, inward(value() - outer));
   }
@@ -276,7 +277,7 @@ class EndSearch {
       const double error = run.bounds[k] + pencil.solution_error() * std::abs(run.values[k] - pencil.shift());
       if (error > tolerance(run.values[k])) continue;
       Index place = result_.values.size();
-      while (place > 1 && inward(result_.values[place - 1] - run.values[k]) > 0) --place;
+      while (place > 0 && inward(result_.values[place - 1] - run.values[k]) > 0) --place;
       insert(place, run.values[k], run.vectors.col(k));
       result_.residual = std::max(result_.residual, error);
     }

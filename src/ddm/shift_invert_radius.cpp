@@ -9,7 +9,10 @@
 namespace nscdd {
 namespace {
 
-constexpr double rigid_zero = 1e-8;  // eigenvalues lambda of the rigid limit below this count as zero
+// Above this many contacts the rank of the whole packing costs too much, and eigenvalues lambda of the rigid
+// limit count as zero that are below the first of two shifts with none between them.
+constexpr Index ranks_up_to = 100000;
+constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 // Error of lambda for each unit of 1 / (mass epsilon), from the digits of M lost beside K/epsilon: several
 // times the largest seen against dense spectra (tests/laws).
 constexpr double rounding = 4e-16;
@@ -151,19 +154,28 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
-// Eigenvalues lambda of the rigid limit that are 0; none where no factorisation near 0 can be relied on.
-std::optional<Index> eigenvalues_at_zero(const ShiftedPencilFamily& family, double eta,
-                                         Index& factorisations) {
-  for (const double shift : {rigid_zero, 2 * rigid_zero, 5 * rigid_zero}) {
-    ++factorisations;
-    const ShiftedPencil pencil = family.at(0, eta, shift);
-    if (pencil.reliable()) return pencil.below();
+// Eigenvalues lambda of the rigid limit that are 0, by inertia: an eigenvalue may be as small as 1e-8 without
+// being one of them. None where no factorisation near 0 can be relied on, or where the two counts differ.
+std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
+  std::optional<Index> first;
+  for (const double zero : {rigid_zero, rigid_zero_again}) {
+    std::optional<Index> found;
+    for (const double shift : {zero, 2 * zero, 5 * zero}) {
+      ++factorisations;
+      const ShiftedPencil pencil = family.at(0, eta, shift);
+      if (!pencil.reliable()) continue;
+      found = pencil.below();
+      break;
+    }
+    if (!found || (first && *first != *found)) return std::nullopt;
+    first = found;
   }
-  return std::nullopt;
+  return first;
 }
 
-// Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each; the
-// inertia just above 0 counts them.
+// Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each. Their
+// number comes from ranks, which no small eigenvalue can blur; shifts that count another number are not
+// believed.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
                             const EndOptions& end_options) {
   const Contraction regular{
@@ -173,7 +185,9 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   auto& family = memory.families[std::isinf(point.eta) ? 1 : 0];
   family.emplace(regular, SystemForm::augmented);
   Index factorisations = 0;
-  const std::optional<Index> unit = eigenvalues_at_zero(*family, point.eta, factorisations);
+  const std::optional<Index> unit = b.system.parts().contacts <= ranks_up_to
+                                        ? b.system.nullity()
+                                        : counted_at_zero(*family, point.eta, factorisations);
   if (!unit) return not_converged("shift-invert");
   point.kernel = *unit;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");

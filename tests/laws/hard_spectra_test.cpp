@@ -108,6 +108,46 @@ TEST_CASE("shift-invert: several eigenvalues at each end") {
   }
 }
 
+TEST_CASE("shift-invert: no copy of a multiple eigenvalue is missing in a list") {
+  const InterfaceFamily family(build(lattice_in_grid(1500, {16, 1})).parts);
+  const Contraction b{family.at(infinity), family.at(100.0)};
+  const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense, .eigenvalues = 20});
+  for (const bool certify : {false, true}) {
+    const SpectralRadius found = spectral_radius(b, shift_invert(20, certify));
+    CHECK(found.converged);
+    CHECK(found.certified == certify);
+    REQUIRE(found.low.size() == 20);
+    REQUIRE(found.high.size() == 20);
+    for (std::size_t k = 0; k < 20; ++k) {
+      CAPTURE(k);
+      CHECK(std::abs(found.low[k] - dense.low[k]) <= 1e-8);
+      CHECK(std::abs(found.high[k] - dense.high[k]) <= 1e-8);
+    }
+  }
+}
+
+TEST_CASE("rigid limit by shift-invert: unit eigenvalues from ranks, the rest as dense") {
+  // thin strips of a lattice: eigenvalues of 8e-9 that are none of the kernel
+  Case strips = lattice_in_grid(1, {1, 1});
+  strips.packing = Generator{HexagonalLattice{.columns = 1152, .rows = 12, .radius = 0.5}};
+  strips.partition = GridPartitioner{{96, 1}};
+  for (const Case& one : {strips, deposit(150, {4, 3}), deposit(600, {2, 2}), lattice_in_grid(200, {8, 1}),
+                          lattice_in_grid(45 * 45, {2, 1}), lattice_in_grid(400, {4, 4})}) {
+    CAPTURE(one.name);
+    const InterfaceFamily family(build(one).parts);
+    const Contraction b{family.at(infinity), family.at(0)};
+    const SpectralRadius found = spectral_radius(b, shift_invert());
+    const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+    CHECK(found.unit_multiplicity == dense.unit_multiplicity);
+    if (!found.converged) {  // the networks of full strips: said, not hidden
+      CHECK_FALSE(found.certified);
+      continue;
+    }
+    CHECK(std::abs(found.subdominant - dense.subdominant) <= found.residual + 1e-10);
+    CHECK(std::abs(found.subdominant_min - dense.subdominant_min) <= found.residual + 1e-10);
+  }
+}
+
 TEST_CASE("certificates: a cluster at lambda = 1, stiff contacts and light grains") {
   const InterfaceFamily family(build(with_unequal_masses(deposit(200, {5, 4}), 8)).parts);
   const Contraction b{family.at(infinity), family.at(1e-6)};
