@@ -95,8 +95,7 @@ void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends
 }
 
 Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
-               SpectralMemory& memory) {
-  const SystemForm form = point.epsilon == 0 ? SystemForm::augmented : SystemForm::condensed;
+               SpectralMemory& memory, SystemForm form) {
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(point.eta) ? 1 : 0];
   if (family && !family->serves(b, form)) memory = {};  // of another problem
   if (!family) family.emplace(b, form);
@@ -116,6 +115,21 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
                           start(&Visited::largest_vector), options);
   if (ends.found()) remember(memory, point, ends);
   return ends;
+}
+
+// With the condensed form, and where that has lost the digits a proof needs (a shift can be relied on from a
+// thousand times the rounding away, see ShiftedPencil::reliable), with the augmented one, which takes longer.
+Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
+                        SpectralMemory& memory) {
+  const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
+  const auto converged = [&](const Ends& of) {
+    return of.smallest.converged && of.largest.converged &&
+           (!options.certify || (of.smallest.certified && of.largest.certified));
+  };
+  if (converged(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
+  SpectralMemory own;
+  const Ends again = find_ends(b, point, options, own, SystemForm::augmented);
+  return converged(again) ? again : ends;
 }
 
 SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, Index unit_multiplicity,
@@ -191,7 +205,8 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   if (!unit) return not_converged("shift-invert");
   point.kernel = *unit;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result = report(b, find_ends(regular, point, end_options, memory), 0, point.kernel, options);
+  SpectralRadius result = report(b, find_ends(regular, point, end_options, memory, SystemForm::augmented), 0,
+                                 point.kernel, options);
   result.factorisations += factorisations;
   return result;
 }
@@ -219,7 +234,7 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
       .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
   if (epsilon == 0) return rigid_radius(b, options, end_options);
   const PencilPoint point = known_bounds(b, epsilon);
-  return report(b, find_ends(b, point, end_options, memory), epsilon, 0, options);
+  return report(b, find_flexible_ends(b, point, end_options, memory), epsilon, 0, options);
 }
 
 }  // namespace nscdd

@@ -45,6 +45,9 @@ bool check_radius(const SpectralRadius& found, const Contraction& b) {
   const double omega = b.relaxation;
   const double low = 1 - omega * dense.lambda[n - 1], high = 1 - omega * dense.lambda[0];
   const double slack = omega * rounding(dense, b.system.eta());
+  CAPTURE(found.residual);
+  CAPTURE(found.value);
+  CAPTURE(found.factorisations);
   REQUIRE(found.converged);
   CHECK(found.solver == "shift-invert");
   CHECK(found.unit_multiplicity == 0);
