@@ -52,11 +52,11 @@ struct PencilEnd {
 
 /// Finds one end by shift-inverted Lanczos from shifts beyond it that close in on it: each factorisation says
 /// by its inertia whether the shift is beyond the end. From the first, a few Lanczos steps bring the end to
-/// within a fraction of the tolerance where it is not crowded; the next shift is placed half a tolerance
-/// beyond what they found. If its count says that nothing was passed over, the end is proved, and one solve
-/// completes the vector; if not, what lies beyond is looked for from there. Crowded ends cost factorisations,
-/// not thousands of products. `start`: a vector to start from, or empty. Never throws for what does not
-/// converge.
+/// within a fraction of the tolerance where it is not crowded; the next shift is placed a tenth of the
+/// tolerance beyond what they found. If its count says that nothing was passed over, the end is proved, and
+/// one solve completes the vector; if not, what lies beyond is looked for from there. Crowded ends cost
+/// factorisations, not thousands of products. `start`: a vector to start from, or empty. Never throws for
+/// what does not converge.
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
                    const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
                    const Vector& start, const EndOptions& options);
