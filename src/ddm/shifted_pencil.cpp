@@ -3,6 +3,8 @@
 #include <nscdd/linalg/symmetric_factor.hpp>
 
 #include <cmath>
+#include <mutex>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -96,7 +98,21 @@ class ShiftedPencilFamily::Preparation {
       add_condensed(entries, preconditioner, system_size, interface);
     }
     assemble(entries, size);
-    analysis.emplace(inertia, grain_groups(size));
+    std::vector<Index> border(nscdd::at(system.interface_size()));
+    std::iota(border.begin(), border.end(), interface);
+    analysis.emplace(inertia, grain_groups(size), std::vector<char>{}, border);
+  }
+
+  // What does not depend on sigma, of the last epsilon and eta.
+  SymmetricInterior interior(double epsilon, double eta, const SparseMatrix& matrix) const {
+    const std::lock_guard lock(interior_mutex_);
+    if (!interior_ || interior_epsilon_ != epsilon || interior_eta_ != eta) {
+      interior_.reset();  // room for the next
+      interior_.emplace(*analysis, matrix);
+      interior_epsilon_ = epsilon;
+      interior_eta_ = eta;
+    }
+    return *interior_;
   }
 
   // Sums entries of the same place, the two coefficients side by side.
@@ -139,18 +155,20 @@ class ShiftedPencilFamily::Preparation {
     return grain;
   }
 
+  // Rows of the -P block are scaled by sqrt(sigma), so that sigma appears between rows of one interface grain
+  // or of two, and nowhere else.
   SparseMatrix matrix(double epsilon, double eta, double sigma) const {
+    const double root = std::sqrt(sigma);
     SparseMatrix sum = inertia;
     double* value = sum.valuePtr();
     const double* k = stiffness.valuePtr();
     for (Index j = 0; j < sum.outerSize(); ++j)
       for (Index p = sum.outerIndexPtr()[j]; p < sum.outerIndexPtr()[j + 1]; ++p) {
         const bool gluing = sum.innerIndexPtr()[p] >= interface && j < interface;
-        if (gluing) continue;
         if (j < system_size) {
-          value[p] += form == SystemForm::augmented ? k[p] * epsilon : k[p] / epsilon;
+          if (!gluing) value[p] += form == SystemForm::augmented ? k[p] * epsilon : k[p] / epsilon;
         } else if (j < interface) {
-          value[p] = -(value[p] + k[p] / eta) / sigma;
+          value[p] = gluing ? root * value[p] : -(value[p] + k[p] / eta);
         } else {
           value[p] *= sigma;
         }
@@ -167,6 +185,11 @@ class ShiftedPencilFamily::Preparation {
   SparseMatrix inertia,
       stiffness;  // lower triangles of one pattern: coefficients of 1 and of 1/epsilon, 1/eta
   std::optional<SymmetricAnalysis> analysis;
+
+ private:
+  mutable std::mutex interior_mutex_;
+  mutable std::optional<SymmetricInterior> interior_;
+  mutable double interior_epsilon_ = not_a_number, interior_eta_ = not_a_number;
 };
 
 class ShiftedPencil::Implementation {
@@ -175,7 +198,7 @@ class ShiftedPencil::Implementation {
                  double sigma)
       : preparation(std::move(p)), shift(sigma) {
     SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
-    factor.emplace(*preparation->analysis, matrix);
+    factor.emplace(preparation->interior(epsilon, eta, matrix), matrix);
     if (!factor->regular()) return;
     const Index size = matrix.rows() - preparation->interface;
     Vector right = Vector::Zero(matrix.rows());
@@ -195,10 +218,11 @@ class ShiftedPencil::Implementation {
   }
 
   Vector solve(const Vector& g) const {
+    if (!refinement) return -factor->solve_on_border(g);
     Vector right = Vector::Zero(preparation->inertia.rows());
     right.tail(g.size()) = g;
     Vector x = factor->solve(right);
-    if (refinement) x += factor->solve(symmetric_residual(*refinement, x, right));
+    x += factor->solve(symmetric_residual(*refinement, x, right));
     return -x.tail(g.size());
   }
 
@@ -237,6 +261,8 @@ ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma) 
 }
 
 Index ShiftedPencilFamily::unknowns() const { return preparation_->inertia.rows(); }
-double ShiftedPencilFamily::factor_entries() const { return preparation_->analysis->entries(); }
+double ShiftedPencilFamily::factor_entries() const {
+  return preparation_->analysis->entries() + preparation_->analysis->interior_updates();
+}
 
 }  // namespace nscdd

@@ -170,8 +170,9 @@ double elimination_flops(const Front& front) {  // sum over the pivots of (rows 
 
 SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern,
                                                   const std::vector<Index>& group_or_none,
-                                                  const std::vector<char>& last)
-    : size(pattern.rows()) {
+                                                  const std::vector<char>& last,
+                                                  const std::vector<Index>& border_rows)
+    : size(pattern.rows()), border(border_rows) {
   std::vector<Index> group = group_or_none;
   const Index groups = size == 0 ? 0 : *std::max_element(group.begin(), group.end()) + 1;
   std::vector<int> weight(at(groups), 0);
@@ -279,14 +280,34 @@ SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern,
       one.column = std::min(a, b);
     }
   }
+  mark_border();
+}
+
+void SymmetricAnalysis::Implementation::mark_border() {
+  for (const Index row : border)
+    for (Index s = front_of_row[at(row)]; s >= 0 && !fronts[at(s)].on_border; s = fronts[at(s)].parent)
+      fronts[at(s)].on_border = true;
+  for (Index s = 0; s < count(fronts); ++s) {
+    const Front& front = fronts[at(s)];
+    if (!front.on_border && (front.parent < 0 || fronts[at(front.parent)].on_border))
+      interior_roots.push_back(s);
+  }
 }
 
 SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
-                                     const std::vector<char>& last)
-    : implementation_(std::make_shared<const Implementation>(pattern, group, last)) {}
+                                     const std::vector<char>& last, const std::vector<Index>& border)
+    : implementation_(std::make_shared<const Implementation>(pattern, group, last, border)) {}
 
 Index SymmetricAnalysis::rows() const { return implementation_->size; }
 double SymmetricAnalysis::entries() const { return implementation_->factor_entries; }
+double SymmetricAnalysis::interior_updates() const {
+  double all = 0;
+  for (const Index s : implementation_->interior_roots) {
+    const auto rows = static_cast<double>(implementation_->fronts[at(s)].update_rows());
+    all += rows * rows;
+  }
+  return all;
+}
 double SymmetricAnalysis::flops() const {
   double all = 0;
   for (const Front& front : implementation_->fronts)

@@ -16,6 +16,7 @@ struct Front {
   std::vector<Index> panels;    ///< ends of the panels of pivot columns, the last one being `pivots`
   std::vector<Index> children;  ///< ascending
   double subtree_flops = 0;     ///< of the front and all below it
+  bool on_border = false;       ///< on the way from a border row to the root
   Index update_rows() const { return rows - pivots; }
 };
 
@@ -27,15 +28,20 @@ struct FrontEntry {
 
 class SymmetricAnalysis::Implementation {
  public:
-  Implementation(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last);
+  Implementation(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last,
+                 const std::vector<Index>& border);
 
   Index size = 0;
-  std::vector<Front> fronts;         ///< children before parents
-  std::vector<int> row_of;           ///< rows of the matrix, front by front, pivots first
-  std::vector<int> place_in_parent;  ///< at row_of's positions: place of an update row in the parent's rows
-  std::vector<FrontEntry> entries;   ///< front by front
-  std::vector<int> front_of_row;     ///< the front that eliminates a row of the matrix
+  std::vector<Front> fronts;          ///< children before parents
+  std::vector<int> row_of;            ///< rows of the matrix, front by front, pivots first
+  std::vector<int> place_in_parent;   ///< at row_of's positions: place of an update row in the parent's rows
+  std::vector<FrontEntry> entries;    ///< front by front
+  std::vector<int> front_of_row;      ///< the front that eliminates a row of the matrix
+  std::vector<Index> border;          ///< rows of the matrix
+  std::vector<Index> interior_roots;  ///< fronts off the border whose parents, if any, are on it
   double factor_entries = 0;
+
+  void mark_border();
 };
 
 }  // namespace nscdd

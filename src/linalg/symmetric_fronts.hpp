@@ -66,80 +66,109 @@ void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   }
 }
 
-/// The fronts of a factorisation, and the walks over their tree that every stage takes.
-class SymmetricFactor::Implementation {
+/// The walks over the elimination tree that every stage takes; subtrees worth a task run in parallel.
+class FrontTree {
  public:
   using Analysis = SymmetricAnalysis::Implementation;
+  explicit FrontTree(std::shared_ptr<const Analysis> a) : analysis(std::move(a)) {}
 
-  Implementation(std::shared_ptr<const Analysis> a, const SparseMatrix& lower);
-  Vector solve(const Vector& b) const;
-  Matrix inverse_block(const std::vector<Index>& rows) const;
+  const Front& front(Index s) const { return analysis->fronts[at(s)]; }
+  Index size() const { return count(analysis->fronts); }
 
-  std::atomic<Index> negative = 0;
-  std::atomic<bool> singular = false;
+  // visit(front) for those of the subtree that are on the border, or for all; children before parents.
+  template <class Visit>
+  void up(Index s, bool border_only, const Visit& visit) const {
+    for_children(s, border_only, [&](Index c) { up(c, border_only, visit); });
+    visit(s);
+  }
+  template <class Visit>
+  void down(Index s, bool border_only, const Visit& visit) const {
+    visit(s);
+    for_children(s, border_only, [&](Index c) { down(c, border_only, visit); });
+  }
+  template <class Visit>
+  void for_roots(bool border_only, const Visit& visit) const {
+    for (Index s = 0; s < size(); ++s)
+      if (front(s).parent < 0 && (!border_only || front(s).on_border)) visit(s);
+  }
+
+  std::shared_ptr<const Analysis> analysis;
 
  private:
   static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
 
-  // visit(child) for the children of a front; subtrees worth a task run in parallel.
   template <class Visit>
-  void for_children(Index s, const Visit& visit) const {
-    const Front& front = analysis->fronts[at(s)];
-    if (front.subtree_flops < parallel_subtree_flops || front.children.size() < 2) {
-      for (const Index c : front.children) visit(c);
+  void for_children(Index s, bool border_only, const Visit& visit) const {
+    const auto one = [&](Index c) {
+      if (!border_only || front(c).on_border) visit(c);
+    };
+    const std::vector<Index>& children = front(s).children;
+    if (front(s).subtree_flops < parallel_subtree_flops || children.size() < 2) {
+      for (const Index c : children) one(c);
       return;
     }
     tbb::task_group tasks;
-    for (std::size_t k = 1; k < front.children.size(); ++k)
-      tasks.run([&visit, c = front.children[k]] { visit(c); });
-    visit(front.children[0]);
+    for (std::size_t k = 1; k < children.size(); ++k) tasks.run([&one, c = children[k]] { one(c); });
+    one(children[0]);
     tasks.wait();
   }
-  template <class Visit>
-  void up_the_tree(Index s, const Visit& visit) const {  // children before parents
-    for_children(s, [&](Index c) { up_the_tree(c, visit); });
-    visit(s);
-  }
-  template <class Visit>
-  void down_the_tree(Index s, const Visit& visit) const {
-    visit(s);
-    for_children(s, [&](Index c) { down_the_tree(c, visit); });
-  }
-  template <class Visit>
-  void for_roots(const Visit& visit) const {
-    for (Index s = 0; s < count(analysis->fronts); ++s)
-      if (analysis->fronts[at(s)].parent < 0) visit(s);
+};
+
+/// Fronts eliminated, of one side of the border or of the other.
+struct EliminatedFronts {
+  explicit EliminatedFronts(const FrontTree& tree) : factors(at(tree.size())), updates(at(tree.size())) {}
+  std::vector<FrontFactor> factors;
+  std::vector<Matrix> updates;  // what is left of a front for its parent
+  std::atomic<Index> negative = 0;
+  std::atomic<bool> singular = false;
+};
+
+class SymmetricInterior::Implementation {
+ public:
+  Implementation(std::shared_ptr<const FrontTree::Analysis> analysis, const SparseMatrix& lower);
+  FrontTree tree;
+  EliminatedFronts fronts;  // updates: of the interior roots only, once all are eliminated
+};
+
+class SymmetricFactor::Implementation {
+ public:
+  Implementation(std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts,
+                 const SparseMatrix& lower);
+  Vector solve(const Vector& b) const;
+  Vector solve_on_border(const Vector& g) const;
+  Matrix inverse_block(const std::vector<Index>& rows) const;
+
+  std::shared_ptr<const SymmetricInterior::Implementation> interior;
+  FrontTree tree;
+  EliminatedFronts border;
+
+ private:
+  const FrontFactor& factor(Index s) const {
+    return (tree.front(s).on_border ? border : interior->fronts).factors[at(s)];
   }
 
   // visit(first pivot, width, L with D on its diagonal, L below) for each panel of a front, up or down.
   template <class Visit>
   void panel(Index s, std::size_t k, const Visit& visit) const {
-    const Front& front = analysis->fronts[at(s)];
+    const Front& front = tree.front(s);
     const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
-    const double* start = factors[at(s)].columns.data() + first * front.rows + first;
+    const double* start = factor(s).columns.data() + first * front.rows + first;
     const Eigen::OuterStride<> stride(front.rows);
     visit(first, width, ConstBlock(start, width, width, stride),
           ConstBlock(start + width, front.rows - first - width, width, stride));
   }
   template <class Visit>
   void for_panels(Index s, const Visit& visit) const {
-    for (std::size_t k = 0; k < analysis->fronts[at(s)].panels.size(); ++k) panel(s, k, visit);
+    for (std::size_t k = 0; k < tree.front(s).panels.size(); ++k) panel(s, k, visit);
   }
   template <class Visit>
   void for_panels_back(Index s, const Visit& visit) const {
-    for (std::size_t k = analysis->fronts[at(s)].panels.size(); k > 0; --k) panel(s, k - 1, visit);
+    for (std::size_t k = tree.front(s).panels.size(); k > 0; --k) panel(s, k - 1, visit);
   }
 
-  void eliminate(Index s);
-  bool factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps, double* off);
-  void assemble(Index s, Block& columns, Matrix& update);
+  void solve_in_place(Vector& x, bool border_only) const;
   void forward(Index s, Vector& x, std::vector<Vector>& carried) const;
   void backward(Index s, Vector& x) const;
-
-  std::shared_ptr<const Analysis> analysis;
-  const double* values;  // of the matrix, during the factorisation only
-  std::vector<FrontFactor> factors;
-  std::vector<Matrix> updates;
 };
 
 }  // namespace nscdd

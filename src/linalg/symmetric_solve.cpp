@@ -7,23 +7,38 @@
 
 namespace nscdd {
 
+void SymmetricFactor::Implementation::solve_in_place(Vector& x, bool border_only) const {
+  std::vector<Vector> carried(at(tree.size()));  // updates on their way to the parent
+  tree.for_roots(border_only,
+                 [&](Index root) { tree.up(root, border_only, [&](Index s) { forward(s, x, carried); }); });
+  tree.for_roots(border_only,
+                 [&](Index root) { tree.down(root, border_only, [&](Index s) { backward(s, x); }); });
+}
+
 Vector SymmetricFactor::Implementation::solve(const Vector& b) const {
   Vector x = b;
-  std::vector<Vector> carried(factors.size());  // updates on their way to the parent
-  for_roots([&](Index root) { up_the_tree(root, [&](Index s) { forward(s, x, carried); }); });
-  for_roots([&](Index root) { down_the_tree(root, [&](Index s) { backward(s, x); }); });
+  solve_in_place(x, false);
   return x;
 }
 
+Vector SymmetricFactor::Implementation::solve_on_border(const Vector& g) const {
+  const std::vector<Index>& rows = tree.analysis->border;
+  Vector x = Vector::Zero(tree.analysis->size);
+  x(rows) = g;
+  solve_in_place(x, true);
+  return x(rows);
+}
+
 void SymmetricFactor::Implementation::forward(Index s, Vector& x, std::vector<Vector>& carried) const {
-  const Front& front = analysis->fronts[at(s)];
-  const FrontFactor& own = factors[at(s)];
-  const int* row = analysis->row_of.data() + front.first_row;
+  const Front& front = tree.front(s);
+  const FrontFactor& own = factor(s);
+  const int* row = tree.analysis->row_of.data() + front.first_row;
   Vector local = Vector::Zero(front.rows);
   for (Index i = 0; i < front.pivots; ++i) local[i] = x[row[i]];
   for (const Index c : front.children) {
-    const Front& child = analysis->fronts[at(c)];
-    const int* place = analysis->place_in_parent.data() + child.first_row + child.pivots;
+    if (carried[at(c)].size() == 0) continue;  // apart from the border, where all is zero
+    const Front& child = tree.front(c);
+    const int* place = tree.analysis->place_in_parent.data() + child.first_row + child.pivots;
     for (Index i = 0; i < child.update_rows(); ++i) local[place[i]] += carried[at(c)][i];
     carried[at(c)].resize(0);
   }
@@ -38,9 +53,9 @@ void SymmetricFactor::Implementation::forward(Index s, Vector& x, std::vector<Ve
 }
 
 void SymmetricFactor::Implementation::backward(Index s, Vector& x) const {
-  const Front& front = analysis->fronts[at(s)];
-  const FrontFactor& own = factors[at(s)];
-  const int* row = analysis->row_of.data() + front.first_row;
+  const Front& front = tree.front(s);
+  const FrontFactor& own = factor(s);
+  const int* row = tree.analysis->row_of.data() + front.first_row;
   Vector local(front.rows);
   for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
   for_panels_back(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
@@ -55,27 +70,27 @@ void SymmetricFactor::Implementation::backward(Index s, Vector& x) const {
 
 Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& rows) const {
   // Fronts that the right-hand sides reach, and the pivot rows of these.
-  std::vector<char> reached(factors.size(), 0);
+  const auto& analysis = *tree.analysis;
+  std::vector<char> reached(at(tree.size()), 0);
   for (const Index row : rows)
-    for (Index s = analysis->front_of_row[at(row)]; s >= 0 && !reached[at(s)];
-         s = analysis->fronts[at(s)].parent)
+    for (Index s = analysis.front_of_row[at(row)]; s >= 0 && !reached[at(s)]; s = tree.front(s).parent)
       reached[at(s)] = 1;
-  std::vector<Index> path, compact(at(analysis->size), -1);
+  std::vector<Index> path, compact(at(analysis.size), -1);
   Index reached_rows = 0;
-  for (Index s = 0; s < count(factors); ++s) {
+  for (Index s = 0; s < tree.size(); ++s) {
     if (!reached[at(s)]) continue;
     path.push_back(s);
-    const Front& front = analysis->fronts[at(s)];
+    const Front& front = tree.front(s);
     for (Index i = 0; i < front.pivots; ++i)
-      compact[at(analysis->row_of[at(front.first_row + i)])] = reached_rows++;
+      compact[at(analysis.row_of[at(front.first_row + i)])] = reached_rows++;
   }
   Matrix x = Matrix::Zero(reached_rows, count(rows));
   for (Index k = 0; k < count(rows); ++k) x(compact[at(rows[at(k)])], k) = 1;
   const auto rows_of = [&](Index s) {
-    const Front& front = analysis->fronts[at(s)];
+    const Front& front = tree.front(s);
     std::vector<Index> list;
     for (Index i = 0; i < front.rows; ++i)
-      list.push_back(compact[at(analysis->row_of[at(front.first_row + i)])]);
+      list.push_back(compact[at(analysis.row_of[at(front.first_row + i)])]);
     return list;
   };
   for (const Index s : path) {  // L^-1
@@ -83,7 +98,7 @@ Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& 
     Matrix local = x(list, Eigen::all);
     for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
       auto head = local.middleRows(first, width);
-      interchange(factors[at(s)].swaps.data() + first, width, [&](Index i, Index j) {
+      interchange(factor(s).swaps.data() + first, width, [&](Index i, Index j) {
         if (i != j) head.row(i).swap(head.row(j));
       });
       diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
@@ -96,10 +111,10 @@ Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& 
     Matrix local = x(list, Eigen::all);
     for_panels_back(*s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
       auto head = local.middleRows(first, width);
-      solve_diagonal(diagonal, factors[at(*s)].off.data() + first, head);
+      solve_diagonal(diagonal, factor(*s).off.data() + first, head);
       head.noalias() -= left.transpose() * local.bottomRows(left.rows());
       diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-      interchange_back(factors[at(*s)].swaps.data() + first, width, [&](Index i, Index j) {
+      interchange_back(factor(*s).swaps.data() + first, width, [&](Index i, Index j) {
         if (i != j) head.row(i).swap(head.row(j));
       });
     });
@@ -113,6 +128,12 @@ Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& 
 Vector SymmetricFactor::solve(const Vector& b) const {
   Vector x;
   with_threads([&] { x = implementation_->solve(b); });
+  return x;
+}
+
+Vector SymmetricFactor::solve_on_border(const Vector& g) const {
+  Vector x;
+  with_threads([&] { x = implementation_->solve_on_border(g); });
   return x;
 }
 

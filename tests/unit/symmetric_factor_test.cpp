@@ -127,6 +127,37 @@ TEST_CASE("symmetric factor: groups eliminated last, and the inverse on their ro
   }
 }
 
+TEST_CASE("symmetric factor: what is apart from the border serves a family, to the bit") {
+  for (const Index stride : {1, 5, 40, 1000}) {
+    CAPTURE(stride);
+    const SymmetricProblem problem = saddle_point(60, 0.5, 0.7, 31);
+    const Index n = problem.lower.rows();
+    std::vector<Index> border;
+    for (Index i = n - 1; i >= 0; i -= stride) border.push_back(i);
+    std::vector<char> on_border(at(n), 0);
+    for (const Index i : border) on_border[at(i)] = 1;
+    const SymmetricAnalysis analysis(problem.lower, problem.group, {}, border);
+    const SymmetricInterior interior(analysis, problem.lower);
+    for (const double factor : {1.0, -0.3, 2.5}) {
+      CAPTURE(factor);
+      SparseMatrix lower = problem.lower;
+      for (Index j = 0; j < n; ++j)
+        for (SparseMatrix::InnerIterator e(lower, j); e; ++e)
+          if (on_border[at(j)] && on_border[at(e.row())]) e.valueRef() *= factor;
+      const SymmetricFactor shared(interior, lower), whole(analysis, lower);
+      REQUIRE(shared.regular());
+      CHECK(shared.negative_eigenvalues() == negative_count(full(lower)));
+      const Vector g = RandomStream(7).normal_vector(count(border));
+      Vector b = Vector::Zero(n);
+      b(border) = g;
+      const Vector x = shared.solve(b);
+      CHECK(x == whole.solve(b));
+      CHECK(shared.solve_on_border(g) == Vector(x(border)));
+      CHECK(backward_error(lower, x, b) < 1e-11);
+    }
+  }
+}
+
 TEST_CASE("symmetric factor: masses and stiffnesses many decades apart") {
   // D A D has the inertia of A, whatever the diagonal D.
   const SymmetricProblem plain = saddle_point(50, 0.5, 0.7, 31);

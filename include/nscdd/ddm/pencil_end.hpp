@@ -30,7 +30,7 @@ struct EndOptions {
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  Index steps = 40;        ///< of Lanczos from one shift, after which a closer one is worth its factorisation
+  Index steps = 24;        ///< of Lanczos from one shift, after which a closer one is worth its factorisation
   Index list_steps = 300;  ///< the same where several eigenvalues are wanted
 };
 

@@ -16,9 +16,9 @@ enum class SystemForm {
 
 /// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
 /// factorisation of the saddle-point matrix
-///     [ M_E + K_E/epsilon                           A_E^T ]
-///     [                   -(M_E + K_E/eta) / sigma  A_E^T ]
-///     [ A_E                A_E                      0     ]
+///     [ M_E + K_E/epsilon                                A_E^T ]
+///     [                    -(M_E + K_E/eta)  sqrt(sigma) A_E^T ]
+///     [ A_E                 sqrt(sigma) A_E              0     ]
 /// or, for eta = infinity,
 ///     [ M_E + K_E/epsilon   A_E^T   ]
 ///     [ A_E                 sigma X ]
@@ -60,7 +60,8 @@ class ShiftedPencil {
 };
 
 /// Every shifted pencil of one pair of decompositions: the elimination order and its fronts are found once
-/// and serve all epsilon, eta (finite, or all infinite) and sigma.
+/// and serve all epsilon, eta (finite, or all infinite) and sigma; what is eliminated apart from the interface
+/// does not depend on sigma and is kept from shift to shift.
 class ShiftedPencilFamily {
  public:
   /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.
@@ -73,7 +74,7 @@ class ShiftedPencilFamily {
   ShiftedPencil at(double epsilon, double eta, double sigma) const;
 
   Index unknowns() const;         ///< of the saddle-point matrix
-  double factor_entries() const;  ///< of its factor, 8 bytes each
+  double factor_entries() const;  ///< of its factor and what is kept beside it, 8 bytes each
 
   class Preparation;
 

@@ -18,14 +18,29 @@ class SymmetricAnalysis {
   /// together, so that pivots can be chosen among them: a multiplier of a saddle point belongs with what it
   /// ties. -1 puts a row with the last of the groups that it touches, one at least, by when all that it ties
   /// can serve as its pivot. `last`: groups to be eliminated after all others (flags, one per group; may be
-  /// empty), which makes `SymmetricFactor::inverse_block` on their rows cheap. Throws std::bad_alloc where
-  /// the libraries run out of memory.
+  /// empty), which makes `SymmetricFactor::inverse_block` on their rows cheap. `border`: rows whose
+  /// groups alone the matrices of a family differ in (entries between two rows of such groups), and on which
+  /// solutions are wanted: the fronts that are on the way from none of them to the root then serve the whole
+  /// family, see SymmetricInterior. Throws std::bad_alloc where the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
-                    const std::vector<char>& last = {});
+                    const std::vector<char>& last = {}, const std::vector<Index>& border = {});
 
   Index rows() const;
-  double entries() const;  ///< entries of the factor
-  double flops() const;    ///< multiplications and additions of one factorisation
+  double entries() const;           ///< entries of the factor
+  double interior_updates() const;  ///< entries that a `SymmetricInterior` keeps beside those of the factor
+  double flops() const;             ///< multiplications and additions of one factorisation
+  class Implementation;
+
+ private:
+  friend class SymmetricInterior;
+  std::shared_ptr<const Implementation> implementation_;
+};
+
+/// The elimination of all that is apart from the border rows of an analysis: what factorisations have in
+/// common of matrices that differ only between rows of the groups of the border.
+class SymmetricInterior {
+ public:
+  SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
   class Implementation;
 
  private:
@@ -44,10 +59,16 @@ class SymmetricAnalysis {
 class SymmetricFactor {
  public:
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
+  /// The same, to the last bit, of a matrix that has the interior given.
+  SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower);
 
   bool regular() const;  ///< false where a pivot is exactly zero; nothing else may then be asked
   Index negative_eigenvalues() const;   ///< of A, with multiplicity
   Vector solve(const Vector& b) const;  ///< A^-1 b
+
+  /// (A^-1 E g) on the border rows, g given there, E putting it in its place among zeros: the bits of `solve`
+  /// by the fronts on the way from the border to the root only.
+  Vector solve_on_border(const Vector& g) const;
 
   /// (A^-1)_{rows, rows}, by the fronts on the way from these rows to the root only.
   Matrix inverse_block(const std::vector<Index>& rows) const;
