@@ -43,6 +43,7 @@ class EndSearch {
       }
       if (converged()) {
         if (bound_ > tolerance()) sharpen(*pencil);
+        if (!sloped_) measure_slopes(*pencil);
         break;
       }
       if (quotient_ && distance_to_proof() > 0.9 * last_distance)
@@ -196,18 +197,36 @@ class EndSearch {
   void complete(const ShiftedPencil& pencil) {
     Vector x = result_.vectors.col(0);
     for (int k = 0; k < 3; ++k) {
-      const Vector px = p_.apply(x), y = solve(pencil, px), py = p_.apply(y);
+      const Vector px = p_.apply(x);
+      const ShiftedPencil::Response response = respond(pencil, px);
+      const Vector &y = response.f, py = p_.apply(y);
       const double norm = y.dot(py), delta = x.dot(py) / norm;
       const double residual = std::sqrt(std::max(0.0, (x - delta * y).dot(px - delta * py)) / norm);
       if (!std::isfinite(residual)) return;
       x = y / std::sqrt(norm);
       result_.values[0] = pencil.shift() + delta;
       result_.vectors.col(0) = x;
+      set_slopes(response, norm);
       solution_error_ = pencil.solution_error() * std::abs(delta);
       bound_ = error_ = residual;
       quotient_ = true;
       if (residual <= 0.1 * tolerance()) return;
     }
+  }
+
+  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& g) {
+    return ++result_.solves, pencil.respond(g);
+  }
+
+  void measure_slopes(const ShiftedPencil& pencil) {
+    const ShiftedPencil::Response response = respond(pencil, p_.apply(result_.vectors.col(0)));
+    set_slopes(response, response.f.dot(p_.apply(response.f)));
+  }
+
+  void set_slopes(const ShiftedPencil::Response& response, double norm) {
+    result_.slope_epsilon = response.system / norm;
+    result_.slope_eta = -value() * response.preconditioner / norm;
+    sloped_ = true;
   }
 
   // A tenth of the tolerance beyond the value if its error is likely to be smaller, or else where it is
@@ -306,6 +325,7 @@ class EndSearch {
   double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search has begun
   double bound_ = infinity, error_ = infinity;  // of the value, as Lanczos has them
   double solution_error_ = 0;
+  bool sloped_ = false;    // the slopes are known
   bool quotient_ = false;  // the value is a Rayleigh quotient of (S, P), which is never beyond the end
 };
 

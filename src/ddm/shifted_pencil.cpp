@@ -129,6 +129,24 @@ class ShiftedPencilFamily::Preparation {
     stiffness.setFromTriplets(second.begin(), second.end());
   }
 
+  // x^T K x of the block of S, for epsilon and the velocities or contact impulses in x, and of that of -P,
+  // the velocities of which are scaled by sqrt(sigma).
+  ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma) const {
+    const auto energy = [&](Index first, Index last) {
+      double sum = 0;
+      for (Index j = first; j < last; ++j)
+        for (Index p = stiffness.outerIndexPtr()[j]; p < stiffness.outerIndexPtr()[j + 1]; ++p) {
+          const Index i = stiffness.innerIndexPtr()[p];
+          sum += stiffness.valuePtr()[p] * x[i] * x[j] * (i == j ? 1 : 2);
+        }
+      return sum;
+    };
+    const double system = energy(0, system_size);
+    return {.f = -x.tail(x.size() - interface),
+            .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,
+            .preconditioner = generic ? 0.0 : energy(system_size, interface) / (eta * sigma)};
+  }
+
   // All copies of a grain and the gluing of these copies are eliminated together.
   std::vector<Index> grain_groups(Index size) const {
     const Decomposition& system = contraction.system.parts();
@@ -196,7 +214,7 @@ class ShiftedPencil::Implementation {
  public:
   Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> p, double epsilon, double eta,
                  double sigma)
-      : preparation(std::move(p)), shift(sigma) {
+      : preparation(std::move(p)), epsilon_(epsilon), eta_(eta), shift(sigma) {
     SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
     factor.emplace(preparation->interior(epsilon, eta, matrix), matrix);
     if (!factor->regular()) return;
@@ -219,14 +237,26 @@ class ShiftedPencil::Implementation {
 
   Vector solve(const Vector& g) const {
     if (!refinement) return -factor->solve_on_border(g);
+    return -solve_whole(g).tail(g.size());
+  }
+
+  Response respond(const Vector& g) const {
+    return preparation->response(solve_whole(g), epsilon_, eta_, shift);
+  }
+
+ private:
+  Vector solve_whole(const Vector& g) const {
     Vector right = Vector::Zero(preparation->inertia.rows());
     right.tail(g.size()) = g;
     Vector x = factor->solve(right);
-    x += factor->solve(symmetric_residual(*refinement, x, right));
-    return -x.tail(g.size());
+    if (refinement) x += factor->solve(symmetric_residual(*refinement, x, right));
+    return x;
   }
 
   std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation;
+  double epsilon_, eta_;
+
+ public:
   double shift;
   std::optional<SymmetricFactor> factor;
   double inexactness = infinity;
@@ -244,6 +274,7 @@ double ShiftedPencil::solution_error() const {
 double ShiftedPencil::shift() const { return implementation_->shift; }
 Index ShiftedPencil::below() const { return implementation_->below(); }
 Vector ShiftedPencil::solve(const Vector& g) const { return implementation_->solve(g); }
+ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const { return implementation_->respond(g); }
 
 ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form)
     : preparation_(std::make_shared<const Preparation>(b, form)) {}

@@ -47,6 +47,8 @@ struct PencilEnd {
   bool certified = false;
   double outside = not_a_number, inside = not_a_number;
   Index within = 0;  ///< eigenvalues between the two, with multiplicity
+  /// d lambda / d log epsilon and d lambda / d log eta of the first value (Hellmann and Feynman).
+  double slope_epsilon = 0, slope_eta = 0;
   Index factorisations = 0, solves = 0;
 };
 

@@ -52,6 +52,15 @@ class ShiftedPencil {
 
   Vector solve(const Vector& g) const;  ///< (S - sigma P)^-1 g
 
+  /// A solution f = (S - sigma P)^-1 g and how f^T S f and f^T P f change with the flexibilities, from the
+  /// velocities V = (M_E + K_E/epsilon)^-1 A_E^T f and V' = (M_E + K_E/eta)^-1 A_E^T f that come with it:
+  struct Response {
+    Vector f;
+    double system = 0;          ///< d f^T S f / d log epsilon = V^T K_E V / epsilon
+    double preconditioner = 0;  ///< d f^T P f / d log eta = V'^T K_E V' / eta, 0 for eta = infinity
+  };
+  Response respond(const Vector& g) const;
+
   class Implementation;
   explicit ShiftedPencil(std::shared_ptr<const Implementation> implementation);
 
