@@ -9,9 +9,9 @@
 namespace nscdd {
 namespace {
 
-// Above this many contacts the rank of the whole packing costs too much, and eigenvalues lambda of the rigid
-// limit count as zero that are below the first of two shifts with none between them.
-constexpr Index ranks_up_to = 100000;
+// Above this many contacts the rank of the whole packing takes much memory. Eigenvalues lambda of the rigid
+// limit then count as zero that are below the first of two shifts with none between them.
+constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 // Error of lambda for each unit of 1 / (mass epsilon), from the digits of M lost beside K/epsilon: several
 // times the largest seen against dense spectra (tests/laws).
@@ -50,8 +50,8 @@ struct Coordinate {
 };
 
 // Polynomial through the last two or three points of one line of the sweep, on logarithmic axes.
-std::optional<EndGuess> extrapolate(const SpectralMemory& memory, const PencilPoint& point,
-                                    double SpectralMemory::Visited::*end) {
+std::optional<EndGuess> extrapolate(const PencilMemory& memory, const PencilPoint& point,
+                                    double PencilMemory::Visited::*end) {
   const auto& visited = memory.visited;
   if (visited.size() < 2) return std::nullopt;
   const Coordinate coordinate{std::isinf(point.eta)};
@@ -81,12 +81,12 @@ std::optional<EndGuess> extrapolate(const SpectralMemory& memory, const PencilPo
 }
 
 // Points of another line are of no use; a point met again takes its own place.
-void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends) {
+void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
-  const auto on_line = [&](const SpectralMemory::Visited& v) {
+  const auto on_line = [&](const PencilMemory::Visited& v) {
     return (v.epsilon == point.epsilon) != (v.eta == point.eta);
   };
-  std::erase_if(visited, [&](const SpectralMemory::Visited& v) { return !on_line(v); });
+  std::erase_if(visited, [&](const PencilMemory::Visited& v) { return !on_line(v); });
   if (visited.size() > 1 && (visited[0].eta == point.eta) != (visited[1].eta == point.eta))
     visited.erase(visited.begin());
   if (visited.size() > 2) visited.erase(visited.begin());
@@ -94,14 +94,20 @@ void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends
                      ends.smallest.vectors.col(0), ends.largest.vectors.col(0)});
 }
 
-Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
-               SpectralMemory& memory, SystemForm form) {
-  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(point.eta) ? 1 : 0];
-  if (family && !family->serves(b, form)) memory = {};  // of another problem
+// Of this problem, what another has left being thrown away.
+const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, PencilMemory& memory) {
+  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.eta()) ? 1 : 0];
+  if (family && !family->serves(b, form)) memory = {};
   if (!family) family.emplace(b, form);
+  return *family;
+}
+
+Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
+               PencilMemory& memory, SystemForm form) {
+  const ShiftedPencilFamily& family = family_for(b, form, memory);
   const bool line = !memory.visited.empty() && ((memory.visited.back().eta == point.eta) !=
                                                 (memory.visited.back().epsilon == point.epsilon));
-  using Visited = SpectralMemory::Visited;
+  using Visited = PencilMemory::Visited;
   const auto guess = [&](double Visited::*end) {
     return line ? extrapolate(memory, point, end) : std::optional<EndGuess>{};
   };
@@ -109,9 +115,9 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
     return memory.visited.empty() ? Vector{} : memory.visited.back().*vector;
   };
   Ends ends;
-  ends.smallest = find_end(*family, b.preconditioner, point, SpectrumEnd::smallest, guess(&Visited::smallest),
+  ends.smallest = find_end(family, b.preconditioner, point, SpectrumEnd::smallest, guess(&Visited::smallest),
                            start(&Visited::smallest_vector), options);
-  ends.largest = find_end(*family, b.preconditioner, point, SpectrumEnd::largest, guess(&Visited::largest),
+  ends.largest = find_end(family, b.preconditioner, point, SpectrumEnd::largest, guess(&Visited::largest),
                           start(&Visited::largest_vector), options);
   if (ends.found()) remember(memory, point, ends);
   return ends;
@@ -120,14 +126,14 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
 // With the condensed form, and where that has lost the digits a proof needs (a shift can be relied on from a
 // thousand times the rounding away, see ShiftedPencil::reliable), with the augmented one, which takes longer.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
-                        SpectralMemory& memory) {
+                        PencilMemory& memory) {
   const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
   const auto converged = [&](const Ends& of) {
     return of.smallest.converged && of.largest.converged &&
            (!options.certify || (of.smallest.certified && of.largest.certified));
   };
   if (converged(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
-  SpectralMemory own;
+  PencilMemory own;
   const Ends again = find_ends(b, point, options, own, SystemForm::augmented);
   return converged(again) ? again : ends;
 }
@@ -158,12 +164,13 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
 }
 
 // The rigid limit knows the range of each H_E only: contacts that depend on the others of their subdomain are
-// left out (sparse rank-revealing QR), and what stays is regular at epsilon = 0.
+// left out, and what stays is regular at epsilon = 0.
 Decomposition without_dependent_contacts(const Decomposition& parts) {
   std::vector<char> kept(at(parts.contacts), 0);
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
     const Subdomain& subdomain = parts.subdomains[at(e)];
-    for (const Index c : independent_columns(subdomain.h)) kept[at(subdomain.contacts[at(c)])] = 1;
+    for (const Index c : RangeProjector(subdomain.h).independent_columns())
+      kept[at(subdomain.contacts[at(c)])] = 1;
   });
   return restrict_contacts(parts, kept);
 }
@@ -191,22 +198,23 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
 // number comes from ranks, which no small eigenvalue can blur; shifts that count another number are not
 // believed.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
-                            const EndOptions& end_options) {
-  const Contraction regular{
-      b.preconditioner, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), b.relaxation};
-  SpectralMemory memory;
+                            const EndOptions& end_options, SpectralMemory& memory) {
+  std::optional<RigidLimit>& limit = memory.limit;
+  if (!limit || &limit->met.parts() != &b.system.parts())
+    limit.emplace(RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0),
+                             std::nullopt});
+  const Contraction regular{b.preconditioner, limit->regular, b.relaxation};
   PencilPoint point = known_bounds(b, 0);
-  auto& family = memory.families[std::isinf(point.eta) ? 1 : 0];
-  family.emplace(regular, SystemForm::augmented);
+  const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, memory.rigid);
   Index factorisations = 0;
-  const std::optional<Index> unit = b.system.parts().contacts <= ranks_up_to
-                                        ? b.system.nullity()
-                                        : counted_at_zero(*family, point.eta, factorisations);
-  if (!unit) return not_converged("shift-invert");
-  point.kernel = *unit;
+  if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
+    limit->kernel = counted_at_zero(family, point.eta, factorisations);
+  if (!limit->kernel) limit->kernel = b.system.nullity();
+  point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result = report(b, find_ends(regular, point, end_options, memory, SystemForm::augmented), 0,
-                                 point.kernel, options);
+  SpectralRadius result =
+      report(b, find_ends(regular, point, end_options, memory.rigid, SystemForm::augmented), 0, point.kernel,
+             options);
   result.factorisations += factorisations;
   return result;
 }
@@ -232,9 +240,9 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
     return no_error_left(b.rows(), options.eigenvalues);
   EndOptions end_options{
       .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
-  if (epsilon == 0) return rigid_radius(b, options, end_options);
+  if (epsilon == 0) return rigid_radius(b, options, end_options, memory);
   const PencilPoint point = known_bounds(b, epsilon);
-  return report(b, find_flexible_ends(b, point, end_options, memory), epsilon, 0, options);
+  return report(b, find_flexible_ends(b, point, end_options, memory.flexible), epsilon, 0, options);
 }
 
 }  // namespace nscdd

@@ -74,6 +74,7 @@ class SymmetricFactor::Implementation {
   Implementation(std::shared_ptr<const Analysis> a, const SparseMatrix& lower);
   Vector solve(const Vector& b) const;
   Matrix inverse_block(const std::vector<Index>& rows) const;
+  std::vector<Index> smallest_pivots(Index wanted, Index first) const;
 
   std::atomic<Index> negative = 0;
   std::atomic<bool> singular = false;
