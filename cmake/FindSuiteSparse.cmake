@@ -1,17 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# CHOLMOD and SuiteSparseQR as the targets SuiteSparse::cholmod and SuiteSparse::spqr.
+# CHOLMOD as the target SuiteSparse::cholmod.
 find_path(SuiteSparse_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(SuiteSparse_CHOLMOD_LIBRARY cholmod)
-find_library(SuiteSparse_SPQR_LIBRARY spqr)
 include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD_LIBRARY SuiteSparse_SPQR_LIBRARY
-                                  SuiteSparse_INCLUDE_DIR)
+find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD_LIBRARY SuiteSparse_INCLUDE_DIR)
 if(SuiteSparse_FOUND AND NOT TARGET SuiteSparse::cholmod)
   add_library(SuiteSparse::cholmod UNKNOWN IMPORTED)
   set_target_properties(SuiteSparse::cholmod PROPERTIES IMPORTED_LOCATION ${SuiteSparse_CHOLMOD_LIBRARY}
                         INTERFACE_INCLUDE_DIRECTORIES ${SuiteSparse_INCLUDE_DIR})
-  add_library(SuiteSparse::spqr UNKNOWN IMPORTED)
-  set_target_properties(SuiteSparse::spqr PROPERTIES IMPORTED_LOCATION ${SuiteSparse_SPQR_LIBRARY}
-                        INTERFACE_LINK_LIBRARIES SuiteSparse::cholmod)
 endif()
-mark_as_advanced(SuiteSparse_INCLUDE_DIR SuiteSparse_CHOLMOD_LIBRARY SuiteSparse_SPQR_LIBRARY)
+mark_as_advanced(SuiteSparse_INCLUDE_DIR SuiteSparse_CHOLMOD_LIBRARY)

@@ -45,13 +45,33 @@ SweepParameters parameters(const Options& options) {
   return result;
 }
 
+struct Unproved {
+  Index all = 0, rigid = 0;
+};
+
+// Why rows of the rigid limit may stay without proof, and what to do.
+void explain(const Unproved& rows) {
+  if (rows.all > 0) note(fmt::format("{} row(s) did not converge: see the column 'converged'", rows.all));
+  if (rows.rigid > 0)
+    note(fmt::format(
+        "{} of them in the rigid limit (epsilon = 0): no factorisation near an end of the spectrum could be "
+        "relied on; try --solver dense, or a small epsilon > 0 in place of 0",
+        rows.rigid));
+}
+
 // The rows of the sweep, those found included; `sink` takes them all.
-Index work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
-                   Interruption& interruption, const RowSink& sink) {
-  Index failed = 0;
-  const std::size_t converged = Table{sweep_columns(), {}}.column("converged");
+Unproved work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
+                      Interruption& interruption, const RowSink& sink) {
+  Unproved unproved;
+  const Table plain{sweep_columns(), {}};
+  const std::size_t converged = plain.column("converged"), epsilon = plain.column("epsilon");
+  const auto judge = [&](const Row& row) {
+    if (std::get<bool>(row[converged])) return;
+    ++unproved.all;
+    if (std::get<double>(row[epsilon]) == 0) ++unproved.rigid;
+  };
   csv.replay([&](const Row& row) {
-    if (!std::get<bool>(row[converged])) ++failed;
+    judge(row);
     sink(row);
   });
   Progress progress(work.name, csv.kept());
@@ -60,10 +80,12 @@ Index work_through(const Model& model, const StudyTable& work, ResumableTable& c
   const RowSink writing = [&](const Row& row) {
     if (certify && std::get<bool>(row[converged]) && !std::get<bool>(row[layout.column("certified")]))
       note("a row converged but is not certified: see the column 'certified'; --redo tries again");
+    judge(row);
     csv.write(row);
     sink(row);
   };
-  return failed + sweep(model, work.sweep, writing, interruption.watch(progress.monitor()), csv.kept());
+  sweep(model, work.sweep, writing, interruption.watch(progress.monitor()), csv.kept());
+  return unproved;
 }
 
 int run(const Options& options) {
@@ -94,7 +116,7 @@ int run(const Options& options) {
   ResumableTable csv(options.csv, work, how);
   std::optional<OutputFile> hdf5;
   if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.force, leftover(options.resume));
-  const Index failed = work_through(model, work, csv, interruption, [&](const Row& row) {
+  const Unproved unproved = work_through(model, work, csv, interruption, [&](const Row& row) {
     if (hdf5) table.rows.push_back(row);
   });
   if (interruption.stopped()) return leave(csv, work, options.csv);
@@ -102,7 +124,7 @@ int run(const Options& options) {
   csv.finish();
   if (hdf5) hdf5->finish();
   remove_record(options.csv);
-  if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'converged'", failed));
+  explain(unproved);
   return 0;
 }
 

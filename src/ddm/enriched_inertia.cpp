@@ -42,13 +42,6 @@ struct Modes {
   }
 };
 
-// Columns of unit length span the same range, and a tolerance means the same for each.
-SparseMatrix normalised_columns(SparseMatrix a) {
-  for (Index j = 0; j < a.outerSize(); ++j)
-    if (const double norm = a.col(j).norm(); norm > 0) a.col(j) /= norm;
-  return a;
-}
-
 Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
   if (subdomain.grains.empty())
     return {Matrix(0, 0), Vector(0), Matrix(0, 0)};                  // Eigen takes no empty matrix
@@ -143,16 +136,14 @@ class EnrichedInertia::Implementation {
   };  // small subdomain, any eta
   struct Factor {
     double eta;
-  };  // factorised when first asked for
-  struct Rigid {
-    RangeProjector range;
-  };  // eta = 0
+  };                // factorised when first asked for
+  struct Rigid {};  // eta = 0, the same
 
   static std::variant<Diagonal, Modal, Factor, Rigid> choose(const EnrichedInertiaFamily::Preparation& p,
                                                              double eta) {
     if (p.modes) return Modal{p.modes->weights(eta)};
     if (std::isinf(eta)) return Diagonal{};
-    if (eta == 0) return Rigid{RangeProjector(normalised_columns(scaled_connectivity(p.inertia, p.h)))};
+    if (eta == 0) return Rigid{};
     return Factor{eta};
   }
 
@@ -173,10 +164,10 @@ class EnrichedInertia::Implementation {
         if (!cholesky.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
         return cholesky.solve(r);
       }
-      Matrix operator()(const Rigid& rigid) const {  // M^-1/2 (I - Pi) M^-1/2
+      Matrix operator()(const Rigid&) const {  // M^-1/2 (I - Pi) M^-1/2
         const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
         Matrix scaled = root.asDiagonal() * r;
-        for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= rigid.range.apply(scaled.col(j));
+        for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= self.range().apply(scaled.col(j));
         return root.asDiagonal() * scaled;
       }
     };
@@ -189,11 +180,18 @@ class EnrichedInertia::Implementation {
     return *cholesky_;
   }
 
+  const RangeProjector& range() const {
+    std::call_once(range_once_,
+                   [&] { range_.emplace(scaled_connectivity(preparation->inertia, preparation->h)); });
+    return *range_;
+  }
+
   std::shared_ptr<const EnrichedInertiaFamily::Preparation> preparation;
   std::variant<Diagonal, Modal, Factor, Rigid> inverse;
 
  private:
-  mutable std::once_flag cholesky_once_;
+  mutable std::once_flag cholesky_once_, range_once_;
+  mutable std::optional<RangeProjector> range_;
   mutable std::optional<SparseCholesky> cholesky_;
 };
 

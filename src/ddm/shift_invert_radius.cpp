@@ -9,9 +9,9 @@
 namespace nscdd {
 namespace {
 
-// Above this many contacts the rank of the whole packing costs too much, and eigenvalues lambda of the rigid
-// limit count as zero that are below the first of two shifts with none between them.
-constexpr Index ranks_up_to = 100000;
+// Above this many contacts the rank of the whole packing takes much memory. Eigenvalues lambda of the rigid
+// limit then count as zero that are below the first of two shifts with none between them.
+constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 // Error of lambda for each unit of 1 / (mass epsilon), from the digits of M lost beside K/epsilon: several
 // times the largest seen against dense spectra (tests/laws).
@@ -29,12 +29,34 @@ struct Ends {
   bool found() const { return smallest.values.size() > 0 && largest.values.size() > 0; }
 };
 
-// What is known of the spectrum without computing: with the same contacts, M + K/epsilon lies between
-// (M + K/eta) min(1, eta/epsilon) and (M + K/eta) max(1, eta/epsilon); fewer contacts in S make S larger.
+// No eigenvalue of M_E^-1 K_E is above it: ||M^-1/2 H||_2^2 <= ||M^-1/2 H||_1 ||M^-1/2 H||_infinity.
+double stiffest(const Decomposition& parts) {
+  double bound = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    Vector rows = Vector::Zero(subdomain.inertia.size());
+    double column = 0;
+    for (Index c = 0; c < subdomain.h.cols(); ++c) {
+      double sum = 0;
+      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
+        const double scaled = std::abs(e.value()) / std::sqrt(subdomain.inertia[e.row()]);
+        sum += scaled;
+        rows[e.row()] += scaled;
+      }
+      column = std::max(column, sum);
+    }
+    if (subdomain.h.cols() > 0) bound = std::max(bound, column * rows.maxCoeff());
+  }
+  return bound;
+}
+
+// What is known of the spectrum without computing. With the same contacts S and P are functions of K against
+// M, whose ratio (1 + kappa/eta) / (1 + kappa/epsilon) runs from 1 at kappa = 0 to what it is where the
+// packing is stiffest; fewer contacts in S make S larger.
 PencilPoint known_bounds(const Contraction& b, double epsilon) {
   PencilPoint point{
       .epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
-  const double ratio = std::isinf(point.eta) ? 0.0 : epsilon / point.eta;
+  const double kappa = stiffest(b.preconditioner.parts());
+  const double ratio = epsilon > 0 ? (1 + kappa / point.eta) / (1 + kappa / epsilon) : 0.0;
   point.low = std::min(1.0, ratio);
   const bool same = &b.system.parts() == &b.preconditioner.parts();
   point.high = std::isinf(point.eta) ? 1.0 : (same ? std::max(1.0, ratio) : infinity);
@@ -46,73 +68,81 @@ PencilPoint known_bounds(const Contraction& b, double epsilon) {
 struct Coordinate {
   bool generic;
   double of(double lambda) const { return generic ? std::log(lambda / (1 - lambda)) : std::log(lambda); }
+  double slope(double lambda) const { return 1 / (generic ? lambda * (1 - lambda) : lambda); }
   double lambda(double t) const { return generic ? 1 / (1 + std::exp(-t)) : std::exp(t); }
 };
 
-// Polynomial through the last two or three points of one line of the sweep, on logarithmic axes.
-std::optional<EndGuess> extrapolate(const SpectralMemory& memory, const PencilPoint& point,
-                                    double SpectralMemory::Visited::*end) {
+// Error of Taylor's first term for a unit step of log epsilon or log eta.
+constexpr double curvature = 0.1;
+
+// From the last point and its slopes, and along a line of the sweep also from the point before: Hermite's
+// cubic on logarithmic axes.
+std::optional<EndGuess> extrapolate(const PencilMemory& memory, const PencilPoint& point,
+                                    PencilMemory::End PencilMemory::Visited::*end) {
   const auto& visited = memory.visited;
-  if (visited.size() < 2) return std::nullopt;
+  if (visited.empty()) return std::nullopt;
   const Coordinate coordinate{std::isinf(point.eta)};
-  const bool along_epsilon = visited.back().eta == point.eta;
-  const auto place = [&](double epsilon, double eta) { return std::log(along_epsilon ? epsilon : eta); };
-  const double x = place(point.epsilon, point.eta);
-  std::vector<double> xs, ys;
-  for (auto v = visited.rbegin(); v != visited.rend(); ++v) {  // newest first
-    xs.push_back(place(v->epsilon, v->eta));
-    ys.push_back(coordinate.of((*v).*end));
+  const auto step = [](double from, double to) { return from == to ? 0.0 : std::log(to / from); };
+  const auto value = [&](const PencilMemory::Visited& v) { return coordinate.of((v.*end).lambda); };
+  const auto move = [&](const PencilMemory::Visited& v, double epsilon, double eta) {  // Taylor
+    return coordinate.slope((v.*end).lambda) * ((v.*end).slope_epsilon * epsilon + (v.*end).slope_eta * eta);
+  };
+  const PencilMemory::Visited& last = visited.back();
+  const double epsilon = step(last.epsilon, point.epsilon), eta = step(last.eta, point.eta);
+  const double taylor = value(last) + move(last, epsilon, eta);
+  double guess = taylor, uncertainty = curvature * (epsilon * epsilon + eta * eta);
+  if (visited.size() > 1) {
+    const PencilMemory::Visited& before = visited.front();
+    const double back_epsilon = step(last.epsilon, before.epsilon), back_eta = step(last.eta, before.eta);
+    const double back = back_epsilon + back_eta, forth = epsilon + eta;
+    const bool along_one = (epsilon == 0 && back_epsilon == 0) || (eta == 0 && back_eta == 0);
+    if (along_one && back != 0) {
+      const double t = forth / back;  // from the last point, towards the one before
+      const double chord = value(before) - value(last), slope = move(last, back_epsilon, back_eta);
+      const double far_slope = move(before, back_epsilon, back_eta);
+      const double quadratic = chord - slope, cubic = far_slope + slope - 2 * chord;
+      guess = taylor + t * t * (quadratic + (t - 1) * cubic);
+      uncertainty = 0.5 * std::abs(t * t * (t - 1) * cubic);
+    }
   }
-  const double slope = (ys[0] - ys[1]) / (xs[0] - xs[1]);
-  double guess = ys[0] + slope * (x - xs[0]);
-  double uncertainty = 0.3 * std::abs(guess - ys[0]);
-  if (xs.size() > 2) {
-    const double before = (ys[1] - ys[2]) / (xs[1] - xs[2]);
-    const double curvature = (slope - before) / (xs[0] - xs[2]);
-    const double correction = curvature * (x - xs[0]) * (x - xs[1]);
-    guess += correction;
-    uncertainty = 0.5 * std::abs(correction);
-  }
-  const double value = coordinate.lambda(guess);
-  const double side = std::max(std::abs(coordinate.lambda(guess + uncertainty) - value),
-                               std::abs(value - coordinate.lambda(guess - uncertainty)));
-  if (!std::isfinite(value) || !std::isfinite(side) || !(value > 0)) return std::nullopt;
-  return EndGuess{value, side};
+  const double lambda = coordinate.lambda(guess);
+  const double side = std::max(std::abs(coordinate.lambda(guess + uncertainty) - lambda),
+                               std::abs(lambda - coordinate.lambda(guess - uncertainty)));
+  if (!std::isfinite(lambda) || !std::isfinite(side) || !(lambda > 0)) return std::nullopt;
+  return EndGuess{lambda, side};
 }
 
-// Points of another line are of no use; a point met again takes its own place.
-void remember(SpectralMemory& memory, const PencilPoint& point, const Ends& ends) {
+// A point met again takes its own place.
+void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
-  const auto on_line = [&](const SpectralMemory::Visited& v) {
-    return (v.epsilon == point.epsilon) != (v.eta == point.eta);
+  std::erase_if(visited, [&](const PencilMemory::Visited& v) {
+    return v.epsilon == point.epsilon && v.eta == point.eta;
+  });
+  if (visited.size() > 1) visited.erase(visited.begin());
+  const auto kept = [](const PencilEnd& end) {
+    return PencilMemory::End{end.values[0], end.slope_epsilon, end.slope_eta, end.vectors.col(0)};
   };
-  std::erase_if(visited, [&](const SpectralMemory::Visited& v) { return !on_line(v); });
-  if (visited.size() > 1 && (visited[0].eta == point.eta) != (visited[1].eta == point.eta))
-    visited.erase(visited.begin());
-  if (visited.size() > 2) visited.erase(visited.begin());
-  visited.push_back({point.epsilon, point.eta, ends.smallest.values[0], ends.largest.values[0],
-                     ends.smallest.vectors.col(0), ends.largest.vectors.col(0)});
+  visited.push_back({point.epsilon, point.eta, kept(ends.smallest), kept(ends.largest)});
+}
+
+// Of this problem, what another has left being thrown away.
+const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, PencilMemory& memory) {
+  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.eta()) ? 1 : 0];
+  if (family && !family->serves(b, form)) memory = {};
+  if (!family) family.emplace(b, form);
+  return *family;
 }
 
 Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
-               SpectralMemory& memory, SystemForm form) {
-  std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(point.eta) ? 1 : 0];
-  if (family && !family->serves(b, form)) memory = {};  // of another problem
-  if (!family) family.emplace(b, form);
-  const bool line = !memory.visited.empty() && ((memory.visited.back().eta == point.eta) !=
-                                                (memory.visited.back().epsilon == point.epsilon));
-  using Visited = SpectralMemory::Visited;
-  const auto guess = [&](double Visited::*end) {
-    return line ? extrapolate(memory, point, end) : std::optional<EndGuess>{};
+               PencilMemory& memory, SystemForm form) {
+  const ShiftedPencilFamily& family = family_for(b, form, memory);
+  const auto find = [&](SpectrumEnd end, PencilMemory::End PencilMemory::Visited::*same) {
+    const Vector start = memory.visited.empty() ? Vector{} : (memory.visited.back().*same).vector;
+    return find_end(family, b.preconditioner, point, end, extrapolate(memory, point, same), start, options);
   };
-  const auto start = [&](Vector Visited::*vector) {
-    return memory.visited.empty() ? Vector{} : memory.visited.back().*vector;
-  };
-  Ends ends;
-  ends.smallest = find_end(*family, b.preconditioner, point, SpectrumEnd::smallest, guess(&Visited::smallest),
-                           start(&Visited::smallest_vector), options);
-  ends.largest = find_end(*family, b.preconditioner, point, SpectrumEnd::largest, guess(&Visited::largest),
-                          start(&Visited::largest_vector), options);
+  using Visited = PencilMemory::Visited;
+  Ends ends{.smallest = find(SpectrumEnd::smallest, &Visited::smallest),
+            .largest = find(SpectrumEnd::largest, &Visited::largest)};
   if (ends.found()) remember(memory, point, ends);
   return ends;
 }
@@ -120,14 +150,14 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
 // With the condensed form, and where that has lost the digits a proof needs (a shift can be relied on from a
 // thousand times the rounding away, see ShiftedPencil::reliable), with the augmented one, which takes longer.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
-                        SpectralMemory& memory) {
+                        PencilMemory& memory) {
   const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
   const auto converged = [&](const Ends& of) {
     return of.smallest.converged && of.largest.converged &&
            (!options.certify || (of.smallest.certified && of.largest.certified));
   };
   if (converged(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
-  SpectralMemory own;
+  PencilMemory own;
   const Ends again = find_ends(b, point, options, own, SystemForm::augmented);
   return converged(again) ? again : ends;
 }
@@ -158,12 +188,13 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
 }
 
 // The rigid limit knows the range of each H_E only: contacts that depend on the others of their subdomain are
-// left out (sparse rank-revealing QR), and what stays is regular at epsilon = 0.
+// left out, and what stays is regular at epsilon = 0.
 Decomposition without_dependent_contacts(const Decomposition& parts) {
   std::vector<char> kept(at(parts.contacts), 0);
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
     const Subdomain& subdomain = parts.subdomains[at(e)];
-    for (const Index c : independent_columns(subdomain.h)) kept[at(subdomain.contacts[at(c)])] = 1;
+    for (const Index c : RangeProjector(subdomain.h).independent_columns())
+      kept[at(subdomain.contacts[at(c)])] = 1;
   });
   return restrict_contacts(parts, kept);
 }
@@ -191,22 +222,23 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
 // number comes from ranks, which no small eigenvalue can blur; shifts that count another number are not
 // believed.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
-                            const EndOptions& end_options) {
-  const Contraction regular{
-      b.preconditioner, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), b.relaxation};
-  SpectralMemory memory;
+                            const EndOptions& end_options, SpectralMemory& memory) {
+  std::optional<RigidLimit>& limit = memory.limit;
+  if (!limit || &limit->met.parts() != &b.system.parts())
+    limit.emplace(RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0),
+                             std::nullopt});
+  const Contraction regular{b.preconditioner, limit->regular, b.relaxation};
   PencilPoint point = known_bounds(b, 0);
-  auto& family = memory.families[std::isinf(point.eta) ? 1 : 0];
-  family.emplace(regular, SystemForm::augmented);
+  const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, memory.rigid);
   Index factorisations = 0;
-  const std::optional<Index> unit = b.system.parts().contacts <= ranks_up_to
-                                        ? b.system.nullity()
-                                        : counted_at_zero(*family, point.eta, factorisations);
-  if (!unit) return not_converged("shift-invert");
-  point.kernel = *unit;
+  if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
+    limit->kernel = counted_at_zero(family, point.eta, factorisations);
+  if (!limit->kernel) limit->kernel = b.system.nullity();
+  point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result = report(b, find_ends(regular, point, end_options, memory, SystemForm::augmented), 0,
-                                 point.kernel, options);
+  SpectralRadius result =
+      report(b, find_ends(regular, point, end_options, memory.rigid, SystemForm::augmented), 0, point.kernel,
+             options);
   result.factorisations += factorisations;
   return result;
 }
@@ -232,9 +264,9 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
     return no_error_left(b.rows(), options.eigenvalues);
   EndOptions end_options{
       .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
-  if (epsilon == 0) return rigid_radius(b, options, end_options);
+  if (epsilon == 0) return rigid_radius(b, options, end_options, memory);
   const PencilPoint point = known_bounds(b, epsilon);
-  return report(b, find_flexible_ends(b, point, end_options, memory), epsilon, 0, options);
+  return report(b, find_flexible_ends(b, point, end_options, memory.flexible), epsilon, 0, options);
 }
 
 }  // namespace nscdd

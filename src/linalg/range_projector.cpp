@@ -1,59 +1,135 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
 #include <nscdd/linalg/range_projector.hpp>
-
-#include <Eigen/SPQRSupport>
+#include <nscdd/linalg/symmetric_factor.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
 
 namespace nscdd {
+namespace {
+
+constexpr int most_refinements = 20;
+// Of the largest entry: below, corrections are rounding.
+constexpr double refined = 1e-15;
+// Largest error of coefficients of size 1: below 1 no pivot has a false sign.
+constexpr double reliable = 1e-2;
+
+std::vector<Index> filled_columns(const SparseMatrix& a) {
+  std::vector<Index> filled;
+  for (Index j = 0; j < a.cols(); ++j)
+    if (a.col(j).norm() > 0) filled.push_back(j);
+  return filled;
+}
+
+// These columns, of unit length.
+SparseMatrix unit_columns(const SparseMatrix& a, const std::vector<Index>& columns) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const double norm = a.col(columns[k]).norm();
+    for (SparseMatrix::InnerIterator e(a, columns[k]); e; ++e)
+      entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(k), e.value() / norm);
+  }
+  SparseMatrix b(a.rows(), count(columns));
+  b.setFromTriplets(entries.begin(), entries.end());
+  return b;
+}
+
+// Lower triangle of [I B; B^T diagonal I].
+SparseMatrix saddle_point(const SparseMatrix& b, double diagonal) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto rows = static_cast<int>(b.rows());
+  for (int i = 0; i < rows; ++i) entries.emplace_back(i, i, 1.0);
+  for (int j = 0; j < static_cast<int>(b.cols()); ++j) {
+    entries.emplace_back(rows + j, rows + j, diagonal);
+    for (SparseMatrix::InnerIterator e(b, j); e; ++e)
+      entries.emplace_back(rows + j, static_cast<int>(e.row()), e.value());
+  }
+  SparseMatrix matrix(b.rows() + b.cols(), b.rows() + b.cols());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+}  // namespace
 
 class RangeProjector::Implementation {
  public:
-  Implementation(const SparseMatrix& a, double tolerance) : rows(a.rows()) {
-    double largest = 0;
-    for (Index j = 0; j < a.outerSize(); ++j) largest = std::max(largest, a.col(j).norm());
-    if (largest == 0) return;  // SuiteSparseQR takes no empty matrix
-    factorisation.cholmodCommon()->print = 0;
-    factorisation.setPivotThreshold(tolerance * largest);
-    factorisation.compute(a);
-    rank = factorisation.rank();
+  Implementation(const SparseMatrix& a, double tolerance)
+      : rows(a.rows()), filled(filled_columns(a)), b(unit_columns(a, filled)) {
+    if (b.cols() == 0) return;
+    SparseMatrix matrix = saddle_point(b, 1.0);
+    std::vector<Index> group(at(matrix.rows()), -1);  // a column with the later of its rows
+    std::iota(group.begin(), group.begin() + rows, Index{0});
+    const SymmetricAnalysis analysis(matrix, group);
+    for (const double step : {1.0, 3.0, 0.3, 10.0}) {  // a part of the matrix may have its eigenvalue there
+      matrix.diagonal().tail(b.cols()).setConstant(step * tolerance * tolerance);
+      factor.emplace(analysis, matrix);
+      if (!factor->regular() || !exact_enough(matrix)) continue;
+      rank = factor->negative_eigenvalues();
+      return;
+    }
+    throw Error("rank: expected a sparse factorisation that tells dependent columns, met none");
   }
 
-  Eigen::SPQR<SparseMatrix> factorisation;
+  // [I B; B^T 0] [v; r] = [x; 0]; what r has in ker B stays out of v.
+  Vector apply(const Vector& x) const {
+    if (rank == 0) return Vector::Zero(rows);
+    Vector right = Vector::Zero(rows + b.cols());
+    right.head(rows) = x;
+    Vector solution = factor->solve(right);
+    double last = infinity;
+    for (int k = 0; k < most_refinements; ++k) {
+      Vector residual(right.size());
+      residual.head(rows) = x - solution.head(rows) - b * solution.tail(b.cols());
+      residual.tail(b.cols()) = -(b.transpose() * solution.head(rows));
+      const Vector correction = factor->solve(residual);
+      const double size = correction.head(rows).norm();
+      if (!(size < 0.5 * last)) break;
+      solution += correction;
+      if (size <= refined * x.norm()) break;
+      last = size;
+    }
+    return x - solution.head(rows);
+  }
+
+  std::vector<Index> independent_columns() const {
+    if (rank == 0) return {};
+    std::vector<char> dependent(at(b.cols()), 0);
+    for (const Index row : factor->smallest_pivots(b.cols() - rank, rows)) dependent[at(row - rows)] = 1;
+    std::vector<Index> columns;
+    for (Index j = 0; j < b.cols(); ++j)
+      if (!dependent[at(j)]) columns.push_back(filled[at(j)]);
+    return columns;
+  }
+
   Index rows;
+  std::vector<Index> filled;  // columns of A that B has
+  SparseMatrix b;
+  std::optional<SymmetricFactor> factor;
   Index rank = 0;
+
+ private:
+  // The pivots of dependent columns are tolerance^2: coefficients that the factors give back, each by itself,
+  // tell whether their signs can be relied on.
+  bool exact_enough(const SparseMatrix& matrix) const {
+    Vector x = Vector::Zero(matrix.rows());
+    for (Index j = 0; j < b.cols(); ++j) x[rows + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));
+    const Vector image = -symmetric_residual(matrix, x, Vector::Zero(x.size()));
+    return (factor->solve(image) - x).lpNorm<Eigen::Infinity>() < reliable;
+  }
 };
 
 RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance)
     : implementation_(std::make_shared<const Implementation>(a, tolerance)) {}
 
 Index RangeProjector::rank() const { return implementation_->rank; }
-
-Vector RangeProjector::apply(const Vector& x) const {
-  const auto& [factorisation, rows, rank] = *implementation_;
-  if (rank == 0) return Vector::Zero(rows);
-  Vector coordinates = factorisation.matrixQ().transpose() * x;  // Q^T x
-  coordinates.tail(rows - rank).setZero();                       // keep the part on Q_1
-  return factorisation.matrixQ() * coordinates;
+std::vector<Index> RangeProjector::independent_columns() const {
+  return implementation_->independent_columns();
 }
-
-std::vector<Index> independent_columns(const SparseMatrix& a, double tolerance) {
-  const RangeProjector::Implementation qr(a, tolerance);
-  std::vector<Index> columns;
-  if (qr.rank == 0) return columns;
-  const SparseMatrix r = qr.factorisation.matrixR();
-  const auto& order = qr.factorisation.colsPermutation().indices();
-  for (Index j = 0; j < r.cols() && count(columns) < qr.rank; ++j) {
-    const auto next_row = static_cast<int>(columns.size());
-    for (SparseMatrix::InnerIterator e(r, j); e; ++e)
-      if (e.row() == next_row && e.value() != 0) {
-        columns.push_back(order[j]);
-        break;
-      }
-  }
-  std::sort(columns.begin(), columns.end());
-  return columns;
-}
+Vector RangeProjector::apply(const Vector& x) const { return implementation_->apply(x); }
 
 Index sparse_rank(const SparseMatrix& a, double tolerance) { return RangeProjector(a, tolerance).rank(); }
 

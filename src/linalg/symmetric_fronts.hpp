@@ -137,6 +137,7 @@ class SymmetricFactor::Implementation {
   Vector solve(const Vector& b) const;
   Vector solve_on_border(const Vector& g) const;
   Matrix inverse_block(const std::vector<Index>& rows) const;
+  std::vector<Index> smallest_pivots(Index wanted, Index first) const;
 
   std::shared_ptr<const SymmetricInterior::Implementation> interior;
   FrontTree tree;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace nscdd {
 
@@ -123,6 +125,37 @@ Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& 
   Matrix block(count(rows), count(rows));
   for (Index k = 0; k < count(rows); ++k) block.row(k) = x.row(compact[at(rows[at(k)])]);
   return block;
+}
+
+std::vector<Index> SymmetricFactor::Implementation::smallest_pivots(Index wanted, Index first_row) const {
+  std::vector<std::pair<double, Index>> pivots;
+  for (Index s = 0; s < tree.size(); ++s) {
+    const FrontFactor& own = factor(s);
+    const int* row = tree.analysis->row_of.data() + tree.front(s).first_row;
+    for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock&) {
+      std::vector<Index> place(at(width));
+      std::iota(place.begin(), place.end(), first);
+      interchange(own.swaps.data() + first, width,
+                  [&](Index i, Index j) { std::swap(place[at(i)], place[at(j)]); });
+      for (Index k = 0; k < width; ++k) {
+        if (k + 1 < width && own.off[first + k] != 0) {
+          ++k;  // a 2 x 2 block
+        } else if (const Index r = row[place[at(k)]]; r >= first_row) {
+          pivots.emplace_back(std::abs(diagonal(k, k)), r);
+        }
+      }
+    });
+  }
+  std::sort(pivots.begin(), pivots.end());
+  pivots.resize(std::min(pivots.size(), at(wanted)));
+  std::vector<Index> rows;
+  for (const auto& [size, r] : pivots) rows.push_back(r);
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+std::vector<Index> SymmetricFactor::smallest_pivots(Index wanted, Index first) const {
+  return implementation_->smallest_pivots(wanted, first);
 }
 
 Vector SymmetricFactor::solve(const Vector& b) const {

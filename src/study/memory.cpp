@@ -32,9 +32,10 @@ constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
 // point holds the packing twice; bytes per unknown for matrices and their assembly, and the same ratio of
 // these.
 constexpr double shift_fill = 6.9, shift_fill_finite = 5, shift_bytes = 1400, shift_bytes_finite = 1.5;
-// In the rigid limit the contact impulses are unknowns of their own, and the ranks have a factor: measured on
-// a deposit of 10^5 disks in 2 x 2 parts, 1.54 GB for 0.55.
-constexpr double rigid_shift = 3;
+// In the rigid limit the contact impulses are unknowns of their own (measured on a deposit of 10^5 disks in
+// 2 x 2 parts: 1.54 GB for 0.55), and so are they for the ranks: bytes per unknown, from a lattice of 10^4
+// disks in 16 strips, 0.22 GB in all.
+constexpr double rigid_shift = 3, rigid_ranks = 5000;
 constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
 constexpr double arpack_vectors = 5;  // beside the basis
 
@@ -76,7 +77,7 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
         shift_bytes * (finite ? shift_bytes_finite : 1) * unknowns;
     if (!rigid) return shifted;
     const bool dense_too = options.solver == SpectralSolver::automatic && size <= rigid_dense_limit;
-    return std::max(rigid_shift * shifted,
+    return std::max(rigid_shift * shifted + rigid_ranks * unknowns,
                     dense_too ? bytes_per_number * rigid_dense_matrices * square(n) : 0);
   }
   const double kernel = rigid && n <= rigid_kernel_limit ? rigid_kernel_matrices * square(n) : 0;

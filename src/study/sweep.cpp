@@ -78,7 +78,7 @@ class Spectra {
   const InterfaceOperator& preconditioner(double eta) { return preconditioners_.at(eta); }
 
  private:
-  void forget() { memory_.visited.clear(); }
+  void forget() { memory_.forget_ends(); }
 
   OperatorStore preconditioners_, systems_;
   SpectralOptions options_;

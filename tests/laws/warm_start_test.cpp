@@ -88,15 +88,15 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
         CHECK(std::abs(warm.value - cold.value) <= slack);
         CHECK(std::abs(warm.eigenvalue_min - cold.eigenvalue_min) <= slack);
         CHECK(std::abs(warm.eigenvalue_max - cold.eigenvalue_max) <= slack);
-        REQUIRE(memory.visited.size() >= 1);
-        CHECK(memory.visited.size() <= 3);
+        REQUIRE(memory.flexible.visited.size() >= 1);
+        CHECK(memory.flexible.visited.size() <= 3);
         bool same_epsilon = true, same_eta = true;  // points of one line, the newest last
-        for (const SpectralMemory::Visited& point : memory.visited) {
+        for (const PencilMemory::Visited& point : memory.flexible.visited) {
           same_epsilon = same_epsilon && point.epsilon == epsilon;
           same_eta = same_eta && point.eta == eta;
         }
-        CHECK(memory.visited.back().epsilon == epsilon);
-        CHECK(memory.visited.back().eta == eta);
+        CHECK(memory.flexible.visited.back().epsilon == epsilon);
+        CHECK(memory.flexible.visited.back().eta == eta);
         const bool one_line = same_epsilon || same_eta;
         CHECK(one_line);
       }

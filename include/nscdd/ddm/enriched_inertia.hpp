@@ -33,7 +33,7 @@ class EnrichedInertia {
 /// Small subdomains are diagonalised once, M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T, after which each eta costs
 /// one scaling: the weights eta / (eta + lambda) run from 1 (eta = infinity) to the indicator of lambda = 0.
 /// Large ones keep their sparse Cholesky pattern, and refactorise numbers only.
-/// As many eigenvalues are zero as the rank of H_E says (sparse rank-revealing QR, independent of masses).
+/// As many eigenvalues are zero as the rank of H_E says (`sparse_rank`, independent of masses).
 class EnrichedInertiaFamily {
  public:
   static constexpr Index default_dense_limit =

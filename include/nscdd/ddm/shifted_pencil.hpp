@@ -69,8 +69,8 @@ class ShiftedPencil {
 };
 
 /// Every shifted pencil of one pair of decompositions: the elimination order and its fronts are found once
-/// and serve all epsilon, eta (finite, or all infinite) and sigma; what is eliminated apart from the interface
-/// does not depend on sigma and is kept from shift to shift.
+/// and serve all epsilon, eta (finite, or all infinite) and sigma; what is eliminated apart from the
+/// interface does not depend on sigma and is kept from shift to shift.
 class ShiftedPencilFamily {
  public:
   /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.

@@ -80,20 +80,39 @@ struct SpectralRadius {
 /// What one point of a sweep leaves to the next: the elimination order of the shifted pencil, and the ends
 /// found last with their vectors, from which the next are extrapolated. Saves work; changes results within
 /// their residuals only.
-struct SpectralMemory {
+struct PencilMemory {
+  struct End {
+    double lambda = 0, slope_epsilon = 0, slope_eta = 0;  ///< d lambda / d log epsilon, d lambda / d log eta
+    Vector vector;
+  };
   struct Visited {
     double epsilon = 0, eta = 0;
-    double smallest = 0, largest = 0;  ///< lambda
-    Vector smallest_vector, largest_vector;
+    End smallest, largest;
   };
   std::array<std::optional<ShiftedPencilFamily>, 2> families;  ///< for a finite and for the infinite eta
-  std::vector<Visited> visited;                                ///< of one line of the sweep, newest last
+  std::vector<Visited> visited;                                ///< the last two, newest last
+};
+
+/// What the rigid limit of an operator S is worked out from, whatever eta.
+struct RigidLimit {
+  InterfaceOperator met;        ///< S as it was asked for
+  InterfaceOperator regular;    ///< the same on contacts that are independent within their subdomain
+  std::optional<Index> kernel;  ///< dim ker S, where it is known
+};
+
+struct SpectralMemory {
+  PencilMemory flexible, rigid;  ///< of epsilon > 0, and of the rigid limit
+  std::optional<RigidLimit> limit;
+  void forget_ends() {  ///< what is known of the contacts stays
+    flexible.visited.clear();
+    rigid.visited.clear();
+  }
 };
 
 /// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the
-/// unit eigenvalues are counted from ranks (by inertia above 100 000 contacts); the matrix-free solver finds
-/// the unit eigenspace densely (not converged above 4 000 unknowns). What they could not reach is reported
-/// with converged = false.
+/// unit eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver
+/// finds the unit eigenspace densely (not converged above 4 000 unknowns). What they could not reach is
+/// reported with converged = false.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                SpectralMemory* memory = nullptr);
 

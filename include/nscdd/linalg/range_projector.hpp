@@ -8,16 +8,26 @@
 
 namespace nscdd {
 
-/// Orthogonal projector onto the range of a sparse matrix, by rank-revealing sparse QR (SuiteSparseQR):
-/// A E = Q R, the first `rank` columns Q_1 of Q span the range, and  Pi x = Q_1 Q_1^T x.
-/// Columns whose remainder falls below `tolerance` x the largest column norm of A count as dependent.
-/// Any shape, rank 0 and no columns included. Q is kept as Householder vectors, never formed.
+/// Orthogonal projector onto the range of a sparse matrix A (any shape, rank 0 and no columns included). With
+/// B the columns of A scaled to unit length, the sparse factorisation
+///     [ I    B          ]
+///     [ B^T  tolerance^2 I ]  =  L D L^T
+/// has as many negative eigenvalues as B^T B has eigenvalues above tolerance^2: that is the rank, counted by
+/// inertia. Pi x = x - v, where [I B; B^T 0] [v; r] = [x; 0] is solved by iterative refinement with these
+/// factors. Sparse QR without column exchanges, which SuiteSparseQR is, finds lattices of a few thousand
+/// disks to have a larger rank than they have.
 class RangeProjector {
  public:
-  static constexpr double default_tolerance = 1e-8;
+  /// Singular values of B below it count as zero.
+  static constexpr double default_tolerance = 1e-6;
+
+  /// Throws Error where no factorisation can be relied on.
   explicit RangeProjector(const SparseMatrix& a, double tolerance = default_tolerance);
   Index rank() const;
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
+  /// As many columns of A as its rank, ascending, that span its range: those whose pivot is not one of the
+  /// smallest, of which there are as many as columns depend on others.
+  std::vector<Index> independent_columns() const;
   class Implementation;
 
  private:
@@ -26,10 +36,5 @@ class RangeProjector {
 
 /// Rank of a sparse matrix, by the same factorisation and the same tolerance.
 Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
-
-/// Columns of a sparse matrix that are linearly independent and span its range, ascending: those that begin a
-/// new row of the R of its rank-revealing sparse QR.
-std::vector<Index> independent_columns(const SparseMatrix& a,
-                                       double tolerance = RangeProjector::default_tolerance);
 
 }  // namespace nscdd

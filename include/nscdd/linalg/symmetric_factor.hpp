@@ -73,6 +73,10 @@ class SymmetricFactor {
   /// (A^-1)_{rows, rows}, by the fronts on the way from these rows to the root only.
   Matrix inverse_block(const std::vector<Index>& rows) const;
 
+  /// Of the rows from `first` on that are pivots by themselves, the `wanted` (or as many as there are) of the
+  /// smallest modulus, ascending.
+  std::vector<Index> smallest_pivots(Index wanted, Index first) const;
+
   class Implementation;
 
  private:

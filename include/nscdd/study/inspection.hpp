@@ -45,7 +45,7 @@ struct InspectionOptions {
   Index ranks_up_to = 100'000;
 };
 
-/// Ranks are those of H, which are those of W, by sparse rank-revealing QR.
+/// Ranks are those of H, which are those of W, by `sparse_rank`.
 Inspection inspect(const Model& model, const InspectionOptions& options = {});
 
 }  // namespace nscdd
