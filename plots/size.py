@@ -47,19 +47,10 @@ def linear_panels(results, rigid, stiff):
                        fontsize=7, ha="right", color="0.35")
 
 
-def best_rows(results, packing):
-    """Rows of the optima, with those that are run on demand only where they are."""
-    numbers = "grains generic_radius best_radius best_eta convergent_from"
-    rows = style.read_table(results, f"size/best-{packing}.csv", numbers=numbers)
-    large = f"size/best-{packing}-large.csv"
-    if os.path.exists(os.path.join(results, large)):
-        rows += style.read_table(results, large, numbers=numbers)
-    return rows
-
-
 def nonsmooth_panels(results, radii, etas):
     for packing, look in PACKINGS.items():
-        rows = best_rows(results, packing)
+        rows = style.read_table(results, f"size/best-{packing}.csv",
+                                numbers="grains generic_radius best_radius best_eta convergent_from")
         against_grains(radii, rows, gap(rows, "generic_radius"), linestyle=GENERIC_LINE, **look)
         against_grains(radii, rows, gap(rows, "best_radius"), linestyle=ENRICHED_LINE, **open_marker(look))
         against_grains(etas, rows, style.column(rows, "best_eta"), linestyle=ENRICHED_LINE, **open_marker(look))
@@ -73,7 +64,7 @@ def draw(results, output, formats):
     (rigid, stiff), (radii, etas) = grid
     linear_panels(results, rigid, stiff)
     nonsmooth_panels(results, radii, etas)
-    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 5e4)), (etas, (40, 5e4))):
+    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 2e4)), (etas, (40, 2e4))):
         style.log_axis(axes.xaxis, *limits)
         axes.set_xlabel("number of grains")
     for axes, limits in ((rigid, (1e-5, 1)), (stiff, (1e-5, 1)), (radii, (1e-3, 0.3))):
