@@ -1,16 +1,30 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Radii from a lattice through vacancies to polydisperse deposits."""
+"""Radii from a lattice through vacancies to polydisperse deposits, and whether the size matters."""
+import os
 import sys
 
 import numpy as np
 import style
 
-TABLES = [("vacancies", "lattice with vacancies", {"color": "#1f5f99", "marker": "o"}),
-          ("deposit", "deposits", {"color": "#b03a2e", "marker": "s"})]
+BLUE, RED = "#1f5f99", "#b03a2e"
+TABLES = [("vacancies", "lattice with vacancies", {"color": BLUE, "marker": "o"}),
+          ("deposit", "deposits", {"color": RED, "marker": "s"})]
 SMALLEST = 0.1  # m, radius_min of the deposits
 ENRICHED = 0.1  # 1/kg, the finite eta of the tables
 STIFF = (1e-4, 1e-2)
+# endings of the tables of 1 024, 4 096, 16 384 and 10^5 grains, and of what is run on demand only
+SIZES = ("-1k", "", "-16k", "-100k", "-100k-large")
+# parameter, the packings followed through the sizes: value, label, look
+FOLLOWED = {
+    "vacancies": ("packing.vacancies", [(0, "lattice", {"color": "#123c63", "marker": "o"}),
+                                        (0.1, "10 % vacancies", {"color": BLUE, "marker": "^"}),
+                                        (0.25, "25 % vacancies", {"color": "#6ea6d8", "marker": "v"})]),
+    "deposit": ("packing.radius_max", [(0.1, "deposit, one size", {"color": "#e08a80", "marker": "D"}),
+                                       (0.2, "deposit, 1 : 2", {"color": RED, "marker": "s"}),
+                                       (0.8, "deposit, 1 : 8", {"color": "#6e1d15", "marker": "p"})]),
+}
+GENERIC_LINE, ENRICHED_LINE = "-", (0, (4, 2))
 
 
 def coordination(rows):
@@ -21,14 +35,17 @@ def size_ratio(rows):
     return style.column(rows, "packing.radius_max") / SMALLEST
 
 
+def gap(rows):
+    return 1 - style.column(rows, "subdominant_radius")
+
+
 def scatter(axes, x, rows, look, eta):
     face = look["color"] if np.isinf(eta) else "white"
-    return axes.plot(x, 1 - style.column(rows, "subdominant_radius"), linestyle="none", markerfacecolor=face,
-                     markeredgewidth=0.7, **look)[0]
+    return axes.plot(x, gap(rows), linestyle="none", markerfacecolor=face, markeredgewidth=0.7, **look)[0]
 
 
-def draw(results, output, formats):
-    fig, (rigid, stiff, sizes) = style.figure(style.COLUMN_AND_HALF, 72, 1, 3)
+def of_4096(results, rigid, stiff, sizes):
+    """The panels of one size; handles and labels of their marks."""
     handles, labels = [], []
     for table, label, look in TABLES:
         name = f"disorder/{table}.csv"
@@ -47,6 +64,42 @@ def draw(results, output, formats):
         stiff.axhline(epsilon / ENRICHED, color=style.GREY, linewidth=0.6, zorder=0.5)
         stiff.text(6.15, epsilon / ENRICHED / 1.2, rf"$\varepsilon/\eta$, $\varepsilon = {text}$", fontsize=7,
                    ha="right", va="top")
+    return handles, labels
+
+
+def through_sizes(results, panels):
+    """Geometric mean of 1 - rho over the seeds, with its range, against the number of grains; PANELS: axes of each
+    epsilon."""
+    for table, (parameter, packings) in FOLLOWED.items():
+        rows = []
+        for name in (f"disorder/{table}{size}.csv" for size in SIZES):
+            if "large" not in name or os.path.exists(os.path.join(results, name)):
+                rows += style.read_table(results, name, numbers=f"grains epsilon eta subdominant_radius {parameter}")
+        for value, label, look in packings:
+            for epsilon, axes in panels.items():
+                for eta, line in ((np.inf, GENERIC_LINE), (ENRICHED, ENRICHED_LINE)):
+                    some = style.need(results, f"disorder/{table}.csv", rows, epsilon=epsilon, eta=eta,
+                                      **{parameter: value})
+                    grains, mean, low, high = by_size(some)
+                    face = look["color"] if np.isinf(eta) else "white"
+                    axes.errorbar(grains, mean, yerr=(mean - low, high - mean), linestyle=line, elinewidth=0.6,
+                                  linewidth=0.9, markersize=3.6, markeredgewidth=0.7, markerfacecolor=face,
+                                  label=label if np.isinf(eta) else None, **look)
+
+
+def by_size(rows):
+    """Numbers of grains, and of each the geometric mean, the least and the largest 1 - rho."""
+    result = []
+    for grains in sorted(set(style.column(rows, "grains"))):
+        values = gap(style.where(rows, grains=grains))
+        mean = np.clip(np.exp(np.mean(np.log(values))), values.min(), values.max())  # equal values, rounded
+        result.append((grains, mean, values.min(), values.max()))
+    return np.array(result).T
+
+
+def draw(results, output, formats):
+    fig, ((rigid, stiff, sizes), below) = style.figure(style.COLUMN_AND_HALF, 128, 2, 3)
+    handles, labels = of_4096(results, rigid, stiff, sizes)
     for axes in (rigid, stiff):
         axes.axvline(4, color=style.LIGHT, linewidth=0.6, zorder=0.4)  # isostatic
         axes.set(xlabel="coordination number", xlim=(3.7, 6.2))
@@ -54,11 +107,18 @@ def draw(results, output, formats):
     sizes.set_xticks([1, 2, 4, 8], labels=["1", "2", "4", "8"])
     sizes.set_xticks([], minor=True)
     sizes.set_xlabel("largest / smallest radius")
-    texts = ["rigid contacts", r"$\varepsilon = 10^{-4}$, $10^{-2}$ 1/kg", "deposits, rigid contacts"]
-    for axes, letter, text in zip((rigid, stiff, sizes), "abc", texts):
-        style.log_axis(axes.yaxis, 1e-5, 1)
+    through_sizes(results, dict(zip((0, *STIFF), below)))
+    for axes in below:
+        style.log_axis(axes.xaxis, 500, 2e5)
+        axes.set_xlabel("number of grains")
+    texts = ["4 096 grains, rigid", r"$\varepsilon = 10^{-4}$, $10^{-2}$ 1/kg", "deposits, rigid",
+             "rigid contacts", r"$\varepsilon = 10^{-4}$ 1/kg", r"$\varepsilon = 10^{-2}$ 1/kg"]
+    for axes, letter, text in zip((rigid, stiff, sizes, *below), "abcdef", texts):
+        style.log_axis(axes.yaxis, 1e-6 if axes is below[0] else 1e-5, 1)
         style.panel(axes, letter, text)
-    rigid.set_ylabel(r"$1 - \rho$")
+    for axes in (rigid, below[0]):
+        axes.set_ylabel(r"$1 - \rho$")
+    below[1].legend(loc="upper right", fontsize=7, labelspacing=0.15, handlelength=2, borderaxespad=0.3)
     style.legend_above(fig, handles, labels, 2)
     return style.save(fig, output, "disorder", formats)
 
