@@ -5,6 +5,7 @@
 #include <nscdd/core/version.hpp>
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <array>
 #include <cerrno>
@@ -45,7 +46,18 @@ std::string joined(int argc, char** argv) {
   return line;
 }
 
+// One factor follows another of the same size: memory given back in between comes as fresh pages, which took
+// a seventh of the time at 10^6 grains.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that is allowed
+  mallopt(M_TRIM_THRESHOLD, 0x7fffffff);
+  mallopt(M_TOP_PAD, 64 << 20);
+#endif
+}
+
 int run(int argc, char** argv) {
+  keep_freed_memory();
   CLI::App app(
       "nscdd: convergence study, and simulation, of domain decomposition for nonsmooth contact dynamics",
       "nscdd");
