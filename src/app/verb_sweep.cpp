@@ -53,10 +53,11 @@ struct Unproved {
 void explain(const Unproved& rows) {
   if (rows.all > 0) note(fmt::format("{} row(s) did not converge: see the column 'converged'", rows.all));
   if (rows.rigid > 0)
-    note(fmt::format(
-        "{} of them in the rigid limit (epsilon = 0): no factorisation near an end of the spectrum could be "
-        "relied on; try --solver dense, or a small epsilon > 0 in place of 0",
-        rows.rigid));
+    note(
+        fmt::format("{} of them in the rigid limit (epsilon = 0), by shift-invert: no end of the spectrum "
+                    "was proved; try "
+                    "--solver dense, or a small epsilon > 0 in place of 0",
+                    rows.rigid));
 }
 
 // The rows of the sweep, those found included; `sink` takes them all.
@@ -65,10 +66,12 @@ Unproved work_through(const Model& model, const StudyTable& work, ResumableTable
   Unproved unproved;
   const Table plain{sweep_columns(), {}};
   const std::size_t converged = plain.column("converged"), epsilon = plain.column("epsilon");
+  const std::size_t solver = plain.column("solver");
   const auto judge = [&](const Row& row) {
     if (std::get<bool>(row[converged])) return;
     ++unproved.all;
-    if (std::get<double>(row[epsilon]) == 0) ++unproved.rigid;
+    if (std::get<double>(row[epsilon]) == 0 && std::get<std::string>(row[solver]) == "shift-invert")
+      ++unproved.rigid;
   };
   csv.replay([&](const Row& row) {
     judge(row);

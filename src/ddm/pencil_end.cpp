@@ -123,7 +123,7 @@ class EndSearch {
     // First within the tolerance of the end, then far enough to leave the accident that spoilt this one.
     for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
       ++result_.factorisations;
-      ShiftedPencil pencil = family_.at(point_.epsilon, point_.eta, shift);
+      ShiftedPencil pencil = family_.at(point_.epsilon, point_.eta, shift, accuracy_);
       if (pencil.reliable()) return pencil;
       shift = std::max(shift + side * inward(step * tolerance(shift)), 0.5 * shift);
     }
@@ -233,9 +233,9 @@ class EndSearch {
   // proved to be.
   double closer_shift() const {
     const double beyond_value = margin(value());
-    if (error_ <= 2 * share_of_margin * beyond_value)
+    if (error_ + solution_error_ <= 2 * share_of_margin * beyond_value)
       return std::max(value() - inward(beyond_value), 0.5 * value());
-    const double step = std::max(2 * bound_, beyond_value);
+    const double step = std::max(2 * (bound_ + solution_error_), beyond_value);
     // Never further out than what is proved already.
     const double room = outer_ ? 0.3 * std::abs(value() - *outer_) : infinity;
     return std::max(value() - inward(std::min(step, room)), 0.5 * value());
@@ -260,6 +260,7 @@ class EndSearch {
 
   // The eigenvalues next to the end, from a shift far enough to see them all.
   void list() {
+    accuracy_ = SolutionAccuracy::refined;
     const std::optional<ShiftedPencil> pencil = factorise(value() - inward(list_distance * value()));
     result_.converged = pencil && extend_list(*pencil) && result_.residual <= tolerance();
   }
@@ -321,6 +322,7 @@ class EndSearch {
   PencilEnd result_;
   std::optional<double> outer_;  // innermost shift with no eigenvalue beyond it
   double inner_ = 0;             // last shift with one
+  SolutionAccuracy accuracy_ = SolutionAccuracy::enough_next_to_an_end;
   Index reached_out_ = 0;
   double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search has begun
   double bound_ = infinity, error_ = infinity;  // of the value, as Lanczos has them

@@ -143,7 +143,8 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
   using Visited = PencilMemory::Visited;
   Ends ends{.smallest = find(SpectrumEnd::smallest, &Visited::smallest),
             .largest = find(SpectrumEnd::largest, &Visited::largest)};
-  if (ends.found()) remember(memory, point, ends);
+  family.release();
+  if (ends.smallest.converged && ends.largest.converged) remember(memory, point, ends);
   return ends;
 }
 
@@ -199,28 +200,28 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
+// Eigenvalues lambda below a shift next to 0, or none where no factorisation there can be relied on.
+std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero,
+                                   Index& factorisations) {
+  for (const double shift : {zero, 2 * zero, 5 * zero}) {
+    ++factorisations;
+    const ShiftedPencil pencil = family.at(0, eta, shift);
+    if (pencil.reliable()) return pencil.below();
+  }
+  return std::nullopt;
+}
+
 // Eigenvalues lambda of the rigid limit that are 0, by inertia: an eigenvalue may be as small as 1e-8 without
 // being one of them. None where no factorisation near 0 can be relied on, or where the two counts differ.
 std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
-  std::optional<Index> first;
-  for (const double zero : {rigid_zero, rigid_zero_again}) {
-    std::optional<Index> found;
-    for (const double shift : {zero, 2 * zero, 5 * zero}) {
-      ++factorisations;
-      const ShiftedPencil pencil = family.at(0, eta, shift);
-      if (!pencil.reliable()) continue;
-      found = pencil.below();
-      break;
-    }
-    if (!found || (first && *first != *found)) return std::nullopt;
-    first = found;
-  }
-  return first;
+  const std::optional<Index> count = counted_below(family, eta, rigid_zero, factorisations);
+  const std::optional<Index> again = counted_below(family, eta, rigid_zero_again, factorisations);
+  return count == again ? count : std::nullopt;
 }
 
 // Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each. Their
-// number comes from ranks, which no small eigenvalue can blur; shifts that count another number are not
-// believed.
+// number comes from ranks, which no small eigenvalue can blur; a shift next to 0 that counts another number
+// says that one of the two is wrong.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
                             const EndOptions& end_options, SpectralMemory& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
@@ -233,7 +234,16 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   Index factorisations = 0;
   if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
     limit->kernel = counted_at_zero(family, point.eta, factorisations);
-  if (!limit->kernel) limit->kernel = b.system.nullity();
+  if (!limit->kernel) {
+    limit->kernel = b.system.nullity();
+    limit->confirmed = false;
+    for (const double zero : {rigid_zero_again, 10 * rigid_zero_again, 100 * rigid_zero_again})
+      if (const auto counted = counted_below(family, point.eta, zero, factorisations)) {
+        limit->confirmed = counted == limit->kernel;
+        break;
+      }
+  }
+  if (!limit->confirmed) return not_converged("shift-invert");
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
   SpectralRadius result =

@@ -11,10 +11,10 @@
 namespace nscdd {
 namespace {
 
-// Inexactness from which solutions are refined by one step, which takes as long as four. An error e of the
-// solutions moves an eigenvalue lambda by e |lambda - sigma| only, a length that the search makes as small as
-// the tolerance and that lists keep at a thousandth of lambda.
-constexpr double refined_above = 1e-6;
+// Inexactness from which solutions are refined by one step, which takes as long as three more.
+constexpr double refined_above(SolutionAccuracy accuracy) {
+  return accuracy == SolutionAccuracy::refined ? 1e-10 : 1e-6;
+}
 
 struct Entry {
   int row, column;
@@ -132,6 +132,11 @@ class ShiftedPencilFamily::Preparation {
     stiffness.setFromTriplets(second.begin(), second.end());
   }
 
+  void release() const {
+    const std::lock_guard lock(interior_mutex_);
+    interior_.reset();
+  }
+
   // x^T K x of the block of S, for epsilon and the velocities or contact impulses in x, and of that of -P,
   // the velocities of which are scaled by sqrt(sigma).
   ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma) const {
@@ -216,7 +221,7 @@ class ShiftedPencilFamily::Preparation {
 class ShiftedPencil::Implementation {
  public:
   Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> p, double epsilon, double eta,
-                 double sigma)
+                 double sigma, SolutionAccuracy accuracy)
       : preparation(std::move(p)), epsilon_(epsilon), eta_(eta), shift(sigma) {
     SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
     factor.emplace(preparation->interior(epsilon, eta, matrix), matrix);
@@ -228,7 +233,7 @@ class ShiftedPencil::Implementation {
     const Vector correction = factor->solve(symmetric_residual(matrix, x, right));
     inexactness = correction.tail(size).norm() / x.tail(size).norm();
     if (!std::isfinite(inexactness)) inexactness = infinity;
-    if (inexactness > refined_above) refinement = std::move(matrix);
+    if (inexactness > refined_above(accuracy)) refinement = std::move(matrix);
   }
 
   Index below() const {
@@ -289,10 +294,13 @@ bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form) const {
          std::isinf(b.preconditioner.eta()) == preparation_->generic && form == preparation_->form;
 }
 
-ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma) const {
+ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma,
+                                      SolutionAccuracy accuracy) const {
   return ShiftedPencil(
-      std::make_shared<const ShiftedPencil::Implementation>(preparation_, epsilon, eta, sigma));
+      std::make_shared<const ShiftedPencil::Implementation>(preparation_, epsilon, eta, sigma, accuracy));
 }
+
+void ShiftedPencilFamily::release() const { preparation_->release(); }
 
 Index ShiftedPencilFamily::unknowns() const { return preparation_->inertia.rows(); }
 double ShiftedPencilFamily::factor_entries() const {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/error.hpp>
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/linalg/symmetric_factor.hpp>
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +14,11 @@ namespace nscdd {
 namespace {
 
 constexpr int most_refinements = 20;
-// Of the largest entry: below, corrections are rounding.
+// Of the vector projected: below, corrections are rounding.
 constexpr double refined = 1e-15;
 // Largest error of coefficients of size 1: below 1 no pivot has a false sign.
 constexpr double reliable = 1e-2;
+constexpr Index dense_limit = 1500;  // columns up to which a dense spectrum decides where no factors do
 
 std::vector<Index> filled_columns(const SparseMatrix& a) {
   std::vector<Index> filled;
@@ -64,18 +66,22 @@ class RangeProjector::Implementation {
     std::vector<Index> group(at(matrix.rows()), -1);  // a column with the later of its rows
     std::iota(group.begin(), group.begin() + rows, Index{0});
     const SymmetricAnalysis analysis(matrix, group);
-    for (const double step : {1.0, 3.0, 0.3, 10.0}) {  // a part of the matrix may have its eigenvalue there
+    // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
+    std::vector<Index> counts;
+    for (const double step : {3.0, 1.0, 0.3, 10.0, 0.1}) {
       matrix.diagonal().tail(b.cols()).setConstant(step * tolerance * tolerance);
       factor.emplace(analysis, matrix);
       if (!factor->regular() || !exact_enough(matrix)) continue;
       rank = factor->negative_eigenvalues();
-      return;
+      if (std::find(counts.begin(), counts.end(), rank) != counts.end()) return;
+      counts.push_back(rank);
     }
-    throw Error("rank: expected a sparse factorisation that tells dependent columns, met none");
+    conclusive = false;
   }
 
   // [I B; B^T 0] [v; r] = [x; 0]; what r has in ker B stays out of v.
   Vector apply(const Vector& x) const {
+    if (!conclusive) return Vector::Constant(rows, not_a_number);
     if (rank == 0) return Vector::Zero(rows);
     Vector right = Vector::Zero(rows + b.cols());
     right.head(rows) = x;
@@ -96,7 +102,7 @@ class RangeProjector::Implementation {
   }
 
   std::vector<Index> independent_columns() const {
-    if (rank == 0) return {};
+    if (rank == 0 || !factor->regular()) return {};
     std::vector<char> dependent(at(b.cols()), 0);
     for (const Index row : factor->smallest_pivots(b.cols() - rank, rows)) dependent[at(row - rows)] = 1;
     std::vector<Index> columns;
@@ -110,10 +116,11 @@ class RangeProjector::Implementation {
   SparseMatrix b;
   std::optional<SymmetricFactor> factor;
   Index rank = 0;
+  bool conclusive = true;
 
  private:
-  // The pivots of dependent columns are tolerance^2: coefficients that the factors give back, each by itself,
-  // tell whether their signs can be relied on.
+  // The pivots of dependent columns are as small as tolerance^2: how well the factors give coefficients back,
+  // each column's by itself, is an estimate of whether their signs can be relied on.
   bool exact_enough(const SparseMatrix& matrix) const {
     Vector x = Vector::Zero(matrix.rows());
     for (Index j = 0; j < b.cols(); ++j) x[rows + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));
@@ -126,11 +133,20 @@ RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance)
     : implementation_(std::make_shared<const Implementation>(a, tolerance)) {}
 
 Index RangeProjector::rank() const { return implementation_->rank; }
+bool RangeProjector::conclusive() const { return implementation_->conclusive; }
 std::vector<Index> RangeProjector::independent_columns() const {
   return implementation_->independent_columns();
 }
 Vector RangeProjector::apply(const Vector& x) const { return implementation_->apply(x); }
 
-Index sparse_rank(const SparseMatrix& a, double tolerance) { return RangeProjector(a, tolerance).rank(); }
+Index sparse_rank(const SparseMatrix& a, double tolerance) {
+  const RangeProjector projector(a, tolerance);
+  const RangeProjector::Implementation& sparse = *projector.implementation_;
+  if (sparse.conclusive || sparse.b.cols() > dense_limit) return sparse.rank;
+  const Matrix gram = Matrix(sparse.b.transpose() * sparse.b);
+  return (Eigen::SelfAdjointEigenSolver<Matrix>(gram, Eigen::EigenvaluesOnly).eigenvalues().array() >
+          tolerance * tolerance)
+      .count();
+}
 
 }  // namespace nscdd

@@ -33,7 +33,8 @@ void with_threads(const std::function<void()>& work) {
   if (unlocked) {
     tbb::task_arena(1).execute(work);
   } else {
-    work();
+    tbb::this_task_arena::isolate(
+        work);  // who waits inside, perhaps with a lock, takes up nothing from outside
   }
 }
 

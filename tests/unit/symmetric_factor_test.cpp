@@ -152,6 +152,9 @@ TEST_CASE("symmetric factor: what is apart from the border serves a family, to t
       b(border) = g;
       const Vector x = shared.solve(b);
       CHECK(x == whole.solve(b));
+      const SymmetricFactor plain(SymmetricAnalysis(lower, problem.group), lower);  // knows no border
+      CHECK(plain.negative_eigenvalues() == shared.negative_eigenvalues());
+      CHECK(largest(x - plain.solve(b)) < 1e-10 * largest(x));
       CHECK(shared.solve_on_border(g) == Vector(x(border)));
       CHECK(backward_error(lower, x, b) < 1e-11);
     }

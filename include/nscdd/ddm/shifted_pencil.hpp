@@ -14,6 +14,13 @@ enum class SystemForm {
   augmented,  ///< with the contact impulses, for epsilon near 0
 };
 
+/// When solutions take a step of refinement. An error e of theirs moves an eigenvalue lambda by
+/// e |lambda - sigma|.
+enum class SolutionAccuracy {
+  enough_next_to_an_end,  ///< where the inexactness is above 1e-6
+  refined,                ///< above 1e-10, for eigenvalues far from the shift
+};
+
 /// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
 /// factorisation of the saddle-point matrix
 ///     [ M_E + K_E/epsilon                                A_E^T ]
@@ -80,7 +87,11 @@ class ShiftedPencilFamily {
   bool serves(const Contraction& b, SystemForm form = SystemForm::condensed) const;
 
   /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma > 0.
-  ShiftedPencil at(double epsilon, double eta, double sigma) const;
+  ShiftedPencil at(double epsilon, double eta, double sigma,
+                   SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end) const;
+
+  /// Frees the numbers that are kept for another shift at the last epsilon and eta.
+  void release() const;
 
   Index unknowns() const;         ///< of the saddle-point matrix
   double factor_entries() const;  ///< of its factor and what is kept beside it, 8 bytes each

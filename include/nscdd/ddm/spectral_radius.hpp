@@ -98,6 +98,7 @@ struct RigidLimit {
   InterfaceOperator met;        ///< S as it was asked for
   InterfaceOperator regular;    ///< the same on contacts that are independent within their subdomain
   std::optional<Index> kernel;  ///< dim ker S, where it is known
+  bool confirmed = true;        ///< an inertia count of `regular` next to 0 agrees with it
 };
 
 struct SpectralMemory {

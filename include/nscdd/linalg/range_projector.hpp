@@ -21,20 +21,24 @@ class RangeProjector {
   /// Singular values of B below it count as zero.
   static constexpr double default_tolerance = 1e-6;
 
-  /// Throws Error where no factorisation can be relied on.
   explicit RangeProjector(const SparseMatrix& a, double tolerance = default_tolerance);
   Index rank() const;
+  /// False where no two factorisations with a tolerance near the one asked for could be relied on and agreed:
+  /// the rank is then the last one counted, and `apply` gives no numbers.
+  bool conclusive() const;
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
-  /// As many columns of A as its rank, ascending, that span its range: those whose pivot is not one of the
-  /// smallest, of which there are as many as columns depend on others.
+  /// As many columns of A as its rank, ascending, that are likely to span its range: those whose pivot is not
+  /// one of the smallest, of which there are as many as columns depend on others.
   std::vector<Index> independent_columns() const;
   class Implementation;
 
  private:
+  friend Index sparse_rank(const SparseMatrix& a, double tolerance);
   std::shared_ptr<const Implementation> implementation_;
 };
 
-/// Rank of a sparse matrix, by the same factorisation and the same tolerance.
+/// Rank of a sparse matrix, by the same factorisation and the same tolerance; where that is not conclusive,
+/// by the dense spectrum of B^T B up to 1 500 columns.
 Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
 
 }  // namespace nscdd
