@@ -226,12 +226,10 @@ class ShiftedPencil::Implementation {
     SparseMatrix matrix = preparation->matrix(epsilon, eta, sigma);
     factor.emplace(preparation->interior(epsilon, eta, matrix), matrix);
     if (!factor->regular()) return;
-    const Index size = matrix.rows() - preparation->interface;
-    Vector right = Vector::Zero(matrix.rows());
-    right.tail(size).setOnes();  // as all that will be solved for
-    const Vector x = factor->solve(right);
-    const Vector correction = factor->solve(symmetric_residual(matrix, x, right));
-    inexactness = correction.tail(size).norm() / x.tail(size).norm();
+    const Vector g = Vector::Ones(matrix.rows() - preparation->interface);
+    const Vector x = factor->solve_from_border(g);
+    const Vector correction = factor->solve_to_border(symmetric_residual(matrix, x, whole(g)));
+    inexactness = correction.norm() / x.tail(g.size()).norm();
     if (!std::isfinite(inexactness)) inexactness = infinity;
     if (inexactness > refined_above(accuracy)) refinement = std::move(matrix);
   }
@@ -245,7 +243,8 @@ class ShiftedPencil::Implementation {
 
   Vector solve(const Vector& g) const {
     if (!refinement) return -factor->solve_on_border(g);
-    return -solve_whole(g).tail(g.size());
+    const Vector x = factor->solve_from_border(g);
+    return -(x.tail(g.size()) + factor->solve_to_border(symmetric_residual(*refinement, x, whole(g))));
   }
 
   Response respond(const Vector& g) const {
@@ -254,11 +253,15 @@ class ShiftedPencil::Implementation {
 
  private:
   Vector solve_whole(const Vector& g) const {
+    Vector x = factor->solve_from_border(g);
+    if (refinement) x += factor->solve(symmetric_residual(*refinement, x, whole(g)));
+    return x;
+  }
+
+  Vector whole(const Vector& g) const {
     Vector right = Vector::Zero(preparation->inertia.rows());
     right.tail(g.size()) = g;
-    Vector x = factor->solve(right);
-    if (refinement) x += factor->solve(symmetric_residual(*refinement, x, right));
-    return x;
+    return right;
   }
 
   std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation;

@@ -134,8 +134,11 @@ class SymmetricFactor::Implementation {
  public:
   Implementation(std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts,
                  const SparseMatrix& lower);
-  Vector solve(const Vector& b) const;
-  Vector solve_on_border(const Vector& g) const;
+  enum class Fronts { all, border };
+  // L^-1 by the ones (where b is zero in the pivots of the others), D^-1 and L^-T by the others.
+  Vector solve(Vector b, Fronts forward, Fronts backward) const;
+  Vector spread(const Vector& g) const;     // E g
+  Vector on_border(const Vector& x) const;  // E^T x
   Matrix inverse_block(const std::vector<Index>& rows) const;
   std::vector<Index> smallest_pivots(Index wanted, Index first) const;
 
@@ -167,9 +170,8 @@ class SymmetricFactor::Implementation {
     for (std::size_t k = tree.front(s).panels.size(); k > 0; --k) panel(s, k - 1, visit);
   }
 
-  void solve_in_place(Vector& x, bool border_only) const;
-  void forward(Index s, Vector& x, std::vector<Vector>& carried) const;
-  void backward(Index s, Vector& x) const;
+  void go_forward(Index s, Vector& x, std::vector<Vector>& carried) const;
+  void go_back(Index s, Vector& x) const;
 };
 
 }  // namespace nscdd

@@ -9,29 +9,25 @@
 
 namespace nscdd {
 
-void SymmetricFactor::Implementation::solve_in_place(Vector& x, bool border_only) const {
+Vector SymmetricFactor::Implementation::solve(Vector x, Fronts forward, Fronts backward) const {
   std::vector<Vector> carried(at(tree.size()));  // updates on their way to the parent
-  tree.for_roots(border_only,
-                 [&](Index root) { tree.up(root, border_only, [&](Index s) { forward(s, x, carried); }); });
-  tree.for_roots(border_only,
-                 [&](Index root) { tree.down(root, border_only, [&](Index s) { backward(s, x); }); });
-}
-
-Vector SymmetricFactor::Implementation::solve(const Vector& b) const {
-  Vector x = b;
-  solve_in_place(x, false);
+  const bool up_border = forward == Fronts::border, down_border = backward == Fronts::border;
+  tree.for_roots(up_border,
+                 [&](Index root) { tree.up(root, up_border, [&](Index s) { go_forward(s, x, carried); }); });
+  tree.for_roots(down_border,
+                 [&](Index root) { tree.down(root, down_border, [&](Index s) { go_back(s, x); }); });
   return x;
 }
 
-Vector SymmetricFactor::Implementation::solve_on_border(const Vector& g) const {
-  const std::vector<Index>& rows = tree.analysis->border;
+Vector SymmetricFactor::Implementation::spread(const Vector& g) const {
   Vector x = Vector::Zero(tree.analysis->size);
-  x(rows) = g;
-  solve_in_place(x, true);
-  return x(rows);
+  x(tree.analysis->border) = g;
+  return x;
 }
 
-void SymmetricFactor::Implementation::forward(Index s, Vector& x, std::vector<Vector>& carried) const {
+Vector SymmetricFactor::Implementation::on_border(const Vector& x) const { return x(tree.analysis->border); }
+
+void SymmetricFactor::Implementation::go_forward(Index s, Vector& x, std::vector<Vector>& carried) const {
   const Front& front = tree.front(s);
   const FrontFactor& own = factor(s);
   const int* row = tree.analysis->row_of.data() + front.first_row;
@@ -54,7 +50,7 @@ void SymmetricFactor::Implementation::forward(Index s, Vector& x, std::vector<Ve
   carried[at(s)] = local.tail(front.update_rows());
 }
 
-void SymmetricFactor::Implementation::backward(Index s, Vector& x) const {
+void SymmetricFactor::Implementation::go_back(Index s, Vector& x) const {
   const Front& front = tree.front(s);
   const FrontFactor& own = factor(s);
   const int* row = tree.analysis->row_of.data() + front.first_row;
@@ -158,16 +154,31 @@ std::vector<Index> SymmetricFactor::smallest_pivots(Index wanted, Index first) c
   return implementation_->smallest_pivots(wanted, first);
 }
 
+using Fronts = SymmetricFactor::Implementation::Fronts;
+
 Vector SymmetricFactor::solve(const Vector& b) const {
   Vector x;
-  with_threads([&] { x = implementation_->solve(b); });
+  with_threads([&] { x = implementation_->solve(b, Fronts::all, Fronts::all); });
   return x;
+}
+
+Vector SymmetricFactor::solve_from_border(const Vector& g) const {
+  Vector x;
+  with_threads([&] { x = implementation_->solve(implementation_->spread(g), Fronts::border, Fronts::all); });
+  return x;
+}
+
+Vector SymmetricFactor::solve_to_border(const Vector& b) const {
+  Vector x;
+  with_threads([&] { x = implementation_->solve(b, Fronts::all, Fronts::border); });
+  return implementation_->on_border(x);
 }
 
 Vector SymmetricFactor::solve_on_border(const Vector& g) const {
   Vector x;
-  with_threads([&] { x = implementation_->solve_on_border(g); });
-  return x;
+  with_threads(
+      [&] { x = implementation_->solve(implementation_->spread(g), Fronts::border, Fronts::border); });
+  return implementation_->on_border(x);
 }
 
 Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {

@@ -155,7 +155,10 @@ TEST_CASE("symmetric factor: what is apart from the border serves a family, to t
       const SymmetricFactor plain(SymmetricAnalysis(lower, problem.group), lower);  // knows no border
       CHECK(plain.negative_eigenvalues() == shared.negative_eigenvalues());
       CHECK(largest(x - plain.solve(b)) < 1e-10 * largest(x));
+      CHECK(shared.solve_from_border(g) == x);
       CHECK(shared.solve_on_border(g) == Vector(x(border)));
+      const Vector anywhere = RandomStream(8).normal_vector(n);
+      CHECK(shared.solve_to_border(anywhere) == Vector(shared.solve(anywhere)(border)));
       CHECK(backward_error(lower, x, b) < 1e-11);
     }
   }

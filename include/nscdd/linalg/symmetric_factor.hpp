@@ -66,8 +66,11 @@ class SymmetricFactor {
   Index negative_eigenvalues() const;   ///< of A, with multiplicity
   Vector solve(const Vector& b) const;  ///< A^-1 b
 
-  /// (A^-1 E g) on the border rows, g given there, E putting it in its place among zeros: the bits of `solve`
-  /// by the fronts on the way from the border to the root only.
+  /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts what is given on the border rows in its place among
+  /// zeros: the bits of `solve`, with less work. What is from or to the border passes the fronts on the way
+  /// from it to the root only.
+  Vector solve_from_border(const Vector& g) const;
+  Vector solve_to_border(const Vector& b) const;
   Vector solve_on_border(const Vector& g) const;
 
   /// (A^-1)_{rows, rows}, by the fronts on the way from these rows to the root only.
