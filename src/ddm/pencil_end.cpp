@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/ddm/pencil_end.hpp>
-
-#include <algorithm>
-#include <cmath>
+#include "pencil_side.hpp"
 
 namespace nscdd {
 namespace {
@@ -10,18 +7,16 @@ namespace {
 constexpr double share_of_margin = 0.2;  // of the distance of the last shift, for the error left by Lanczos
 constexpr Index few = 16;                // eigenvalues beyond a shift that are looked for from it
 constexpr Index most_reaches = 6;        // after which the search starts again from further out
-constexpr double list_distance = 1e-3;   // of the shift a list is found from, relative to the first value
 
 class EndSearch {
  public:
-  EndSearch(const ShiftedPencilFamily& family, const InterfaceOperator& p, const PencilPoint& point,
-            SpectrumEnd end, const EndOptions& options)
-      : family_(family), p_(p), point_(point), end_(end), options_(options) {}
+  explicit EndSearch(PencilSide& side)
+      : side_(side), point_(side.point), end_(side.end), options_(side.options) {}
 
   PencilEnd run(const std::optional<EndGuess>& guess, Vector start) {
     double shift = first_shift(guess), last_distance = infinity;
-    while (result_.factorisations < options_.maximum_factorisations) {
-      const std::optional<ShiftedPencil> pencil = factorise(shift);
+    while (side_.factorisations < options_.maximum_factorisations) {
+      const std::optional<ShiftedPencil> pencil = side_.factorise(shift);
       if (!pencil) break;
       if (beyond(*pencil) < 0) {  // among the eigenvalues of the kernel
         outer_ = pencil->shift();
@@ -52,6 +47,8 @@ class EndSearch {
       shift = closer_shift();
     }
     finish();
+    result_.factorisations = side_.factorisations;
+    result_.solves = side_.solves;
     return result_;
   }
 
@@ -59,17 +56,11 @@ class EndSearch {
   bool found() const { return result_.values.size() > 0; }
   double value() const { return result_.values[0]; }
 
-  // Signed so that inwards is positive at both ends.
-  double inward(double difference) const { return end_ == SpectrumEnd::smallest ? difference : -difference; }
-
-  // Of lambda: relative where |1 - lambda|, an eigenvalue of B, is above 1.
-  double tolerance(double lambda) const { return options_.tolerance * std::max(1.0, std::abs(1 - lambda)); }
-  double tolerance() const { return tolerance(value()); }
-  double rounding(double lambda) const { return point_.rounding * std::max(1.0, std::abs(lambda)); }
-
-  // How far beyond the end its last shift is: a count says nothing within the rounding of the matrix. A
-  // tenth, for the same distance times a relaxation is the residual of a relaxed spectrum.
-  double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
+  double inward(double difference) const { return side_.inward(difference); }
+  double tolerance() const { return side_.tolerance(value()); }
+  double margin(double lambda) const { return side_.margin(lambda); }
+  double rounding(double lambda) const { return side_.rounding(lambda); }
+  Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
   // From what is proved to have no eigenvalue beyond it, inwards to the value.
   double distance_to_proof() const {
@@ -88,7 +79,7 @@ class EndSearch {
     if (!found()) return;
     if (!converged()) return;
     if (options_.certify) certify();
-    if (options_.eigenvalues > 1) list();
+    if (options_.eigenvalues > 1) list_behind(side_, result_);
   }
 
   double first_shift(const std::optional<EndGuess>& guess) {
@@ -118,32 +109,6 @@ class EndSearch {
     return inward(beyond_guess() - shift) < 0 ? beyond_guess() : far;
   }
 
-  // `side`: where to step, inwards (1) or outwards (-1), from a shift that will not do.
-  std::optional<ShiftedPencil> factorise(double shift, double side = -1) {
-    // First within the tolerance of the end, then far enough to leave the accident that spoilt this one.
-    for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
-      ++result_.factorisations;
-      ShiftedPencil pencil = family_.at(point_.epsilon, point_.eta, shift, accuracy_);
-      if (pencil.reliable()) return pencil;
-      shift = std::max(shift + side * inward(step * tolerance(shift)), 0.5 * shift);
-    }
-    return std::nullopt;
-  }
-
-  Index beyond(const ShiftedPencil& pencil) const {
-    return end_ == SpectrumEnd::smallest ? pencil.below() - point_.kernel : p_.rows() - pencil.below();
-  }
-
-  Vector solve(const ShiftedPencil& pencil, const Vector& x) { return ++result_.solves, pencil.solve(x); }
-
-  ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd side, Index wanted,
-                            const ShiftInvertOptions& options, const Vector& start,
-                            const Matrix& locked = {}) {
-    const LinearMap p = [this](const Vector& x) -> Vector { return p_.apply(x); };
-    const LinearMap inverse = [&](const Vector& x) -> Vector { return solve(pencil, x); };
-    return shift_invert_lanczos(p_.rows(), inverse, p, pencil.shift(), side, wanted, options, start, locked);
-  }
-
   // Number k of a run becomes the first value, unless one clearly further out is known.
   void take(const ShiftInvertResult& run, Index k, const ShiftedPencil& pencil) {
     const double doubt = 2 * solution_error_ + (found() ? margin(value()) : 0);
@@ -161,7 +126,7 @@ class EndSearch {
 
   // From a shift that is beyond the end.
   bool close_in(const ShiftedPencil& pencil, const Vector& start) {
-    const ShiftInvertResult run = lanczos(pencil, end_, 1, accuracy_at(pencil.shift()), start);
+    const ShiftInvertResult run = side_.lanczos(pencil, end_, 1, accuracy_at(pencil.shift()), start);
     if (run.values.size() == 0) return false;
     take(run, 0, pencil);
     quotient_ = true;
@@ -173,7 +138,7 @@ class EndSearch {
     const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
     const Vector start = result_.vectors.col(0);
     const ShiftInvertResult run =
-        lanczos(pencil, end_, 1, {.maximum_steps = 2 * options_.steps, .tolerance = relative}, start);
+        side_.lanczos(pencil, end_, 1, {.maximum_steps = 2 * options_.steps, .tolerance = relative}, start);
     if (run.values.size() > 0) take(run, 0, pencil);
   }
 
@@ -183,7 +148,7 @@ class EndSearch {
     const bool kernel = end_ == SpectrumEnd::smallest && point_.kernel > 0;  // lies beyond as well
     if (kernel || wanted > few || ++reached_out_ > most_reaches) return false;
     const SpectrumEnd outwards = end_ == SpectrumEnd::smallest ? SpectrumEnd::largest : SpectrumEnd::smallest;
-    const ShiftInvertResult run = lanczos(pencil, outwards, wanted, accuracy_at(pencil.shift()), {});
+    const ShiftInvertResult run = side_.lanczos(pencil, outwards, wanted, accuracy_at(pencil.shift()), {});
     const Index last = run.values.size() - 1;
     if (last + 1 < wanted || !(run.values[last] > 0)) return false;
     if (outer_ && inward(run.values[last] - *outer_) <= 0) return false;
@@ -197,9 +162,9 @@ class EndSearch {
   void complete(const ShiftedPencil& pencil) {
     Vector x = result_.vectors.col(0);
     for (int k = 0; k < 3; ++k) {
-      const Vector px = p_.apply(x);
-      const ShiftedPencil::Response response = respond(pencil, px);
-      const Vector &y = response.f, py = p_.apply(y);
+      const Vector px = side_.preconditioner(x);
+      const ShiftedPencil::Response response = side_.respond(pencil, px);
+      const Vector &y = response.f, py = side_.preconditioner(y);
       const double norm = y.dot(py), delta = x.dot(py) / norm;
       const double residual = std::sqrt(std::max(0.0, (x - delta * y).dot(px - delta * py)) / norm);
       if (!std::isfinite(residual)) return;
@@ -214,13 +179,10 @@ class EndSearch {
     }
   }
 
-  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& g) {
-    return ++result_.solves, pencil.respond(g);
-  }
-
   void measure_slopes(const ShiftedPencil& pencil) {
-    const ShiftedPencil::Response response = respond(pencil, p_.apply(result_.vectors.col(0)));
-    set_slopes(response, response.f.dot(p_.apply(response.f)));
+    const ShiftedPencil::Response response =
+        side_.respond(pencil, side_.preconditioner(result_.vectors.col(0)));
+    set_slopes(response, response.f.dot(side_.preconditioner(response.f)));
   }
 
   void set_slopes(const ShiftedPencil::Response& response, double norm) {
@@ -246,11 +208,11 @@ class EndSearch {
     const double keep_away = std::max(tolerance(), 4 * rounding(value()));
     const double distance = outer_ ? std::abs(value() - *outer_) : infinity;
     if (distance < 2 * rounding(value()) || distance > keep_away) {
-      const std::optional<ShiftedPencil> out = factorise(value() - inward(keep_away));
+      const std::optional<ShiftedPencil> out = side_.factorise(value() - inward(keep_away));
       if (!out || beyond(*out) != 0) return;
       outer_ = out->shift();
     }
-    const std::optional<ShiftedPencil> in = factorise(value() + inward(keep_away), 1);
+    const std::optional<ShiftedPencil> in = side_.factorise(value() + inward(keep_away), 1);
     if (!in) return;
     result_.outside = *outer_;
     result_.inside = in->shift();
@@ -258,71 +220,13 @@ class EndSearch {
     result_.certified = result_.within > 0;
   }
 
-  // The eigenvalues next to the end, from a shift far enough to see them all.
-  void list() {
-    accuracy_ = SolutionAccuracy::refined;
-    const std::optional<ShiftedPencil> pencil = factorise(value() - inward(list_distance * value()));
-    result_.converged = pencil && extend_list(*pencil) && result_.residual <= tolerance();
-  }
-
-  // Lanczos alone may see one copy of a multiple eigenvalue: on until the count outside the last one wanted
-  // is that of the list.
-  bool extend_list(const ShiftedPencil& pencil) {
-    const Index wanted = std::min(options_.eigenvalues, p_.rows() - point_.kernel);
-    while (result_.values.size() < wanted)
-      if (!add_to_list(pencil, wanted - result_.values.size())) return false;
-    const double last = result_.values[wanted - 1];
-    const std::optional<ShiftedPencil> outside = factorise(last - inward(margin(last)));
-    if (!outside) return false;
-    const auto missing = [&, counted = beyond(*outside)] {
-      return counted - std::count_if(result_.values.begin(), result_.values.end(),
-                                     [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
-    };
-    while (missing() > 0)
-      if (!add_to_list(pencil, missing())) return false;
-    if (missing() < 0) return false;
-    result_.values.conservativeResize(wanted);
-    result_.vectors.conservativeResize(Eigen::NoChange, wanted);
-    return true;
-  }
-
-  // False where no further one is found.
-  bool add_to_list(const ShiftedPencil& pencil, Index wanted) {
-    const ShiftInvertOptions options{.maximum_steps = options_.list_steps,
-                                     .tolerance = 0.1 * options_.tolerance};
-    const Matrix locked = result_.vectors;
-    const ShiftInvertResult run = lanczos(pencil, end_, wanted, options, {}, locked);
-    const Index before = locked.cols();
-    for (Index k = 0; k < run.values.size(); ++k) {
-      const double error = run.bounds[k] + pencil.solution_error() * std::abs(run.values[k] - pencil.shift());
-      if (error > tolerance(run.values[k])) continue;
-      Index place = result_.values.size();
-      while (place > 0 && inward(result_.values[place - 1] - run.values[k]) > 0) --place;
-      insert(place, run.values[k], run.vectors.col(k));
-      result_.residual = std::max(result_.residual, error);
-    }
-    return result_.values.size() > before;
-  }
-
-  void insert(Index place, double lambda, const Vector& vector) {
-    const Index size = result_.values.size(), behind = size - place;
-    Vector values(size + 1);
-    values << result_.values.head(place), lambda, result_.values.tail(behind);
-    Matrix vectors(vector.size(), size + 1);
-    vectors << result_.vectors.leftCols(place), vector, result_.vectors.rightCols(behind);
-    result_.values = values;
-    result_.vectors = vectors;
-  }
-
-  const ShiftedPencilFamily& family_;
-  const InterfaceOperator& p_;
+  PencilSide& side_;
   const PencilPoint& point_;
-  SpectrumEnd end_;
+  const SpectrumEnd end_;
   const EndOptions& options_;
   PencilEnd result_;
   std::optional<double> outer_;  // innermost shift with no eigenvalue beyond it
   double inner_ = 0;             // last shift with one
-  SolutionAccuracy accuracy_ = SolutionAccuracy::enough_next_to_an_end;
   Index reached_out_ = 0;
   double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search has begun
   double bound_ = infinity, error_ = infinity;  // of the value, as Lanczos has them
@@ -336,7 +240,8 @@ class EndSearch {
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
                    const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
                    const Vector& start, const EndOptions& options) {
-  return EndSearch(family, preconditioner, point, end, options).run(guess, start);
+  PencilSide side(family, preconditioner, point, end, options);
+  return EndSearch(side).run(guess, start);
 }
 
 }  // namespace nscdd

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pencil_side.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr double list_distance = 1e-3;  // of the shift a list is found from, relative to the first value
+
+class EndList {
+ public:
+  EndList(PencilSide& side, PencilEnd& result) : side_(side), result_(result) {}
+
+  // Lanczos alone may see one copy of a multiple eigenvalue: on until the count outside the last one wanted
+  // is that of the list.
+  bool extend(const ShiftedPencil& pencil) {
+    const Index wanted = std::min(side_.options.eigenvalues, side_.size() - side_.point.kernel);
+    while (result_.values.size() < wanted)
+      if (!add(pencil, wanted - result_.values.size())) return false;
+    const double last = result_.values[wanted - 1];
+    const std::optional<ShiftedPencil> outside = side_.factorise(last - side_.inward(side_.margin(last)));
+    if (!outside) return false;
+    const auto missing = [&, counted = side_.beyond(*outside)] {
+      return counted - std::count_if(result_.values.begin(), result_.values.end(), [&](double lambda) {
+               return side_.inward(lambda - outside->shift()) < 0;
+             });
+    };
+    while (missing() > 0)
+      if (!add(pencil, missing())) return false;
+    if (missing() < 0) return false;
+    result_.values.conservativeResize(wanted);
+    result_.vectors.conservativeResize(Eigen::NoChange, wanted);
+    return true;
+  }
+
+ private:
+  // False where no further one is found.
+  bool add(const ShiftedPencil& pencil, Index wanted) {
+    const ShiftInvertOptions options{.maximum_steps = side_.options.list_steps,
+                                     .tolerance = 0.1 * side_.options.tolerance};
+    const Matrix locked = result_.vectors;
+    const ShiftInvertResult run = side_.lanczos(pencil, side_.end, wanted, options, {}, locked);
+    const Index before = locked.cols();
+    for (Index k = 0; k < run.values.size(); ++k) {
+      const double error = run.bounds[k] + pencil.solution_error() * std::abs(run.values[k] - pencil.shift());
+      if (error > side_.tolerance(run.values[k])) continue;
+      Index place = result_.values.size();
+      while (place > 0 && side_.inward(result_.values[place - 1] - run.values[k]) > 0) --place;
+      insert(place, run.values[k], run.vectors.col(k));
+      result_.residual = std::max(result_.residual, error);
+    }
+    return result_.values.size() > before;
+  }
+
+  void insert(Index place, double lambda, const Vector& vector) {
+    const Index size = result_.values.size(), behind = size - place;
+    Vector values(size + 1);
+    values << result_.values.head(place), lambda, result_.values.tail(behind);
+    Matrix vectors(vector.size(), size + 1);
+    vectors << result_.vectors.leftCols(place), vector, result_.vectors.rightCols(behind);
+    result_.values = values;
+    result_.vectors = vectors;
+  }
+
+  PencilSide& side_;
+  PencilEnd& result_;
+};
+
+}  // namespace
+
+void list_behind(PencilSide& side, PencilEnd& result) {
+  side.accuracy = SolutionAccuracy::refined;
+  const double first = result.values[0];
+  const std::optional<ShiftedPencil> pencil = side.factorise(first - side.inward(list_distance * first));
+  result.converged =
+      pencil && EndList(side, result).extend(*pencil) && result.residual <= side.tolerance(result.values[0]);
+}
+
+}  // namespace nscdd
