@@ -24,7 +24,7 @@ End rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
 
 }  // namespace
 
-SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options) {
+SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, SpectralMemory& memory) {
   const Index n = b.rows();
   const bool rigid = b.system.eta() == 0;
   const Index unit_multiplicity = b.system.nullity();
@@ -59,13 +59,16 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
       return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
     };
   }
-  const LanczosResult high = lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack);
+  MatrixFreeMemory& last = memory.matrix_free;
+  const LanczosResult high =
+      lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, last.largest);
   // The low end crowds at 0 for small epsilon, where Lanczos on P^-1 S stalls; on S^-1 P it is the isolated
   // end.
   const auto s_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.system.solve(x); };
-  const LanczosResult low = rigid
-                                ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack)
-                                : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack);
+  const LanczosResult low =
+      rigid ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, last.smallest)
+            : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, last.smallest);
+  last = {low.vector, high.vector};
   if (high.vector.size() == 0 || low.vector.size() == 0) {
     SpectralRadius failed = not_converged("arpack");
     failed.applications = result.applications;

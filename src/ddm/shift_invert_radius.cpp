@@ -49,16 +49,23 @@ double stiffest(const Decomposition& parts) {
   return bound;
 }
 
+bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
+  for (std::size_t e = 0; e < all.subdomains.size(); ++e)
+    if (!std::ranges::includes(all.subdomains[e].contacts, some.subdomains[e].contacts)) return false;
+  return true;
+}
+
 // What is known of the spectrum without computing. With the same contacts S and P are functions of K against
 // M, whose ratio (1 + kappa/eta) / (1 + kappa/epsilon) runs from 1 at kappa = 0 to what it is where the
-// packing is stiffest; fewer contacts in S make S larger.
+// packing is stiffest; fewer contacts in S make S larger, others may do anything.
 PencilPoint known_bounds(const Contraction& b, double epsilon) {
   PencilPoint point{
       .epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
-  const double kappa = stiffest(b.preconditioner.parts());
+  const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
+  const bool same = &system == &preconditioner;
+  const double kappa = stiffest(preconditioner);
   const double ratio = epsilon > 0 ? (1 + kappa / point.eta) / (1 + kappa / epsilon) : 0.0;
-  point.low = std::min(1.0, ratio);
-  const bool same = &b.system.parts() == &b.preconditioner.parts();
+  point.low = same || has_contacts_of(preconditioner, system) ? std::min(1.0, ratio) : 0.0;
   point.high = std::isinf(point.eta) ? 1.0 : (same ? std::max(1.0, ratio) : infinity);
   return point;
 }

@@ -54,7 +54,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
       (options.solver == SpectralSolver::automatic && n <= options.dense_limit)) {
     plain = dense_radius(b, options);
   } else if (options.solver == SpectralSolver::arpack) {
-    plain = arpack_radius(b, options);
+    plain = arpack_radius(b, options, memory != nullptr ? *memory : local);
   } else {
     plain = shift_invert_radius(b, options, memory != nullptr ? *memory : local);
     // A last resort: no lattice or deposit met so far needs it (docs/theory.md).

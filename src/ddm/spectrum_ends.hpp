@@ -10,7 +10,7 @@ namespace nscdd {
 
 /// The three ways to find the ends of a spectrum, for omega = 1; chosen among in spectral_radius.cpp.
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options);
-SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options);
+SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, SpectralMemory& memory);
 SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options,
                                    SpectralMemory& memory);
 

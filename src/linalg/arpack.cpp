@@ -13,6 +13,8 @@
 namespace nscdd {
 namespace {
 
+constexpr double share_of_fixed_vector = 0.001;
+
 std::mutex one_call_at_a_time;  // ARPACK's Fortran SAVE variables are shared by the whole process
 
 // Reproducible start: the same vector for the same size, with a component along every mode of practice.
@@ -60,11 +62,13 @@ void require_size(Index n) {
 }  // namespace
 
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse,
-                      SpectrumEnd end, const ArpackOptions& options) {
+                      SpectrumEnd end, const ArpackOptions& options, const Vector& start) {
   require_size(n);
   const std::lock_guard lock(one_call_at_a_time);
   LanczosResult result;
   Workspace w(n, 1, options, 2);
+  if (start.size() == n && start.norm() > 0)
+    w.resid = start / start.norm() + share_of_fixed_vector * w.resid / w.resid.norm();
   const auto which =
       end == SpectrumEnd::largest ? arpack::which::largest_algebraic : arpack::which::smallest_algebraic;
   w.workl = Vector::Zero(w.ncv * (w.ncv + 8));

@@ -244,7 +244,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;
   const bool warm =
-      options.solver == SpectralSolver::shift_invert ||
+      options.solver == SpectralSolver::shift_invert || options.solver == SpectralSolver::arpack ||
       (options.solver == SpectralSolver::automatic && model.parts.interface_size() > options.dense_limit);
   Index failed = 0;
   const std::size_t converged_column = sweep_columns().size() - 1;

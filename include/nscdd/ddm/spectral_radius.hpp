@@ -18,7 +18,7 @@ enum class SpectralSolver {
   automatic,     ///< dense up to `dense_limit` interface unknowns, shift-invert above
   dense,         ///< both ends of the dense pencil (LAPACK)
   arpack,        ///< both ends by Lanczos on P^-1 S and S^-1 P, matrix-free (ARPACK)
-  shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them (ARPACK)
+  shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them
 };
 
 /// Name of each solver as options, studies and records have it, in the order of the enumeration.
@@ -101,12 +101,20 @@ struct RigidLimit {
   bool confirmed = true;        ///< an inertia count of `regular` next to 0 agrees with it
 };
 
+/// Interface impulses at the two ends of the pencil (S, P) that the matrix-free solver found last, to start
+/// from; empty where there are none.
+struct MatrixFreeMemory {
+  Vector smallest, largest;
+};
+
 struct SpectralMemory {
   PencilMemory flexible, rigid;  ///< of epsilon > 0, and of the rigid limit
+  MatrixFreeMemory matrix_free;
   std::optional<RigidLimit> limit;
   void forget_ends() {  ///< what is known of the contacts stays
     flexible.visited.clear();
     rigid.visited.clear();
+    matrix_free = {};
   }
 };
 

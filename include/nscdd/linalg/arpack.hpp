@@ -29,10 +29,12 @@ enum class SpectrumEnd { smallest, largest };
 
 /// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M.
 /// `a`, `m`: x -> A x, M x; `m_inverse`: x -> M^-1 x; A symmetric, M symmetric positive definite, n >= 5.
-/// The start vector is fixed, so equal calls give equal bits. One call runs at a time (ARPACK keeps state
-/// in static memory); others wait. Throws Error for a size ARPACK cannot take.
+/// `start`: where the iteration starts, such as the vector of a neighbouring problem; empty for a fixed
+/// vector, a thousandth of which is added to any other, so that a wrong eigenvector is left. Equal calls give
+/// equal bits. One call runs at a time (ARPACK keeps state in static memory); others wait. Throws Error for a
+/// size ARPACK cannot take.
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse,
-                      SpectrumEnd end, const ArpackOptions& options = {});
+                      SpectrumEnd end, const ArpackOptions& options = {}, const Vector& start = {});
 
 /// Eigenvalue of largest modulus of a nonsymmetric operator.
 struct ArnoldiResult {
