@@ -101,9 +101,10 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
   if (node == nullptr) return;
   const std::vector<Column> columns = study_columns(result);
   for (const auto& [key, value] : *node->as_table()) {
-    if (std::none_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == key.str(); }))
-      section.fail(&value, key.str(), "a column of the table", "another name");
-    checked(section, key.str(), result.column_tolerance[std::string(key.str())]);
+    const std::string name(key.str());
+    if (std::none_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; }))
+      section.fail(&value, name, "a column of the table", "another name");
+    checked(section, name, result.column_tolerance[name]);
   }
 }
 

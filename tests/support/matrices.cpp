@@ -102,7 +102,7 @@ std::vector<SymmetricProblem> every_symmetric_problem() {
   const auto add = [&](const std::string& name, const Matrix& a) {
     all.push_back({name, lower_triangle(a), single_rows(a.rows())});
   };
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     add("sparse definite", random_symmetric(150, 0.02, true, seed));
     add("sparse indefinite", random_symmetric(150, 0.02, false, seed));
     all.push_back(saddle_point(40, 0.5, 0.7, seed));

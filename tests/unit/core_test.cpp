@@ -78,8 +78,8 @@ TEST_CASE("tables: cells as text, columns by name") {
 
 TEST_CASE("versions are told") {
   CHECK(version().find('.') != std::string::npos);
-  for (const auto& [name, number] : dependency_versions()) {
-    CAPTURE(name);
-    CHECK(number.find_first_of("0123456789") != std::string::npos);
+  for (const auto& dependency : dependency_versions()) {
+    CAPTURE(dependency.first);
+    CHECK(dependency.second.find_first_of("0123456789") != std::string::npos);
   }
 }

@@ -38,7 +38,7 @@ std::set<std::pair<Index, Index>> pairs_of(const ContactNetwork& network) {
 }  // namespace
 
 TEST_CASE("contacts: the cell grid finds what brute force finds, sizes 1 : 50, clustered and scattered") {
-  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     RandomStream random(seed);
     Packing packing;
     const double spread = seed == 4 ? 1e6 : 6.0;

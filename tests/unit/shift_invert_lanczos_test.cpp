@@ -108,7 +108,7 @@ TEST_CASE("shift-invert Lanczos: the start vector changes values within the tole
   const Run run{pencil};
   const double sigma = values[0] - 0.02;
   const ShiftInvertResult plain = run(sigma, SpectrumEnd::smallest, 3);
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const ShiftInvertResult other =
         run(sigma, SpectrumEnd::smallest, 3, RandomStream(seed).normal_vector(90));
     REQUIRE(other.converged);

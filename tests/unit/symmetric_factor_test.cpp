@@ -59,7 +59,7 @@ TEST_CASE("symmetric factor: inertia, solve and inverse blocks of every shape of
     REQUIRE(factor.regular());
     CHECK(factor.negative_eigenvalues() == negative_count(a));
     const Matrix inverse = a.inverse();
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : {1U, 2U}) {
       const Vector b = RandomStream(seed).normal_vector(n);
       const Vector x = factor.solve(b);
       CHECK(backward_error(problem.lower, x, b) < 1e-11);
