@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The linear study of a frictional contact problem given by M and H.
+#include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
@@ -10,7 +11,6 @@
 #include <nscdd/study/sweep.hpp>
 #include <nscdd/study/work_record.hpp>
 
-#include <Eigen/Dense>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -54,8 +54,8 @@ double radius(const Model& model, double epsilon, double eta) {
 
 // Interface operator sum A_E (M_E + K_E / flexibility)^-1 A_E^T from M, H and the grains of the subdomains
 // alone, with a gluing of its own: each further copy of a grain to the first.
-Matrix dense_interface(const GlobalFrictionProblem& problem, const std::vector<std::vector<Index>>& contacts,
-                       double flexibility) {
+Dense dense_interface(const GlobalFrictionProblem& problem, const std::vector<std::vector<Index>>& contacts,
+                      double flexibility) {
   const Matrix mass = problem.mass, h = problem.h;
   const Index bodies = mass.rows() / 3;
   std::vector<std::vector<char>> holds;
@@ -78,20 +78,23 @@ Matrix dense_interface(const GlobalFrictionProblem& problem, const std::vector<s
         rows.push_back({b, first, e});
     }
   }
-  Matrix x = Matrix::Zero(3 * count(rows), 3 * count(rows));
+  Dense x = zero(3 * count(rows), 3 * count(rows));
   for (Index e = 0; e < count(contacts); ++e) {
-    Matrix k = Matrix::Zero(mass.rows(), mass.rows());
+    Vector shared_mass(mass.rows());
     for (Index b = 0; b < bodies; ++b)
-      for (Index i = 3 * b; i < 3 * b + 3; ++i) k(i, i) = mass(i, i) / std::max(1.0, multiplicity[b]);
-    for (const Index c : contacts[at(e)])
-      if (std::isfinite(flexibility))
-        k += h.middleCols(2 * c, 2) * h.middleCols(2 * c, 2).transpose() / flexibility;
-    Matrix a = Matrix::Zero(3 * count(rows), mass.rows());
+      for (Index i = 3 * b; i < 3 * b + 3; ++i) shared_mass[i] = mass(i, i) / std::max(1.0, multiplicity[b]);
+    Dense k = diagonal(shared_mass);
+    for (const Index c : contacts[at(e)]) {
+      const Dense h_c = Matrix(h.middleCols(2 * c, 2));
+      if (std::isfinite(flexibility)) k += h_c * h_c.transpose() / flexibility;
+    }
+    Matrix signs = Matrix::Zero(3 * count(rows), mass.rows());
     for (Index r = 0; r < count(rows); ++r)
       for (const Index side : {1, 2})
         if (rows[at(r)][at(side)] == e)
-          a.block(3 * r, 3 * rows[at(r)][0], 3, 3) = (side == 1 ? 1.0 : -1.0) * Matrix::Identity(3, 3);
-    x += a * k.ldlt().solve(a.transpose());
+          signs.block(3 * r, 3 * rows[at(r)][0], 3, 3).diagonal().setConstant(side == 1 ? 1 : -1);
+    const Dense a = signs;
+    x += a * solve(k, a.transpose());
   }
   return x;
 }
@@ -113,10 +116,10 @@ TEST_CASE("radii of a frictional problem are those of the formulas, dense and fr
   const auto& problem = std::get<ContactProblemFile>(one.packing).problem;
   for (const double epsilon : {0.05, 1.0, 20.0})
     for (const double eta : {0.3, infinity}) {
-      const Matrix system = dense_interface(problem, contacts, epsilon);
-      const Matrix preconditioner = dense_interface(problem, contacts, eta);
-      const Matrix b = Matrix::Identity(system.rows(), system.rows()) - preconditioner.ldlt().solve(system);
-      const double expected = b.eigenvalues().cwiseAbs().maxCoeff();
+      const Dense system = dense_interface(problem, contacts, epsilon);
+      const Dense preconditioner = dense_interface(problem, contacts, eta);
+      const Dense b = identity(system.rows()) - solve(preconditioner, system);
+      const double expected = general_eigenvalues(b).cwiseAbs().maxCoeff();
       CHECK(radius(model, epsilon, eta) == doctest::Approx(expected).epsilon(1e-9));
       if (eta == infinity) {
         const LiteralFormulas paper(model.parts);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What must not change a spectrum: where the packing lies, how things are numbered, how copies are glued.
+#include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
-#include <Eigen/QR>
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -104,11 +104,9 @@ TEST_CASE("another full-rank gluing: star in place of chain, and any regular com
                   expected);
 
     Decomposition mixed = model.parts;  // A_E <- T A_E with a random regular T
-    RandomStream random(3);
-    Matrix t(mixed.interface_size(), mixed.interface_size());
-    for (Index j = 0; j < t.cols(); ++j) t.col(j) = random.normal_vector(t.rows());
-    t.diagonal().array() += 3.0 * static_cast<double>(t.rows());
-    for (Subdomain& subdomain : mixed.subdomains) subdomain.a = Matrix(t * Matrix(subdomain.a)).sparseView();
+    const Index n = mixed.interface_size();
+    const Dense t = random_matrix(n, n, 3) + 3.0 * static_cast<double>(n) * identity(n);
+    for (Subdomain& subdomain : mixed.subdomains) subdomain.a = (t * subdomain.a).entries().sparseView();
     require_equal(ends(model.problem, mixed), expected);
   }
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The rigid limit of redundant networks: ranks, unit eigenvalues and ends by sparse factorisation as by dense
 // algebra, and where there is none.
+#include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/random.hpp>
 #include <nscdd/linalg/range_projector.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -26,10 +26,8 @@ Case hexagons(Index columns, Index rows, std::array<Index, 2> grid) {
   return one;
 }
 
-Index eigenvalues_above(const Matrix& symmetric, double bound) {
-  return (Eigen::SelfAdjointEigenSolver<Matrix>(symmetric, Eigen::EigenvaluesOnly).eigenvalues().array() >
-          bound)
-      .count();
+Index eigenvalues_above(const Dense& symmetric, double bound) {
+  return (symmetric_eigenvalues(symmetric).array() > bound).count();
 }
 
 SpectralRadius shift_inverted(const Contraction& b, SpectralMemory* memory = nullptr) {
@@ -47,8 +45,9 @@ TEST_CASE("rank of a full strip of lattice is that of its dense matrix, and as m
   CHECK(range.rank() == eigenvalues_above(Matrix(h * h.transpose()), 1e-9));
   const std::vector<Index> columns = range.independent_columns();
   REQUIRE(count(columns) == range.rank());
-  Matrix basis(h.rows(), range.rank());
-  for (Index j = 0; j < range.rank(); ++j) basis.col(j) = h.col(columns[at(j)]);
+  Matrix chosen(h.rows(), range.rank());
+  for (Index j = 0; j < range.rank(); ++j) chosen.col(j) = h.col(columns[at(j)]);
+  const Dense basis = chosen;
   CHECK(eigenvalues_above(basis.transpose() * basis, 1e-9) == range.rank());
   const Vector x = RandomStream(4).normal_vector(h.rows()), inside = range.apply(x);
   CHECK((h.transpose() * (x - inside)).norm() < 1e-12 * x.norm());

@@ -7,7 +7,6 @@
 #include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
-#include <Eigen/Cholesky>
 #include <doctest/doctest.h>
 
 #include <cmath>

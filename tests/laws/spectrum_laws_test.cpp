@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Laws of the contraction operator, stated once and run on every problem.
+#include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/random.hpp>
@@ -7,8 +8,6 @@
 #include <nscdd/study/inspection.hpp>
 #include <nscdd/study/optimum.hpp>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -32,9 +31,7 @@ void on_every_problem(Law&& law) {
   CHECK(problems >= 7);
 }
 
-double smallest_eigenvalue(const Matrix& a) {
-  return Eigen::SelfAdjointEigenSolver<Matrix>(a, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
-}
+double smallest_eigenvalue(const Matrix& a) { return symmetric_eigenvalues(a).minCoeff(); }
 
 InterfaceOperator active_system(const Model& model, double epsilon) {
   const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
@@ -127,14 +124,12 @@ TEST_CASE("rigid limit: the multiplicity of 1 is that counted from ranks, for ev
       if (expected == 0) CHECK(radius.subdominant == radius.value);
       // the spectrum of the scaled X_0 has as many zeros, and a gap above them
       const InterfaceOperator limit = family.at(0);
-      const Vector root = limit.scale().cwiseSqrt().cwiseInverse();
-      const Vector eigenvalues =
-          Eigen::SelfAdjointEigenSolver<Matrix>(root.asDiagonal() * limit.dense() * root.asDiagonal(),
-                                                Eigen::EigenvaluesOnly)
-              .eigenvalues();
+      const Dense root = diagonal(limit.scale().cwiseSqrt().cwiseInverse());
+      const Dense scaled = root * limit.dense() * root;
+      const Vector eigenvalues = symmetric_eigenvalues(scaled);
       CHECK((eigenvalues.array() < 1e-12).count() == expected);
       CHECK((eigenvalues.array() < 1e-6).count() == expected);
-      CHECK((root.asDiagonal() * limit.dense() * root.asDiagonal() * limit.kernel().kernel).norm() < 1e-10);
+      CHECK((scaled * limit.kernel().kernel).norm() < 1e-10);
     }
   });
 }
@@ -161,8 +156,8 @@ TEST_CASE("nonsmooth, eta to 0: eigenvalues <= 0 and a limit I - X_0^-1 X-bar_0 
     const SpectralRadius small = spectral_radius({family.at(1e-7), system});
     CHECK(small.eigenvalue_max < 1e-6);
     CHECK(small.value > 1);
-    const Matrix limit = Matrix::Identity(4, 4) - family.at(0).dense().llt().solve(system.dense());
-    const Eigen::VectorXcd eigenvalues = Eigen::EigenSolver<Matrix>(limit, false).eigenvalues();
+    const Dense limit = identity(4) - solve(family.at(0).dense(), system.dense());
+    const Eigen::VectorXcd eigenvalues = general_eigenvalues(limit);
     CHECK(small.eigenvalue_min == doctest::Approx(eigenvalues.real().minCoeff()).epsilon(1e-5));
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The algorithm itself against what the operators say of it.
+#include "../support/dense.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/ddm/inexact_stage_one.hpp>
@@ -10,8 +11,6 @@
 #include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/study/observed_rate.hpp>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -24,23 +23,22 @@ namespace {
 // Stage 2 of the paper, (16), on the outcome of Stage 1: X_eta F' = sum A M_eta^-1 (F^d + H (r + v/eta)).
 Vector literal_stage_two(const Decomposition& parts, const std::vector<Vector>& loads, const Vector& f,
                          double epsilon, double eta) {
-  Matrix x = Matrix::Zero(f.size(), f.size());
+  Dense x = zero(f.size(), f.size());
   Vector right = Vector::Zero(f.size());
   for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
     const Subdomain& s = parts.subdomains[e];
-    const Matrix mass = s.inertia.asDiagonal(), h = s.h, a = s.a;
-    const Matrix w = h.transpose() * mass.inverse() * h;
+    const Dense mass = diagonal(s.inertia), h = s.h, a = s.a;
+    const Dense w = h.transpose() * mass.inverse() * h;
     const Vector v_d = h.transpose() * mass.inverse() * loads[e];
-    const Vector r = (w + epsilon * Matrix::Identity(w.rows(), w.cols()))
-                         .lu()
-                         .solve(-v_d + h.transpose() * mass.inverse() * a.transpose() * f);
+    const Vector r =
+        solve(w + epsilon * identity(w.rows()), -v_d + h.transpose() * mass.inverse() * a.transpose() * f);
     const Vector v = -epsilon * r;
-    const Matrix m_eta = std::isinf(eta) ? mass : Matrix(mass + h * h.transpose() / eta);
+    const Dense m_eta = std::isinf(eta) ? mass : mass + h * h.transpose() / eta;
     const Vector r_plus = std::isinf(eta) ? r : Vector(r + v / eta);
     x += a * m_eta.inverse() * a.transpose();
     right += a * m_eta.inverse() * (loads[e] + h * r_plus);
   }
-  return x.lu().solve(right);
+  return solve(x, right);
 }
 
 }  // namespace
@@ -93,11 +91,10 @@ TEST_CASE("at convergence the undivided problem is solved: same impulses, glued 
                                       InterfaceFamily(model.parts).at(0.7), std::nullopt);
     TwoStageState state = iteration.zero_state();
     for (int i = 0; i < 200; ++i) state = iteration.iterate(state, &loads);
-    const Matrix h = model.problem.h;
-    const Matrix w = h.transpose() * model.problem.inertia.cwiseInverse().asDiagonal() * h;
-    const Vector expected = (w + epsilon * Matrix::Identity(w.rows(), w.cols()))
-                                .lu()
-                                .solve(-h.transpose() * model.problem.arriving_velocity);
+    const Dense h = model.problem.h;
+    const Dense w = h.transpose() * diagonal(model.problem.inertia.cwiseInverse()) * h;
+    const Vector expected =
+        solve(w + epsilon * identity(w.rows()), -h.transpose() * model.problem.arriving_velocity);
     for (std::size_t e = 0; e < model.parts.subdomains.size(); ++e)
       for (Index c = 0; c < count(model.parts.subdomains[e].contacts); ++c)
         CHECK(state.impulses[e][c] ==
@@ -111,25 +108,26 @@ TEST_CASE("J_n: nonzero spectrum of T^n + (I - T^n) W_eps^-1 Ahat^T X^-1 Ahat") 
   const LiteralFormulas literal(model.parts);
   Index contacts = 0;
   for (const Subdomain& s : model.parts.subdomains) contacts += s.h.cols();
-  Matrix w = Matrix::Zero(contacts, contacts), a_hat = Matrix::Zero(model.parts.interface_size(), contacts);
+  Matrix blocks = Matrix::Zero(contacts, contacts), columns(model.parts.interface_size(), contacts);
   Index offset = 0;
   for (const Subdomain& s : model.parts.subdomains) {
     const Index c = s.h.cols();
-    const Matrix h = s.h, inverse_mass = s.inertia.cwiseInverse().asDiagonal();
-    w.block(offset, offset, c, c) = h.transpose() * inverse_mass * h + epsilon * Matrix::Identity(c, c);
-    a_hat.middleCols(offset, c) = Matrix(s.a) * inverse_mass * h;
+    const Dense h = s.h, a = s.a, inverse_mass = diagonal(s.inertia.cwiseInverse());
+    blocks.block(offset, offset, c, c) = (h.transpose() * inverse_mass * h + epsilon * identity(c)).entries();
+    columns.middleCols(offset, c) = (a * inverse_mass * h).entries();
     offset += c;
   }
-  const Matrix lower = w.triangularView<Eigen::Lower>();
-  const Matrix strictly_upper = w - lower;
-  const Matrix t = -lower.lu().solve(strictly_upper);
+  const Dense w = blocks, a_hat = columns;
+  const Dense lower = Matrix(blocks.triangularView<Eigen::Lower>());
+  const Dense strictly_upper = w - lower;
+  const Dense t = -solve(lower, strictly_upper);
   const InterfaceOperator generic = InterfaceFamily(model.parts).at(infinity);
   for (const Index n : {1, 2, 7}) {
-    Matrix power = Matrix::Identity(contacts, contacts);
+    Dense power = identity(contacts);
     for (Index k = 0; k < n; ++k) power = power * t;
-    const Matrix j = power + (Matrix::Identity(contacts, contacts) - power) * w.inverse() *
-                                 a_hat.transpose() * literal.x().inverse() * a_hat;
-    const double expected = Eigen::EigenSolver<Matrix>(j, false).eigenvalues().cwiseAbs().maxCoeff();
+    const Dense j = power + (identity(contacts) - power) * w.inverse() * a_hat.transpose() *
+                                literal.x().inverse() * a_hat;
+    const double expected = general_eigenvalues(j).cwiseAbs().maxCoeff();
     const InexactIteration ours{TwoStageIteration(model.parts, LinearViscous{epsilon}, generic, n)};
     CHECK(inexact_radius(ours, {.solver = SpectralSolver::dense}).value ==
           doctest::Approx(expected).epsilon(1e-9));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The nonsmooth laws with the contacts that carry in the frictionless unilateral problem.
+#include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/mechanics/unilateral.hpp>
 #include <nscdd/study/sweep.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <doctest/doctest.h>
 
 using namespace nscdd;
@@ -13,9 +13,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-double smallest_eigenvalue(const Matrix& a) {
-  return Eigen::SelfAdjointEigenSolver<Matrix>(a, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
-}
+double smallest_eigenvalue(const Matrix& a) { return symmetric_eigenvalues(a).minCoeff(); }
 
 // Every problem under its own load and under compression.
 template <class Law>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/cone_projection.hpp>
@@ -10,7 +11,6 @@
 #include <nscdd/study/network_tables.hpp>
 #include <nscdd/study/sweep.hpp>
 
-#include <Eigen/QR>
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -21,13 +21,13 @@ using namespace nscdd::testing;
 
 namespace {
 
-Matrix delassus(const ReferenceProblem& problem) {
-  const Matrix h = problem.h;
-  return h.transpose() * problem.inertia.cwiseInverse().asDiagonal() * h;
+Dense delassus(const ReferenceProblem& problem) {
+  const Dense h = problem.h;
+  return h.transpose() * diagonal(problem.inertia.cwiseInverse()) * h;
 }
 
 // w of the complementarity problem by trying every set of carrying contacts.
-Vector by_enumeration(const Matrix& w, const Vector& b) {
+Vector by_enumeration(const Dense& w, const Vector& b) {
   const Index n = b.size();
   for (Index set = 0; set < (Index{1} << n); ++set) {
     std::vector<Index> in;
@@ -35,9 +35,8 @@ Vector by_enumeration(const Matrix& w, const Vector& b) {
       if (set >> i & 1) in.push_back(i);
     Vector r = Vector::Zero(n);
     if (!in.empty()) {
-      const Matrix part = w(in, in);
-      const Vector right = -b(in), solved = part.completeOrthogonalDecomposition().solve(right);
-      r(in) = solved;
+      const Matrix part = w.entries()(in, in);
+      r(in) = least_norm_solution(part, -b(in));
     }
     const Vector separation = w * r + b;
     if (r.minCoeff() > -1e-10 && separation.minCoeff() > -1e-10 && std::abs(r.dot(separation)) < 1e-10)
@@ -119,7 +118,7 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
     ReferenceProblem problem = build(one).problem;
     if (problem.contacts() == 0 || problem.contacts() > 12) continue;
     load_at_random(problem, seed);
-    const Matrix w = delassus(problem);
+    const Dense w = delassus(problem);
     const Vector expected = by_enumeration(w, problem.h.transpose() * problem.arriving_velocity);
     REQUIRE(expected.size() == problem.contacts());
     for (const UnilateralMethod method : both) {
@@ -132,7 +131,7 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
       if (found.count(UnilateralStatus::open) > 0 && found.count(UnilateralStatus::carrying) > 0)
         ++partly_open;
     }
-    hyperstatic += w.completeOrthogonalDecomposition().rank() < problem.contacts();
+    hyperstatic += rank(w) < problem.contacts();
     ++cases;
   }
   CHECK(cases >= 20);
@@ -173,10 +172,10 @@ TEST_CASE("unilateral: complementarity on hundreds of contacts, from quantities 
       const UnilateralImpulses found = unilateral_impulses(problem, {.method = method});
       CHECK(found.converged);
       CHECK(found.iterations > 0);
-      const Matrix w = delassus(problem);
+      const Dense w = delassus(problem);
       const Vector b = problem.h.transpose() * problem.arriving_velocity;
       const Vector separation = w * found.impulses + b;
-      const Vector root = w.diagonal().cwiseSqrt();
+      const Vector root = w.entries().diagonal().cwiseSqrt();
       const double scale = b.cwiseQuotient(root).cwiseAbs().maxCoeff();
       CHECK(found.impulses.minCoeff() >= 0);
       CHECK((separation - found.separation).cwiseAbs().maxCoeff() < 1e-9 * scale);
@@ -212,11 +211,12 @@ TEST_CASE("unilateral: velocities are the same from any start, by any method and
     const UnilateralImpulses interior = unilateral_impulses(problem);
     const double speed = problem.arriving_velocity.cwiseAbs().maxCoeff();
     // projected gradients from a random start
-    const Matrix w = delassus(problem);
+    const Dense w = delassus(problem);
     const Vector b = problem.h.transpose() * problem.arriving_velocity;
     const LinearMap apply = [&](const Vector& x) -> Vector { return w * x; };
     const Vector start = 10 * RandomStream(5).normal_vector(b.size());
-    const NonnegativeMinimum other = minimize_nonnegative(apply, b, w.trace(), start, {.tolerance = 1e-9});
+    const NonnegativeMinimum other =
+        minimize_nonnegative(apply, b, w.entries().trace(), start, {.tolerance = 1e-9});
     REQUIRE(other.converged);
     CHECK((other.gradient - interior.separation).cwiseAbs().maxCoeff() < 1e-5 * speed);
     // nonlinear Gauss-Seidel

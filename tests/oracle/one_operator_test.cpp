@@ -5,7 +5,6 @@
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
-#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,7 +15,7 @@ using namespace nscdd::testing;
 namespace {
 
 // Spectra agree, eigenvalue for eigenvalue at the ends, and the matrix B itself entry for entry.
-void require_same(const Contraction& b, const Matrix& x, const Matrix& y, double tolerance) {
+void require_same(const Contraction& b, const Dense& x, const Dense& y, double tolerance) {
   if (b.rows() == 0) return;
   const Matrix literal = x.inverse() * y;
   Matrix ours(b.rows(), b.cols());

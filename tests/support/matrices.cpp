@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "matrices.hpp"
 
-#include <nscdd/linalg/random.hpp>
-
-#include <Eigen/LU>
-#include <Eigen/QR>
-
 #include <cmath>
-#include <memory>
 #include <numeric>
 
 namespace nscdd::testing {
@@ -29,30 +23,35 @@ Matrix random_symmetric(Index n, double density, bool definite, std::uint64_t se
 
 }  // namespace
 
-Matrix random_matrix(Index rows, Index columns, std::uint64_t seed) {
+Dense random_matrix(Index rows, Index columns, std::uint64_t seed) {
   RandomStream random(seed);
+  return random_matrix(rows, columns, random);
+}
+
+Dense random_matrix(Index rows, Index columns, RandomStream& random) {
   Matrix a(rows, columns);
   for (Index j = 0; j < columns; ++j) a.col(j) = random.normal_vector(rows);
   return a;
 }
 
+Dense random_orthogonal(Index n, std::uint64_t seed) { return orthogonal_factor(random_matrix(n, n, seed)); }
+
 KnownPencil::KnownPencil(const Vector& eigenvalues, std::uint64_t seed) {
   const Index n = eigenvalues.size();
-  Matrix l = random_matrix(n, n, seed).triangularView<Eigen::Lower>();
-  l.diagonal().array() = l.diagonal().array().abs() + 2.0 * std::sqrt(static_cast<double>(n));
-  const Matrix q = Eigen::HouseholderQR<Matrix>(random_matrix(n, n, seed + 1)).householderQ();
-  a = l * q * eigenvalues.asDiagonal() * q.transpose() * l.transpose();
-  a = (0.5 * (a + a.transpose())).eval();
+  Matrix lower = random_matrix(n, n, seed).entries().triangularView<Eigen::Lower>();
+  lower.diagonal().array() = lower.diagonal().array().abs() + 2.0 * std::sqrt(static_cast<double>(n));
+  const Dense l = lower, q = random_orthogonal(n, seed + 1);
+  a = l * q * diagonal(eigenvalues) * q.transpose() * l.transpose();
+  a = 0.5 * (a + a.transpose());
   p = l * l.transpose();
 }
 
-LinearMap map_of(const Matrix& a) {
+LinearMap map_of(const Dense& a) {
   return [a](const Vector& x) -> Vector { return a * x; };
 }
 
 LinearMap shifted_inverse(const KnownPencil& pencil, double sigma) {
-  const auto lu = std::make_shared<Eigen::PartialPivLU<Matrix>>(pencil.a - sigma * pencil.p);
-  return [lu](const Vector& x) -> Vector { return lu->solve(x); };
+  return solver(pencil.a - sigma * pencil.p);
 }
 
 Matrix full(const SparseMatrix& lower) { return Matrix(lower).selfadjointView<Eigen::Lower>(); }
@@ -111,7 +110,7 @@ std::vector<SymmetricProblem> every_symmetric_problem() {
   }
   // Dense without a dominant diagonal, all rows one group: 2 x 2 pivots, more columns than a panel is wide.
   for (const Index n : {2, 3, 40, 200}) {
-    const Matrix random = random_matrix(n, n, 5);
+    const Dense random = random_matrix(n, n, 5);
     Matrix a = random + random.transpose();
     a.diagonal() *= 0.1;
     all.push_back({"dense", lower_triangle(a), std::vector<Index>(at(n), 0)});
@@ -119,8 +118,8 @@ std::vector<SymmetricProblem> every_symmetric_problem() {
   // Groups of five rows, chained, with diagonal blocks that only pivoting inside a group can factorise.
   Matrix chain = Matrix::Zero(300, 300);
   for (Index g = 0; g < 60; ++g) {
-    const Matrix random = random_matrix(5, 5, 100 + static_cast<std::uint64_t>(g));
-    chain.block(5 * g, 5 * g, 5, 5) = random + random.transpose();
+    const Dense random = random_matrix(5, 5, 100 + static_cast<std::uint64_t>(g));
+    chain.block(5 * g, 5 * g, 5, 5) = (random + random.transpose()).entries();
     chain.block(5 * g, 5 * g, 5, 5).diagonal().setZero();
     if (g > 0) chain(5 * g, 5 * g - 1) = chain(5 * g - 1, 5 * g) = 0.3;
   }

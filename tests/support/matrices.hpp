@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "dense.hpp"
 #include <nscdd/core/types.hpp>
 #include <nscdd/linalg/linear_operator.hpp>
+#include <nscdd/linalg/random.hpp>
 
 #include <cstdint>
 #include <string>
@@ -10,15 +12,17 @@
 
 namespace nscdd::testing {
 
-Matrix random_matrix(Index rows, Index columns, std::uint64_t seed);  ///< standard normal entries
+Dense random_matrix(Index rows, Index columns, std::uint64_t seed);  ///< standard normal entries
+Dense random_matrix(Index rows, Index columns, RandomStream& random);
+Dense random_orthogonal(Index n, std::uint64_t seed);
 
 /// A symmetric definite pencil whose eigenvalues are known: A = L Q diag(lambda) Q^T L^T, P = L L^T.
 struct KnownPencil {
   KnownPencil(const Vector& eigenvalues, std::uint64_t seed);
-  Matrix a, p;
+  Dense a, p;
 };
 
-LinearMap map_of(const Matrix& a);
+LinearMap map_of(const Dense& a);
 
 /// x -> (A - sigma P)^-1 x by dense elimination.
 LinearMap shifted_inverse(const KnownPencil& pencil, double sigma);

@@ -4,9 +4,6 @@
 #include "problems.hpp"
 #include <nscdd/linalg/random.hpp>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-
 #include <cmath>
 
 namespace nscdd::testing {
@@ -37,18 +34,13 @@ Case doubled(Case one, Index strips) {
 }  // namespace
 
 DenseSpectrum::DenseSpectrum(const Contraction& b) : root(b.system.scale().cwiseSqrt().cwiseInverse()) {
-  s = root.asDiagonal() * b.system.dense() * root.asDiagonal();
-  p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
-  lambda = Eigen::GeneralizedSelfAdjointEigenSolver<Matrix>(s, p, Eigen::EigenvaluesOnly).eigenvalues();
+  s = Matrix(root.asDiagonal() * b.system.dense() * root.asDiagonal());
+  p = Matrix(root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal());
+  lambda = pencil_eigenvalues(s, p);
 }
 
 Index DenseSpectrum::between(double from, double to) const {
   return (lambda.array() >= from && lambda.array() <= to).count();
-}
-
-Vector DenseSpectrum::solve(const Vector& g, double sigma) const {
-  const Vector scaled = root.asDiagonal() * g;
-  return root.asDiagonal() * Matrix(s - sigma * p).partialPivLu().solve(scaled);
 }
 
 Case lattice_in_grid(Index grains, std::array<Index, 2> grid) {

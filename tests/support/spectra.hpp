@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "dense.hpp"
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/study/case.hpp>
 
@@ -12,13 +13,12 @@ namespace nscdd::testing {
 /// diag(X_inf)^-1/2, and all its eigenvalues by a solver that the library does not use (Eigen).
 struct DenseSpectrum {
   explicit DenseSpectrum(const Contraction& b);
-  Matrix s, p;
+  Dense s, p;
   Vector root;    ///< the scaling, diag(X_inf)^-1/2
   Vector lambda;  ///< of P^-1 S, ascending
 
   Index below(double sigma) const { return (lambda.array() < sigma).count(); }
-  Index between(double from, double to) const;        ///< [from, to]
-  Vector solve(const Vector& g, double sigma) const;  ///< (S - sigma P)^-1 g
+  Index between(double from, double to) const;  ///< [from, to]
 };
 
 /// N disks of a hexagonal lattice of about as many rows as columns are wide, unit masses, cut by a grid.

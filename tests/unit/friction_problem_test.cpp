@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/matrices.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
-#include <Eigen/Dense>
 #include <doctest/doctest.h>
 
 using namespace nscdd;
+using namespace nscdd::testing;
 
 namespace {
 
 Matrix random_definite(RandomStream& random, Index n) {
-  Matrix a(n, n);
-  for (Index j = 0; j < n; ++j) a.col(j) = random.normal_vector(n);
-  return a * a.transpose() + Matrix::Identity(n, n);
+  const Dense a = random_matrix(n, n, random);
+  return a * a.transpose() + identity(n);
 }
 
 // Bodies with mass matrices of these sizes, in turn; each contact joins two unknowns of every body it draws.
@@ -48,10 +48,10 @@ TEST_CASE("elimination of the velocities is H^T M^-1 H, for small and large piec
   for (const auto& sizes : {std::vector<Index>{3, 3, 3, 3}, {1, 1, 1, 1, 1, 1}, {3, 50, 3, 40}, {70}}) {
     const GlobalFrictionProblem global = random_bodies(3, sizes, 5);
     const LocalFrictionProblem local = reduce(global);
-    const Matrix mass = global.mass, h = global.h;
-    const Matrix w = h.transpose() * mass.llt().solve(h);
-    CHECK((Matrix(local.w) - w).norm() < 1e-12 * w.norm());
-    const Vector q = h.transpose() * mass.llt().solve(global.f) + global.w;
+    const Dense mass = global.mass, h = global.h;
+    const Dense w = h.transpose() * solve(mass, h);
+    CHECK((local.w - w).norm() < 1e-12 * w.norm());
+    const Vector q = h.transpose() * solve(mass, global.f) + global.w;
     CHECK((local.q - q).norm() < 1e-12 * q.norm());
     CHECK(local.friction == global.friction);
     const Vector r = Vector::LinSpaced(10, -1, 1);

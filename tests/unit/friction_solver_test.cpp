@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/random.hpp>
@@ -6,7 +7,7 @@
 #include <nscdd/mechanics/friction_solver.hpp>
 #include <nscdd/mechanics/unilateral.hpp>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -22,10 +23,9 @@ SparseMatrix sparse(const Matrix& dense) { return dense.sparseView(); }
 LocalFrictionProblem random_problem(std::uint64_t seed, Index contacts, double most) {
   RandomStream random(seed);
   const Index size = 2 * contacts;
-  Matrix a(size, size);
-  for (Index j = 0; j < size; ++j) a.col(j) = random.normal_vector(size);
+  const Dense a = random_matrix(size, size, random);
   LocalFrictionProblem problem;
-  problem.w = sparse(a * a.transpose() / static_cast<double>(size) + 0.3 * Matrix::Identity(size, size));
+  problem.w = sparse(a * a.transpose() / static_cast<double>(size) + 0.3 * identity(size));
   problem.q = random.normal_vector(size);
   problem.friction.resize(contacts);
   for (Index c = 0; c < contacts; ++c) problem.friction[c] = most * random.uniform();

@@ -6,8 +6,6 @@
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/random.hpp>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -114,14 +112,14 @@ TEST_CASE("pencil end: an eigenvector of the next mode is not the end, certified
   for (const Problem& problem : some_problems())
     for (const SpectrumEnd end : both_ends) {
       const Index n = problem.b.rows();
-      const Matrix scaled = problem.dense.p.llt().solve(problem.dense.s);
+      const Dense scaled = solve(problem.dense.p, problem.dense.s);
       const double truth = problem.expected(end);
       // number k from the end, by inverse iteration
       for (const Index k : {1, 2, 3}) {
         const double other = problem.dense.lambda[end == SpectrumEnd::smallest ? k : n - 1 - k];
         Vector x = RandomStream(5).normal_vector(n);
-        const Eigen::PartialPivLU<Matrix> lu(scaled - other * (1 + 1e-9) * Matrix::Identity(n, n));
-        for (int repetition = 0; repetition < 3; ++repetition) x = Vector(lu.solve(x)).normalized();
+        const LinearMap inverse = solver(scaled - other * (1 + 1e-9) * identity(n));
+        for (int repetition = 0; repetition < 3; ++repetition) x = inverse(x).normalized();
         const Vector impulses = problem.dense.root.asDiagonal() * x;
         for (const double distance : {1e-3, 1e-6}) {
           const double side = end == SpectrumEnd::smallest ? -1 : 1;
