@@ -64,7 +64,7 @@ def draw(results, output, formats):
     (rigid, stiff), (radii, etas) = grid
     linear_panels(results, rigid, stiff)
     nonsmooth_panels(results, radii, etas)
-    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 2e4)), (etas, (40, 2e4))):
+    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 5e4)), (etas, (40, 5e4))):
         style.log_axis(axes.xaxis, *limits)
         axes.set_xlabel("number of grains")
     for axes, limits in ((rigid, (1e-5, 1)), (stiff, (1e-5, 1)), (radii, (1e-3, 0.3))):

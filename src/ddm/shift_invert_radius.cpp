@@ -4,6 +4,7 @@
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/linalg/threads.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace nscdd {
@@ -112,9 +113,15 @@ std::optional<EndGuess> extrapolate(const PencilMemory& memory, const PencilPoin
       uncertainty = 0.5 * std::abs(t * t * (t - 1) * cubic);
     }
   }
-  const double lambda = coordinate.lambda(guess);
-  const double side = std::max(std::abs(coordinate.lambda(guess + uncertainty) - lambda),
-                               std::abs(lambda - coordinate.lambda(guess - uncertainty)));
+  double lambda = coordinate.lambda(guess);
+  double side = std::max(std::abs(coordinate.lambda(guess + uncertainty) - lambda),
+                         std::abs(lambda - coordinate.lambda(guess - uncertainty)));
+  // X_epsilon grows with epsilon, by no more than epsilon does: what a jump may extrapolate to has bounds.
+  const double from = (last.*end).lambda;
+  const double least = from * std::exp(std::min(0.0, epsilon) + std::min(0.0, -eta));
+  const double most = from * std::exp(std::max(0.0, epsilon) + std::max(0.0, -eta));
+  lambda = std::clamp(lambda, least, most);
+  side = std::min(side, most - least);
   if (!std::isfinite(lambda) || !std::isfinite(side) || !(lambda > 0)) return std::nullopt;
   return EndGuess{lambda, side};
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "saddle_point.hpp"
 #include <nscdd/linalg/range_projector.hpp>
-#include <nscdd/linalg/symmetric_factor.hpp>
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -40,21 +39,6 @@ SparseMatrix unit_columns(const SparseMatrix& a, const std::vector<Index>& colum
   return b;
 }
 
-// Lower triangle of [I B; B^T diagonal I].
-SparseMatrix saddle_point(const SparseMatrix& b, double diagonal) {
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto rows = static_cast<int>(b.rows());
-  for (int i = 0; i < rows; ++i) entries.emplace_back(i, i, 1.0);
-  for (int j = 0; j < static_cast<int>(b.cols()); ++j) {
-    entries.emplace_back(rows + j, rows + j, diagonal);
-    for (SparseMatrix::InnerIterator e(b, j); e; ++e)
-      entries.emplace_back(rows + j, static_cast<int>(e.row()), e.value());
-  }
-  SparseMatrix matrix(b.rows() + b.cols(), b.rows() + b.cols());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
-}
-
 }  // namespace
 
 class RangeProjector::Implementation {
@@ -63,9 +47,7 @@ class RangeProjector::Implementation {
       : rows(a.rows()), filled(filled_columns(a)), b(unit_columns(a, filled)) {
     if (b.cols() == 0) return;
     SparseMatrix matrix = saddle_point(b, 1.0);
-    std::vector<Index> group(at(matrix.rows()), -1);  // a column with the later of its rows
-    std::iota(group.begin(), group.begin() + rows, Index{0});
-    const SymmetricAnalysis analysis(matrix, group);
+    const SymmetricAnalysis analysis = saddle_point_analysis(matrix, b);
     // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
     std::vector<Index> counts;
     for (const double step : {3.0, 1.0, 0.3, 10.0, 0.1}) {

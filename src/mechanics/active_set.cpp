@@ -3,8 +3,6 @@
 #include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
-#include <Eigen/IterativeLinearSolvers>
-
 namespace nscdd {
 namespace {
 
@@ -24,14 +22,8 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
     result.unique = least.rank == problem.contacts();
     result.impulses = least.solution;
   } else {
-    // From a zero start the iterates stay in the range of B^T, so the limit is the least-norm solution; how
-    // far they got is told by the residual.
     result.unique = sparse_rank(problem.h) == problem.contacts();
-    Eigen::LeastSquaresConjugateGradient<SparseMatrix> solver;
-    solver.setTolerance(1e-13);
-    solver.setMaxIterations(20 * problem.contacts());
-    solver.compute(b);
-    result.impulses = solver.solve(load);
+    result.impulses = minimum_norm_least_squares(b, load);  // how far it got is told by the residual
   }
   if (right.norm() > 0)
     result.residual = (b.transpose() * (b * result.impulses) - right).norm() / right.norm();

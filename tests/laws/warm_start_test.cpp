@@ -200,6 +200,7 @@ TEST_CASE("a memory used for another packing, or another set of contacts, is not
                             system->at(epsilon)};
         const SpectralRadius found = spectral_radius(b, shift_invert, &memory);
         const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+        CAPTURE(epsilon);
         REQUIRE(found.converged);
         CHECK(std::abs(found.value - dense.value) <= found.residual + 1e-11);
       }
