@@ -67,7 +67,7 @@ def draw(results, output, formats):
     for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 5e4)), (etas, (40, 5e4))):
         style.log_axis(axes.xaxis, *limits)
         axes.set_xlabel("number of grains")
-    for axes, limits in ((rigid, (1e-5, 1)), (stiff, (1e-5, 1)), (radii, (1e-3, 0.3))):
+    for axes, limits in ((rigid, (1e-5, 1)), (stiff, (1e-5, 1)), (radii, (5e-4, 0.3))):
         style.log_axis(axes.yaxis, *limits)
         axes.set_ylabel(r"$1 - \rho$")
     guide = np.array([1.5e3, 8e3])
