@@ -30,22 +30,22 @@ struct Ends {
   bool found() const { return smallest.values.size() > 0 && largest.values.size() > 0; }
 };
 
-// No eigenvalue of M_E^-1 K_E is above it: ||M^-1/2 H||_2^2 <= ||M^-1/2 H||_1 ||M^-1/2 H||_infinity.
+// No eigenvalue of M_E^-1 K_E is above it: with A = M^-1/2 H, ||A^T A||_2 <= || |A|^T |A| ||_infinity.
 double stiffest(const Decomposition& parts) {
   double bound = 0;
   for (const Subdomain& subdomain : parts.subdomains) {
-    Vector rows = Vector::Zero(subdomain.inertia.size());
-    double column = 0;
+    const Vector root = subdomain.inertia.cwiseSqrt();
+    Vector rows = Vector::Zero(root.size());
+    const auto for_column = [&](Index c, auto&& visit) {
+      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e)
+        visit(e.row(), std::abs(e.value()) / root[e.row()]);
+    };
+    for (Index c = 0; c < subdomain.h.cols(); ++c) for_column(c, [&](Index i, double a) { rows[i] += a; });
     for (Index c = 0; c < subdomain.h.cols(); ++c) {
       double sum = 0;
-      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
-        const double scaled = std::abs(e.value()) / std::sqrt(subdomain.inertia[e.row()]);
-        sum += scaled;
-        rows[e.row()] += scaled;
-      }
-      column = std::max(column, sum);
+      for_column(c, [&](Index i, double a) { sum += a * rows[i]; });
+      bound = std::max(bound, sum);
     }
-    if (subdomain.h.cols() > 0) bound = std::max(bound, column * rows.maxCoeff());
   }
   return bound;
 }
@@ -104,7 +104,7 @@ std::optional<EndGuess> extrapolate(const PencilMemory& memory, const PencilPoin
     const double back_epsilon = step(last.epsilon, before.epsilon), back_eta = step(last.eta, before.eta);
     const double back = back_epsilon + back_eta, forth = epsilon + eta;
     const bool along_one = (epsilon == 0 && back_epsilon == 0) || (eta == 0 && back_eta == 0);
-    if (along_one && back != 0) {
+    if (along_one && back != 0 && std::isfinite(back)) {
       const double t = forth / back;  // from the last point, towards the one before
       const double chord = value(before) - value(last), slope = move(last, back_epsilon, back_eta);
       const double far_slope = move(before, back_epsilon, back_eta);

@@ -53,13 +53,13 @@ class Elimination {
   void eliminate(Index s) const {
     const Front& front = tree_.front(s);
     FrontFactor& own = result_.factors[at(s)];
-    own.columns.assign(at(front.rows * front.pivots), 0.0);
     own.swaps.resize(at(front.pivots));
     own.off = Vector::Zero(front.pivots);
     Matrix& update = result_.updates[at(s)];
     const Index below = front.update_rows();
     update = Matrix::Zero(below, below);
-    Block columns(own.columns.data(), front.rows, front.pivots, Eigen::OuterStride<>(front.rows));
+    Block columns(own.columns, front.rows, front.pivots, Eigen::OuterStride<>(front.rows));
+    columns.setZero();
     assemble(s, columns, update);
     Matrix multiples(front.rows, 0);  // L D of the panel at hand
     Matrix below_multiples(below, front.pivots);
@@ -148,7 +148,7 @@ class Elimination {
 
 SymmetricInterior::Implementation::Implementation(std::shared_ptr<const FrontTree::Analysis> analysis,
                                                   const SparseMatrix& lower)
-    : tree(std::move(analysis)), fronts(tree) {
+    : tree(std::move(analysis)), fronts(tree, false, LargeArray(tree.entries(false))) {
   const Elimination elimination(tree, lower, fronts, nullptr);
   const std::vector<Index>& roots = tree.analysis->interior_roots;
   tbb::parallel_for(Index{0}, count(roots), [&](Index k) {
@@ -156,9 +156,22 @@ SymmetricInterior::Implementation::Implementation(std::shared_ptr<const FrontTre
   });
 }
 
+LargeArray SymmetricInterior::Implementation::memory() const {
+  const std::lock_guard lock(mutex_);
+  if (!left_) return LargeArray(tree.entries(true));
+  LargeArray memory = std::move(*left_);
+  left_.reset();
+  return memory;
+}
+
+void SymmetricInterior::Implementation::keep(LargeArray memory) const {
+  const std::lock_guard lock(mutex_);
+  left_ = std::move(memory);
+}
+
 SymmetricFactor::Implementation::Implementation(
     std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts, const SparseMatrix& lower)
-    : interior(std::move(interior_fronts)), tree(interior->tree), border(tree) {
+    : interior(std::move(interior_fronts)), tree(interior->tree), border(tree, true, interior->memory()) {
   const Elimination elimination(tree, lower, border, &interior->fronts);
   tree.for_roots(true, [&](Index root) { tree.up(root, true, [&](Index s) { elimination.eliminate(s); }); });
   border.updates.clear();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "large_array.hpp"
 #include "symmetric_analysis.hpp"
 
 #include <lapacke.h>
@@ -8,6 +9,8 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 namespace nscdd {
@@ -17,7 +20,7 @@ using ConstBlock = Eigen::Map<const Matrix, 0, Eigen::OuterStride<>>;
 
 /// What stays of a front: columns of L with D on the diagonal, panel by panel.
 struct FrontFactor {
-  std::vector<double> columns;    ///< rows x pivots
+  double* columns = nullptr;      ///< rows x pivots
   std::vector<lapack_int> swaps;  ///< LAPACK's ipiv, panel by panel
   Vector off;                     ///< subdiagonal of D
 };
@@ -92,6 +95,14 @@ class FrontTree {
       if (front(s).parent < 0 && (!border_only || front(s).on_border)) visit(s);
   }
 
+  // Numbers in the columns of all fronts on the border, or of all others.
+  Index entries(bool on_border) const {
+    Index sum = 0;
+    for (Index s = 0; s < size(); ++s)
+      if (front(s).on_border == on_border) sum += front(s).rows * front(s).pivots;
+    return sum;
+  }
+
   std::shared_ptr<const Analysis> analysis;
 
  private:
@@ -116,7 +127,16 @@ class FrontTree {
 
 /// Fronts eliminated, of one side of the border or of the other.
 struct EliminatedFronts {
-  explicit EliminatedFronts(const FrontTree& tree) : factors(at(tree.size())), updates(at(tree.size())) {}
+  EliminatedFronts(const FrontTree& tree, bool on_border, LargeArray memory)
+      : columns(std::move(memory)), factors(at(tree.size())), updates(at(tree.size())) {
+    double* next = columns.data();
+    for (Index s = 0; s < tree.size(); ++s) {
+      if (tree.front(s).on_border != on_border) continue;
+      factors[at(s)].columns = next;
+      next += tree.front(s).rows * tree.front(s).pivots;
+    }
+  }
+  LargeArray columns;  // of all factors
   std::vector<FrontFactor> factors;
   std::vector<Matrix> updates;  // what is left of a front for its parent
   std::atomic<Index> negative = 0;
@@ -126,14 +146,24 @@ struct EliminatedFronts {
 class SymmetricInterior::Implementation {
  public:
   Implementation(std::shared_ptr<const FrontTree::Analysis> analysis, const SparseMatrix& lower);
+
+  // Of a factor: what the last one that is gone has left, for the system takes its time over new pages.
+  LargeArray memory() const;
+  void keep(LargeArray memory) const;
+
   FrontTree tree;
   EliminatedFronts fronts;  // updates: of the interior roots only, once all are eliminated
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::optional<LargeArray> left_;
 };
 
 class SymmetricFactor::Implementation {
  public:
   Implementation(std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts,
                  const SparseMatrix& lower);
+  ~Implementation() { interior->keep(std::move(border.columns)); }
   enum class Fronts { all, border };
   // L^-1 by the ones (where b is zero in the pivots of the others), D^-1 and L^-T by the others.
   Vector solve(Vector b, Fronts forward, Fronts backward) const;
@@ -156,7 +186,7 @@ class SymmetricFactor::Implementation {
   void panel(Index s, std::size_t k, const Visit& visit) const {
     const Front& front = tree.front(s);
     const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
-    const double* start = factor(s).columns.data() + first * front.rows + first;
+    const double* start = factor(s).columns + first * front.rows + first;
     const Eigen::OuterStride<> stride(front.rows);
     visit(first, width, ConstBlock(start, width, width, stride),
           ConstBlock(start + width, front.rows - first - width, width, stride));

@@ -89,7 +89,7 @@ const std::vector<Flexibilities>& every_pair() {
 
 TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing") {
   int counted = 0, compared = 0;
-  for (const Case& one : packings_up_to(500)) {
+  for (const Case& one : packings_up_to(800)) {
     CAPTURE(one.name);
     const Model model = build(one);
     const InterfaceFamily family(model.parts);
