@@ -30,14 +30,18 @@ std::uintmax_t bytes_of_steps(const std::string& text, Index steps_done, const s
   return kept;
 }
 
+bool grows(const std::string& path) {
+  std::error_code status;
+  return fs::exists(partial_path(path), status);
+}
+
 // What is kept of the table of the run before, which grows on as a partial file.
 std::uintmax_t reopened(const std::string& path, Index steps_done) {
   std::error_code status;
   const fs::path growing = partial_path(path);
   if (is_stream(path)) return 0;
-  if (!fs::exists(growing, status)) {
+  if (!grows(path)) {
     if (!fs::exists(path, status)) return 0;
-    bytes_of_steps(read_text(path), steps_done, path);
     fs::rename(path, growing, status);
     if (status) throw Error(fmt::format("{}: cannot be renamed: {}", path, status.message()));
   }
@@ -46,6 +50,16 @@ std::uintmax_t reopened(const std::string& path, Index steps_done) {
 }
 
 }  // namespace
+
+void require_table_to_go_on(const std::string& path, Index steps_done) {
+  std::error_code status;
+  if (path.empty() || is_stream(path) || grows(path) || !fs::exists(path, status)) return;
+  const std::string text = read_text(path);  // of a run that came to its end
+  if (bytes_of_steps(text, steps_done, path) < text.size())
+    throw Error(
+        fmt::format("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
+                    steps_done));
+}
 
 ConvergenceTable::ConvergenceTable(const std::string& path, bool force, std::optional<Index> steps_done) {
   if (path.empty()) return;
@@ -126,6 +140,12 @@ std::string RunSummary::warnings(const StepSolver& solver) const {
         "attention: {} of {} steps ended before {} fell to {} and jumps to {}; --iterations allows more than "
         "{}\n",
         open, steps_, solver.criterion, solver.tolerance, solver.gluing_tolerance, solver.maximum_iterations);
+  if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != "none")
+    text += fmt::format(
+        "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this "
+        "scheme "
+        "does not iterate on them\n",
+        gluing_, solver.gluing_tolerance);
   // Pushing the overlaps apart that are in any run is no news.
   if (gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))
     text += fmt::format(

@@ -11,6 +11,10 @@
 
 namespace nscdd::app {
 
+/// Throws Error where the table at `path` is not one that a run of so many steps can go on with: other
+/// columns, or, if it is complete, later steps. Changes nothing.
+void require_table_to_go_on(const std::string& path, Index steps_done);
+
 /// The table of --convergence: one row per iteration, flushed. A run that goes on keeps the rows of the steps
 /// that are done and drops those of the step that was not.
 class ConvergenceTable {

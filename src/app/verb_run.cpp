@@ -109,18 +109,22 @@ void require_baselines(const Study& study, const std::string& folder) {
 }
 
 int check_baselines(const Study& study, const std::string& folder, const std::vector<NamedTable>& tables) {
-  int exit_code = 0;
+  int exit_code = 0, compared = 0;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string baseline = (fs::path(folder) / baseline_name(study, i)).string();
     const StudyTable& work = study.tables[i];
     if (!has_baseline(work, baseline)) continue;
+    ++compared;
     const std::string found = compare(tables[i].table, parse_csv(read_text(baseline), baseline),
                                       work.check_tolerance, work.column_tolerance, work.check_relative);
     if (found.empty()) continue;
     note(fmt::format("{}/{} differs from {}: {}", study.name, tables[i].name, baseline, found));
     exit_code = 1;
   }
-  if (exit_code == 0) note(fmt::format("{}: agrees with its baseline", study.name));
+  if (compared == 0)
+    note(fmt::format("{}: has no baseline to be compared with", study.name));
+  else if (exit_code == 0)
+    note(fmt::format("{}: agrees with its baseline", study.name));
   return exit_code;
 }
 

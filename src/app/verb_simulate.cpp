@@ -137,13 +137,15 @@ int run(const Options& options) {
   const std::vector<double> speeds =
       options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
   std::optional<Index> steps_done;
-  if (options.restart) steps_done = before;
+  if (options.restart) {
+    steps_done = before;
+    require_table_to_go_on(options.convergence, before);
+  }
   Interruption interruption;
-  ConvergenceTable table(options.convergence, options.force, steps_done);
   std::optional<TrajectoryWriter> trajectory;
-  if (options.restart)
-    trajectory.emplace(options.output, header.case_text, step_columns());
-  else
+  if (options.restart) trajectory.emplace(options.output, header.case_text, step_columns());
+  ConvergenceTable table(options.convergence, options.force, steps_done);
+  if (!options.restart)
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
   Progress progress("simulate " + one.name, before, "step");
   RunSummary summary;

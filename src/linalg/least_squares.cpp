@@ -63,6 +63,7 @@ Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
   solver.setTolerance(1e-13);
   solver.setMaxIterations(most_iterations);
   solver.compute(a);
+  if (solver.preconditioner().info() != Eigen::Success) return Vector::Zero(a.cols());
   return solver.solve(b);
 }
 

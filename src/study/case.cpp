@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/case.hpp>
+#include <nscdd/study/step_decomposition.hpp>
 
 #include <fmt/format.h>
 
@@ -191,18 +192,27 @@ void require_geometry(const Model& model, std::string_view what) {
                     model.name, what));
 }
 
+namespace {
+
+// What the first step would refuse is refused here, before anything is written. Overlaps are pushed apart
+// within a step: larger ones than these would explode.
+void check_first_step(const Simulation& simulation) {
+  constexpr double largest_overlap = 0.5;
+  const Dynamics& dynamics = simulation.dynamics;
+  const StepProblem first =
+      prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
+  check_overlaps(simulation.system, first, largest_overlap);
+  partition_step(simulation, first);
+}
+
+}  // namespace
+
 Simulation simulation_of(const Case& one, const Monitor& monitor) {
   if (!one.dynamics)
     throw Error(
         fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
   const Packing packing = with_masses(packing_of(one, monitor), one.masses);
   GranularScene start = scene(packing, *one.dynamics);
-  // Overlaps are pushed apart within a step: larger ones than these would explode.
-  constexpr double largest_overlap = 0.5;
-  check_overlaps(
-      start.system,
-      prepare_step(start.system, start.state, one.dynamics->interaction, one.dynamics->time, false),
-      largest_overlap);
   // What arrives in the linear study starts with that velocity here.
   ContactNetwork none;
   none.grains = packing.size();
@@ -213,7 +223,9 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) {
     start.state.velocity_x[at(i)] = v[2 * i];
     start.state.velocity_y[at(i)] = v[2 * i + 1];
   }
-  return {std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  check_first_step(simulation);
+  return simulation;
 }
 
 Model build(const Case& one, const Monitor& monitor) {

@@ -39,6 +39,10 @@ constexpr double rigid_shift = 3, rigid_ranks = 5000;
 constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
 constexpr double arpack_vectors = 5;  // beside the basis
 
+// Above this many contacts the impulses behind an active set come from a sparse factorisation of the packing
+// with its contacts, and their rank from another, which is the larger.
+constexpr Index dense_impulses = 4000;
+
 double square(double x) { return x * x; }
 
 double numbers_of(const Model& model) {
@@ -100,6 +104,8 @@ double estimated_bytes(const Model& model, const SweepParameters& parameters) {
   double need = 0;
   for (const auto& sweeps : parameters.gauss_seidel_sweeps)
     need = std::max(need, sweeps ? inexact_need(model, parameters) : exact_need(model, parameters));
+  if (parameters.contacts != ContactSet::all && model.parts.contacts > dense_impulses)
+    need = std::max(need, rigid_ranks * numbers_of(model));
   return model_need(model) + need;
 }
 

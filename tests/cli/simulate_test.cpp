@@ -347,3 +347,35 @@ TEST_CASE("simulate: prescribed grains start with their velocity, grains in each
   check_refused(session, "simulate inside.toml -o inside.h5",
                 {"disk 0 and disk 1: expected an overlap of at most 0.5"});
 }
+
+TEST_CASE("simulate: what the first step cannot be made from is refused before --force replaces a run") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 2 -o keep.h5");
+  const std::string before = nscdd::read_text(path_of(session, "keep.h5"));
+  session.file("fast.toml", moving_case() + "\n[[prescribed]]\ngrain = 0\nvelocity = [1e6, 0.0]\n");
+  check_refused(session, "simulate fast.toml -o keep.h5 --force", {"disk 0", "radii in a step"});
+  check_refused(session, "simulate shear.toml --subdomains 100000x100000 -o keep.h5 --force", {"100000"});
+  CHECK(nscdd::read_text(path_of(session, "keep.h5")) == before);
+  check_refused(session, "simulate fast.toml -o fast.h5", {"disk 0"});
+  CHECK_FALSE(fs::exists(session.folder / "fast.h5"));
+}
+
+TEST_CASE("simulate: a restart does not cut the finished table of another run") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 3 -o long.h5 --convergence long.csv");
+  answer(session, "simulate shear.toml --steps 1 -o short.h5");
+  const std::string before = nscdd::read_text(path_of(session, "long.csv"));
+  check_refused(session, "simulate shear.toml --steps 2 -o short.h5 --restart --convergence long.csv",
+                {"long.csv", "a run of 1 steps", "later steps"});
+  CHECK(nscdd::read_text(path_of(session, "long.csv")) == before);
+}
+
+TEST_CASE("simulate: says that a semi-implicit step leaves jumps") {
+  const MovingSession session;
+  const std::string text = answer(
+      session,
+      "simulate shear.toml --steps 3 -o once.h5 --iterations 100000 --algorithm enriched --eta 1 --set "
+      "solver.enrichment=semi_implicit");
+  CHECK(contains(text, "3 converged"));
+  CHECK(contains(text, "attention: grains were left with jumps of "));
+}

@@ -5,6 +5,7 @@
 #include "../support/problems.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/random.hpp>
+#include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/mechanics/gauss_seidel.hpp>
 #include <nscdd/mechanics/laws/linear_viscous.hpp>
@@ -40,4 +41,29 @@ TEST_CASE("rigid impulses: the iterative solution tells how far it got (more tha
   const RigidImpulses rigid = rigid_impulses(model.problem);
   CHECK(rigid.unique);
   CHECK(rigid.residual < 1e-8);
+}
+
+TEST_CASE(
+    "rigid impulses: a lattice of more than 4 000 contacts, no part of them a self-stress, some exactly 0") {
+  Case lattice;
+  lattice.packing = Generator{HexagonalLattice{.columns = 40, .rows = 37}};
+  lattice.masses.model = MassModel::unit;
+  lattice.loads.compression = {1.0, 0.0};
+  const Model model = build(lattice);
+  REQUIRE(model.problem.contacts() > 4000);
+  const RigidImpulses rigid = rigid_impulses(model.problem);
+  CHECK_FALSE(rigid.unique);
+  CHECK(rigid.residual < 1e-10);
+  const double largest = rigid.impulses.cwiseAbs().maxCoeff();
+  CHECK((RangeProjector(model.problem.h.transpose()).apply(rigid.impulses) - rigid.impulses)
+            .lpNorm<Eigen::Infinity>() < 1e-9 * largest);
+  // Mirrored in a horizontal line, the contacts in it are pressed as much from above as from below; what is
+  // left of an impulse that is 0 must stay far below 1e-10, from which on it counts as pressed.
+  Index none = 0;
+  for (Index c = 0; c < model.problem.contacts(); ++c) {
+    const double size = std::abs(rigid.impulses[c]) / largest;
+    none += size < 1e-8;
+    CHECK((size < 3e-11 || size > 1e-8));
+  }
+  CHECK(none > 0);
 }

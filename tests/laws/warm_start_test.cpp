@@ -192,12 +192,17 @@ TEST_CASE("a memory used for another packing, or another set of contacts, is not
     const InterfaceFamily some(restrict_contacts(model.parts, active));
     for (char& flag : active) flag = !flag;
     const InterfaceFamily other(restrict_contacts(model.parts, active));
+    const auto enriched = 0.03;
+    struct Pair {
+      const InterfaceFamily &preconditioner, &system;
+      double eta;
+    };
     // The last two: contacts of S that P does not have.
-    for (const auto& [preconditioner, system] :
-         {std::pair{&all, &all}, {&all, &some}, {&all, &all}, {&some, &all}, {&some, &other}})
+    for (const auto& [preconditioner, system, eta] :
+         {Pair{all, all, infinity}, Pair{all, some, infinity}, Pair{all, some, enriched},
+          Pair{all, all, infinity}, Pair{some, all, enriched}, Pair{some, other, enriched}})
       for (const double epsilon : {0.01, 0.02, 0.04, 100.0}) {
-        const Contraction b{preconditioner->at(preconditioner == &all ? infinity : 0.03),
-                            system->at(epsilon)};
+        const Contraction b{preconditioner.at(eta), system.at(epsilon)};
         const SpectralRadius found = spectral_radius(b, shift_invert, &memory);
         const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
         CAPTURE(epsilon);

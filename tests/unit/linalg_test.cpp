@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/dense.hpp"
 #include "../support/matrices.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/arpack.hpp>
+#include <nscdd/linalg/least_squares.hpp>
 #include <nscdd/linalg/linear_fit.hpp>
 #include <nscdd/linalg/pencil.hpp>
 #include <nscdd/linalg/random.hpp>
@@ -199,5 +201,27 @@ TEST_CASE("random streams repeat by seed") {
     const Index k = a.below(3);
     CHECK(k >= 0);
     CHECK(k < 3);
+  }
+}
+
+TEST_CASE(
+    "sparse least squares: the solution of least norm, wide and tall, of any rank, with empty columns") {
+  RandomStream random(17);
+  for (const auto& [rows, columns, rank] :
+       {std::array<Index, 3>{60, 40, 40}, {40, 60, 40}, {60, 60, 25}, {30, 80, 11}}) {
+    CAPTURE(rows);
+    CAPTURE(columns);
+    Matrix product = random_matrix(rows, rank, 5) * random_matrix(rank, columns, 6);
+    product.col(3).setZero();
+    const SparseMatrix a = product.sparseView();
+    for (const bool consistent : {true, false}) {
+      const Vector b =
+          consistent ? Vector(product * random.normal_vector(columns)) : random.normal_vector(rows);
+      const Vector x = minimum_norm_least_squares(a, b);
+      const Vector expected = pseudo_inverse(product, 1e-10).apply(b);
+      CHECK((x - expected).norm() < 1e-9 * expected.norm());
+      CHECK(x[3] == 0);
+    }
+    CHECK(minimum_norm_least_squares(a, Vector::Zero(rows)).norm() == 0);
   }
 }
