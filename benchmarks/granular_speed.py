@@ -8,7 +8,7 @@ Four tables:
   sweeps     ns per contact and sweep on one core, whole step of 100 sweeps (detection and set-up included)
   algorithm  ms per iteration of Algorithm 1 (n_GS = 1, generic) in two vertical strips, one and two threads
   memory     of a whole run, per contact: peak of the resident set at two sizes, difference over difference
-  siconos    the same contact problem file for nscdd solve and for Siconos' fc2d_nsgs (benchmarks/peers/siconos_fc2d.c,
+  siconos    the same contact problem (in the layout of each) for nscdd solve and for Siconos' fc2d_nsgs (benchmarks/peers/siconos_fc2d.c,
              compiled beforehand; its path is the argument), to the same natural-map residual: Siconos stops where
              its cheap estimate says 1e-4, nscdd goes on to what Siconos reached then, by Siconos' own measure
 
@@ -182,7 +182,7 @@ def solve(program, path, tolerance):
 
 
 def siconos(program, folder, rival, sizes):
-    print("siconos: the same file to the same natural map, in Siconos' definition, nscdd at or below what Siconos reached.")
+    print("siconos: the same problem to the same natural map, in Siconos' definition, nscdd at or below what Siconos reached.")
     print("Both times leave reading the file and forming W out.")
     for grains in sizes:
         path = os.path.join(folder, f"problem-{grains}.bin")

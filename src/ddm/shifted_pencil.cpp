@@ -60,6 +60,19 @@ void add_augmented(std::vector<Entry>& entries, const Decomposition& parts, Inde
   }
 }
 
+// Of one decomposition, no fewer than there are: a contact of k velocities ties them in pairs.
+std::size_t most_entries(const Decomposition& parts) {
+  Index n = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    n += subdomain.inertia.size() + subdomain.a.nonZeros();
+    for (Index c = 0; c < subdomain.h.cols(); ++c) {
+      const Index k = subdomain.h.col(c).nonZeros();
+      n += 1 + k * (k + 1) / 2;
+    }
+  }
+  return at(n);
+}
+
 Index total_contacts(const Decomposition& parts) {
   Index n = 0;
   for (const Subdomain& subdomain : parts.subdomains) n += subdomain.h.cols();
@@ -84,7 +97,9 @@ class ShiftedPencilFamily::Preparation {
     system_size = grain_rows + (form == SystemForm::augmented ? total_contacts(system) : 0);
     interface = system_size + (generic ? 0 : total_dofs(preconditioner));
     const Index size = interface + system.interface_size();
-    std::vector<Entry> entries;
+    std::vector<Entry> entries;  // growing would copy gigabytes
+    entries.reserve(most_entries(system) + (generic ? nscdd::at(b.preconditioner.generic().nonZeros())
+                                                    : most_entries(preconditioner)));
     if (form == SystemForm::augmented) {
       add_augmented(entries, system, grain_rows, interface);
     } else {

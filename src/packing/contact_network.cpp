@@ -57,6 +57,7 @@ std::vector<Contact> sorted(const std::vector<Contact>& contacts, Index grains) 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
   ContactNetwork network{.contacts = {}, .grains = packing.size()};
   if (packing.size() == 0) return network;
+  network.contacts.reserve(at(3 * packing.size()));  // as many as a plane graph can have edges
   const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
   const CellGrid grid(packing.x, packing.y, largest * (2 + detection.tolerance));
   grid.for_each_pair([&](Index i, Index j) {
