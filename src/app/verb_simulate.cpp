@@ -12,6 +12,7 @@
 #include <nscdd/io/output_file.hpp>
 #include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/simulation_tables.hpp>
+#include <nscdd/study/step_decomposition.hpp>
 
 #include <fmt/format.h>
 
@@ -124,12 +125,20 @@ void require_no_input(const Options& options, const Case& one) {
                                 input.string()));
 }
 
+// Before anything is written.
+void check_partition(const Simulation& simulation) {
+  const Dynamics& dynamics = simulation.dynamics;
+  partition_step(simulation, prepare_step(simulation.system, simulation.state, dynamics.interaction,
+                                          dynamics.time, false));
+}
+
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
   const Case one = resolve(options);
   require_no_input(options, one);
   Simulation simulation = simulation_of(one);
+  check_partition(simulation);
   const TrajectoryHeader header{to_toml(one), build_fingerprint(), provenance(options.context, {one}),
                                 simulation.system};
   if (options.restart) take_up(simulation, options.output, header);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/case.hpp>
-#include <nscdd/study/step_decomposition.hpp>
 
 #include <fmt/format.h>
 
@@ -202,7 +201,6 @@ void check_first_step(const Simulation& simulation) {
   const StepProblem first =
       prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
   check_overlaps(simulation.system, first, largest_overlap);
-  partition_step(simulation, first);
 }
 
 }  // namespace
