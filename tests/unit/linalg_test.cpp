@@ -207,8 +207,8 @@ TEST_CASE("random streams repeat by seed") {
 TEST_CASE(
     "sparse least squares: the solution of least norm, wide and tall, of any rank, with empty columns") {
   RandomStream random(17);
-  for (const auto& [rows, columns, rank] :
-       {std::array<Index, 3>{60, 40, 40}, {40, 60, 40}, {60, 60, 25}, {30, 80, 11}}) {
+  for (const auto& shape : {std::array<Index, 3>{60, 40, 40}, {40, 60, 40}, {60, 60, 25}, {30, 80, 11}}) {
+    const Index rows = shape[0], columns = shape[1], rank = shape[2];
     CAPTURE(rows);
     CAPTURE(columns);
     Matrix product = random_matrix(rows, rank, 5) * random_matrix(rank, columns, 6);
