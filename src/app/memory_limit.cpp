@@ -75,17 +75,23 @@ void MemoryLimit::declare(CLI::App& command) {
 }
 
 void MemoryLimit::require(const MemoryNeed& need) const {
+  require(need.bytes, need.name, fmt::format("{} interface unknowns", need.interface_size),
+          "fewer subdomains or grains, the solver arpack where it is dense");
+}
+
+void MemoryLimit::require(double bytes, std::string_view name, std::string_view what,
+                          std::string_view advice) const {
   if (gibibytes)
     check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true},
                  "--memory-limit");
   const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
-  if (need.bytes <= limit) return;
-  throw Error(fmt::format(
-      "case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} GiB for {} "
-      "interface unknowns; fewer subdomains or grains, the solver arpack where it is dense, or a larger "
-      "--memory-limit may help",
-      need.name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available",
-      need.bytes / gibibyte, need.interface_size));
+  if (bytes <= limit) return;
+  throw Error(
+      fmt::format("case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} "
+                  "GiB for {}; {}, "
+                  "or a larger --memory-limit may help",
+                  name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available",
+                  bytes / gibibyte, what, advice));
 }
 
 }  // namespace nscdd::app

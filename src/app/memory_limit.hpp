@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <optional>
+#include <string_view>
 
 namespace nscdd::app {
 
@@ -17,6 +18,9 @@ struct MemoryLimit {
 
   /// Throws Error with both amounts where the need exceeds the limit.
   void require(const MemoryNeed& need) const;
+
+  /// The same for other work on a case: `what` takes the memory, `advice` may help beside a larger limit.
+  void require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const;
 };
 
 /// Bytes that a new run can take without swapping: MemAvailable of /proc/meminfo, and what the control groups

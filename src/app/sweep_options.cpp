@@ -29,8 +29,11 @@ void SpectralCommandOptions::declare_ends(CLI::App& command) {
   command.add_flag("--certify", certify,
                    "prove by inertia counts that no eigenvalue was missed; adds columns with the intervals");
   command
-      .add_option("--eigenvalues", eigenvalues,
-                  "eigenvalues at each end of the spectrum; more than one adds columns")
+      .add_option(
+          "--eigenvalues", eigenvalues,
+          "eigenvalues at each end of the spectrum; more than one adds columns: their values, and for "
+          "each end the multiplicity of its first value alone (how many of those found agree with it "
+          "within --residual-tolerance; with --certify how many lie in its interval)")
       ->capture_default_str();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
@@ -21,6 +22,7 @@ struct Options {
   CaseOptions one;
   std::string histogram;
   bool ranks = false, force = false;
+  MemoryLimit memory;
 };
 
 void print_degrees(const std::string& name, const NetworkDegrees& network, bool ranks) {
@@ -88,6 +90,10 @@ int run(const Options& options) {
   }
   InspectionOptions inspection;
   if (options.ranks) inspection.ranks_up_to = std::numeric_limits<Index>::max();
+  if (model.contacts() <= inspection.ranks_up_to)
+    options.memory.require(estimated_rank_bytes(model), model.name,
+                           fmt::format("the ranks of {} contacts", model.contacts()),
+                           options.ranks ? "no --ranks, fewer grains" : "fewer grains");
   const Inspection found = inspect(model, inspection);
   if (histogram) {
     size_rows(model, [&](const Row& row) { histogram->write(row); });
@@ -106,6 +112,7 @@ std::function<int()> declare_inspect(CLI::App& command, const Context&) {
   command.add_flag("--ranks", options->ranks, "compute ranks however large the network is");
   command.add_option("--histogram", options->histogram, "also write the sizes of the grains there, as CSV");
   command.add_flag("--force", options->force, "replace an existing output");
+  options->memory.declare(command);
   command.footer(
       "Examples:\n"
       "  nscdd inspect disks12\n"

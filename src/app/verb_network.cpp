@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
+#include "memory_limit.hpp"
 #include "progress.hpp"
 #include "verbs.hpp"
 #include <nscdd/io/csv.hpp>
@@ -18,12 +19,15 @@ struct Options {
   CaseOptions one;
   std::string csv = "-", grains, contacts = "active";
   bool force = false;
+  MemoryLimit memory;
 };
 
 int run(const Options& options) {
   const Model model = build(options.one.resolve());
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   const ContactSet contacts = contact_set(options.contacts).value_or(ContactSet::active);
+  options.memory.require(estimated_link_bytes(model, contacts), model.name,
+                         fmt::format("the impulses of {} contacts", model.contacts()), "fewer grains");
   CsvWriter links(options.csv, options.force, link_columns(contacts));
   std::optional<CsvWriter> grains;
   if (!options.grains.empty()) grains.emplace(options.grains, options.force, grain_columns());
@@ -57,6 +61,7 @@ std::function<int()> declare_network(CLI::App& command, const Context&) {
       ->capture_default_str();
   command.add_option("--grains", options->grains, "also write the grains there");
   command.add_flag("--force", options->force, "replace existing outputs");
+  options->memory.declare(command);
   command.footer(
       "One row per contact: grains, normal, subdomain, impulse of the linear rigid problem under the "
       "prescribed\n"

@@ -68,7 +68,9 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const LanczosResult low =
       rigid ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, last.smallest)
             : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, last.smallest);
-  last = {low.vector, high.vector};
+  // An end that was not found leaves the vector of the point before to the next.
+  if (high.vector.size() > 0) last.largest = high.vector;
+  if (low.vector.size() > 0) last.smallest = low.vector;
   if (high.vector.size() == 0 || low.vector.size() == 0) {
     SpectralRadius failed = not_converged("arpack");
     failed.applications = result.applications;

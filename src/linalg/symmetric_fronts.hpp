@@ -167,6 +167,7 @@ class SymmetricFactor::Implementation {
   enum class Fronts { all, border };
   // L^-1 by the ones (where b is zero in the pivots of the others), D^-1 and L^-T by the others.
   Vector solve(Vector b, Fronts forward, Fronts backward) const;
+  void require_border() const;              // throws Error without one
   Vector spread(const Vector& g) const;     // E g
   Vector on_border(const Vector& x) const;  // E^T x
   Matrix inverse_block(const std::vector<Index>& rows) const;

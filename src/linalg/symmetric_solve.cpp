@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "symmetric_fronts.hpp"
+#include <nscdd/core/error.hpp>
 #include <nscdd/linalg/threads.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +22,16 @@ Vector SymmetricFactor::Implementation::solve(Vector x, Fronts forward, Fronts b
   return x;
 }
 
+void SymmetricFactor::Implementation::require_border() const {
+  if (tree.analysis->border.empty())
+    throw Error("solve from or to the border: expected an analysis with border rows, met one without");
+}
+
 Vector SymmetricFactor::Implementation::spread(const Vector& g) const {
+  require_border();
+  if (g.size() != count(tree.analysis->border))
+    throw Error(fmt::format("solve from the border: expected a value for each of {} border rows, met {}",
+                            tree.analysis->border.size(), g.size()));
   Vector x = Vector::Zero(tree.analysis->size);
   x(tree.analysis->border) = g;
   return x;
@@ -169,6 +181,7 @@ Vector SymmetricFactor::solve_from_border(const Vector& g) const {
 }
 
 Vector SymmetricFactor::solve_to_border(const Vector& b) const {
+  implementation_->require_border();
   Vector x;
   with_threads([&] { x = implementation_->solve(b, Fronts::all, Fronts::border); });
   return implementation_->on_border(x);

@@ -14,20 +14,20 @@ CellGrid::CellGrid(std::span<const double> x, std::span<const double> y, double 
   const auto [x_min, x_max] = std::minmax_element(x.begin(), x.end());
   const auto [y_min, y_max] = std::minmax_element(y.begin(), y.end());
   const double width = *x_max - *x_min, height = *y_max - *y_min;
-  const double x_low = *x_min, y_low = *y_min;
+  x_low_ = *x_min;
+  y_low_ = *y_min;
   // A shade more than asked, so that rounding never puts two points of distance `side` two cells apart.
-  side *= 1 + 1e-9;
+  side *= 1 + rounding;
   const double budget = 2.0 * static_cast<double>(x.size()) + 64;
   while ((std::floor(width / side) + 1) * (std::floor(height / side) + 1) > budget) side *= 2;
   columns_ = static_cast<Index>(std::floor(width / side)) + 1;
   rows_ = static_cast<Index>(std::floor(height / side)) + 1;
+  side_ = side;
 
   std::vector<Index> cell_of(x.size());
   start_.assign(at(columns_ * rows_ + 1), 0);
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const Index c = std::min(columns_ - 1, static_cast<Index>((x[i] - x_low) / side));
-    const Index r = std::min(rows_ - 1, static_cast<Index>((y[i] - y_low) / side));
-    cell_of[i] = r * columns_ + c;
+    cell_of[i] = along(y[i] - y_low_, rows_) * columns_ + along(x[i] - x_low_, columns_);
     ++start_[at(cell_of[i] + 1)];
   }
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];

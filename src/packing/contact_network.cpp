@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/cell_grid.hpp>
 #include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/disk_grid.hpp>
 
 #include <fmt/format.h>
 
@@ -58,10 +58,11 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
   ContactNetwork network{.contacts = {}, .grains = packing.size()};
   if (packing.size() == 0) return network;
   network.contacts.reserve(at(3 * packing.size()));  // as many as a plane graph can have edges
-  const double largest = *std::max_element(packing.radius.begin(), packing.radius.end());
-  const CellGrid grid(packing.x, packing.y, largest * (2 + detection.tolerance));
+  // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
+  const double stretch = 1 + 0.5 * detection.tolerance;
+  const DiskGrid grid(packing.x, packing.y, packing.radius, stretch);
   grid.for_each_pair([&](Index i, Index j) {
-    const double reach = packing.radius[at(i)] + packing.radius[at(j)] + detection.tolerance * largest;
+    const double reach = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
     // Most pairs end here, without a root; the margin is wide for rounding.
     const double dx = packing.x[at(j)] - packing.x[at(i)], dy = packing.y[at(j)] - packing.y[at(i)];
     if (dx * dx + dy * dy > 1.000001 * reach * reach) return;

@@ -36,12 +36,17 @@ constexpr double shift_fill = 6.9, shift_fill_finite = 5, shift_bytes = 1400, sh
 // 2 x 2 parts: 1.54 GB for 0.55), and so are they for the ranks: bytes per unknown, from a lattice of 10^4
 // disks in 16 strips, 0.22 GB in all.
 constexpr double rigid_shift = 3, rigid_ranks = 5000;
+// Of ranks by themselves, and of the impulses that take as much, per n log2 n with a row for each grain
+// unknown and for each contact: 250 on a lattice of 10^4 disks (0.22 GB in all), 130 on a deposit of 5 10^4
+// (0.52 GB).
+constexpr double rank_bytes = 300;
 constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
 constexpr double arpack_vectors = 5;  // beside the basis
 
 // Above this many contacts the impulses behind an active set come from a sparse factorisation of the packing
 // with its contacts, and their rank from another, which is the larger.
 constexpr Index dense_impulses = 4000;
+constexpr double dense_impulse_matrices = 2;  // the matrix, and what LAPACK reduces
 
 double square(double x) { return x * x; }
 
@@ -58,6 +63,24 @@ double model_need(const Model& model) {
     if (subdomain.inertia.size() <= EnrichedInertiaFamily::default_dense_limit)
       modes += square(static_cast<double>(subdomain.inertia.size()));
   return model_bytes * numbers_of(model) + bytes_per_number * modes;
+}
+
+// Of sparse_rank: a factor of a saddle point with these rows and columns.
+double rank_need(double rows, double columns) {
+  const double n = std::max(rows + columns, 2.0);
+  return rank_bytes * n * std::log2(n);
+}
+
+// Of the impulses that choose a set of contacts.
+double choice_need(const Model& model, ContactSet contacts) {
+  if (contacts == ContactSet::all) return 0;
+  if (contacts == ContactSet::active && model.parts.contacts <= dense_impulses)
+    return bytes_per_number * dense_impulse_matrices * static_cast<double>(model.problem.h.rows()) *
+           static_cast<double>(model.parts.contacts);
+  const double rows = numbers_of(model);
+  const auto columns = static_cast<double>(model.parts.contacts);
+  // More columns than rows are not independent, and the unilateral problem takes less than their rank.
+  return rank_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
 }
 
 bool has_rigid_limit(const SweepParameters& parameters) {
@@ -104,9 +127,16 @@ double estimated_bytes(const Model& model, const SweepParameters& parameters) {
   double need = 0;
   for (const auto& sweeps : parameters.gauss_seidel_sweeps)
     need = std::max(need, sweeps ? inexact_need(model, parameters) : exact_need(model, parameters));
-  if (parameters.contacts != ContactSet::all && model.parts.contacts > dense_impulses)
-    need = std::max(need, rigid_ranks * numbers_of(model));
-  return model_need(model) + need;
+  return model_need(model) + std::max(need, choice_need(model, parameters.contacts));
+}
+
+double estimated_link_bytes(const Model& model, ContactSet contacts) {
+  const bool loaded = !model.problem.arriving_velocity.isZero(0);
+  return model_need(model) + (loaded ? choice_need(model, contacts) : 0);
+}
+
+double estimated_rank_bytes(const Model& model) {
+  return model_need(model) + rank_need(numbers_of(model), static_cast<double>(model.parts.contacts));
 }
 
 MemoryNeed largest_need(const StudyTable& table, Index first) {

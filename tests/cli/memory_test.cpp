@@ -38,3 +38,38 @@ TEST_CASE("memory: the limit of the user decides") {
   CHECK(outcome.exit_code == 2);
   CHECK(outcome.standard_error.find("case disks") != std::string::npos);
 }
+
+TEST_CASE("memory: impulses of contacts and ranks that do not fit are refused at once") {
+  const Session session;
+  const std::string lattice = "hexagonal --set packing.columns=100 --set packing.rows=100 --memory-limit ";
+  const std::string loaded = " --set loads.compression=1,1";
+  for (const std::string contacts : {"active", "unilateral"})
+    check_refused(session, "network " + lattice + "0.05 --contacts " + contacts + loaded + " --grains g.csv",
+                  {"0.05 GiB", "--memory-limit", "impulses of 29601 contacts", "fewer grains"});
+  check_refused(session, "inspect " + lattice + "0.05 --ranks --histogram h.csv",
+                {"0.05 GiB", "--memory-limit", "ranks of 29601 contacts", "--ranks"});
+  answer(session, "inspect hexagonal --set packing.columns=300 --set packing.rows=300 --memory-limit 0.2");
+  // 3 990 contacts of 40 000 grains, dense: a matrix of 2.4 GiB
+  std::string row = "x,y,radius\n";
+  for (int i = 0; i < 40000; ++i) row += std::to_string(i < 3991 ? 2 * i : 3 * i) + ",0,1\n";
+  session.file("row.csv", row);
+  check_refused(session, "network row.csv --memory-limit 2 --prescribed 0:1:0", {"impulses of"});
+  CHECK(session.run(words("network row.csv --memory-limit 2 --csv links.csv")).exit_code ==
+        0);  // no impulses
+  check_refused(session, "network disks4 --memory-limit 0", {"--memory-limit"});
+}
+
+TEST_CASE("memory: what impulses and ranks take is within the estimate, and no tenth of it") {
+  const Session session;
+  const std::string lattice = "hexagonal --set packing.columns=100 --set packing.rows=100 --memory-limit ";
+  for (const std::string verb : {"inspect --ranks ", "network --set loads.compression=1,1 ",
+                                 "network --contacts unilateral --set loads.compression=1,1 "}) {
+    CAPTURE(verb);
+    const std::string line = verb + lattice;
+    const Outcome outcome = session.run(words(line + "4"));
+    REQUIRE(outcome.exit_code == 0);
+    const double taken = static_cast<double>(outcome.peak_memory) / (1 << 30);
+    check_refused(session, line + std::to_string(taken), {"--memory-limit"});
+    CHECK(session.run(words(line + std::to_string(10 * taken))).exit_code == 0);
+  }
+}

@@ -72,13 +72,15 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
     for (const std::vector<Point>& path : every_path()) {
       const bool certify = !certified_before;
       certified_before = certify;
-      SpectralMemory memory;
+      SpectralMemory memory, matrix_free_memory;
       for (const auto& [epsilon, eta] : path) {
         CAPTURE(epsilon);
         CAPTURE(eta);
         const Contraction b{family.at(eta), family.at(epsilon)};
         const SpectralRadius warm =
             spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = certify}, &memory);
+        const SpectralRadius matrix_free =
+            spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
         const SpectralRadius cold = spectral_radius(b, shift_invert);
         REQUIRE(warm.converged);
         REQUIRE(cold.converged);
@@ -88,6 +90,10 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
         CHECK(std::abs(warm.value - cold.value) <= slack);
         CHECK(std::abs(warm.eigenvalue_min - cold.eigenvalue_min) <= slack);
         CHECK(std::abs(warm.eigenvalue_max - cold.eigenvalue_max) <= slack);
+        REQUIRE(matrix_free.converged);
+        const double slack_free = slack + matrix_free.residual;
+        CHECK(std::abs(matrix_free.eigenvalue_min - cold.eigenvalue_min) <= slack_free);
+        CHECK(std::abs(matrix_free.eigenvalue_max - cold.eigenvalue_max) <= slack_free);
         REQUIRE(memory.flexible.visited.size() >= 1);
         CHECK(memory.flexible.visited.size() <= 2);
         CHECK(memory.flexible.visited.back().epsilon == epsilon);
@@ -151,12 +157,36 @@ TEST_CASE("ARPACK warm-started agrees with ARPACK from its fixed vector, with le
   CHECK(warm_products < 0.95 * static_cast<double>(cold_products));
 }
 
+TEST_CASE("ARPACK: an end that was not found leaves the start of the next point as it was") {
+  const InterfaceFamily family(build(deposit(150, {4, 3})).parts);
+  const auto at = [&](double epsilon) { return Contraction{family.at(infinity), family.at(epsilon)}; };
+  const SpectralOptions options{.solver = SpectralSolver::arpack};
+  SpectralOptions hopeless = options;  // one restart of few vectors
+  hopeless.arpack.basis = 5;
+  hopeless.arpack.maximum_restarts = 1;
+  SpectralMemory memory;
+  REQUIRE(spectral_radius(at(0.1), options, &memory).converged);
+  const MatrixFreeMemory before = memory.matrix_free;
+  REQUIRE(before.smallest.size() == family.at(0.1).rows());
+  REQUIRE(!spectral_radius(at(10.0), hopeless, &memory).converged);
+  REQUIRE(memory.matrix_free.smallest.size() == before.smallest.size());
+  REQUIRE(memory.matrix_free.largest.size() == before.largest.size());
+  // What failed is as if it had not been tried.
+  CHECK(memory.matrix_free.smallest == before.smallest);
+  CHECK(memory.matrix_free.largest == before.largest);
+  SpectralMemory straight{.matrix_free = before};
+  const SpectralRadius after = spectral_radius(at(0.11), options, &memory);
+  const SpectralRadius expected = spectral_radius(at(0.11), options, &straight);
+  CHECK(after.applications == expected.applications);
+  CHECK(after.value == expected.value);
+}
+
 TEST_CASE("warm starts are not caught by a mode that is no longer the end, certified or not") {
   // The order of two modes changes between 0.158 and 0.252: the vector of the one is no way to the other.
   Case one = lattice_in_grid(10000, {1, 1});
   one.partition = MetisPartitioner{.metis = 16};
   const InterfaceFamily family(build(one).parts);
-  SpectralMemory memory;
+  SpectralMemory memory, matrix_free_memory;
   for (const double exponent : {0.0, 1.0, 2.0, 3.0, 4.0}) {
     const double epsilon = 0.04 * std::pow(25.0, exponent / 7);
     CAPTURE(epsilon);
@@ -166,6 +196,10 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
     CHECK(warm.converged);
     REQUIRE(proved.certified);
     CHECK(std::abs(warm.value - proved.value) <= warm.residual + proved.residual);
+    const SpectralRadius matrix_free =
+        spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
+    CHECK(matrix_free.converged);
+    CHECK(std::abs(matrix_free.value - proved.value) <= matrix_free.residual + proved.residual);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <nscdd/linalg/random.hpp>
 #include <nscdd/packing/cell_grid.hpp>
 #include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/disk_grid.hpp>
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>
@@ -66,6 +67,65 @@ TEST_CASE("contacts: the cell grid finds what brute force finds, sizes 1 : 50, c
     CHECK(pairs_of(found) == expected);
     CHECK(found.contacts.size() == expected.size());
   }
+}
+
+TEST_CASE("contacts: sizes 1 : 100, by number and by volume, as brute force finds them, in order") {
+  for (const std::string distribution : {"two_sizes", "uniform_volume", "lognormal"}) {
+    CAPTURE(distribution);
+    const SizeDistribution sizes{.distribution = distribution,
+                                 .radius_min = 0.01,
+                                 .radius_max = 1,
+                                 .fraction_large = 0.01,
+                                 .median = 0.05,
+                                 .sigma = 1.5};
+    const Packing packing = generate(Deposit{.grains = 1500, .sizes = sizes, .seed = 3});
+    for (const double tolerance : {1e-7, 0.5}) {
+      const auto expected = brute_force(packing, tolerance);
+      const ContactNetwork found =
+          detect_contacts(packing, {.tolerance = tolerance, .overlap_tolerance = 1e-6});
+      REQUIRE(found.contacts.size() == expected.size());
+      auto pair = expected.begin();  // ascending
+      for (const Contact& contact : found.contacts) CHECK(std::pair(contact.a, contact.b) == *pair++);
+    }
+  }
+}
+
+TEST_CASE("disk grid: every pair within reach once, and few others, whatever the sizes") {
+  struct Sizes {
+    double ratio, large;  // large: fraction of disks of the largest size, the others of all sizes if 0
+    Index most;           // pairs visited per disk: one grid would visit 1900 at 1 : 100, two sizes
+  };
+  for (const auto& [ratio, large, most] :
+       {Sizes{1, 1, 60}, {1.9, 0, 60}, {100, 0, 120}, {100, 0.002, 60}, {1e9, 0, 120}}) {
+    CAPTURE(ratio);
+    RandomStream random(11);
+    std::vector<double> x, y, reach;
+    double area = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const double u = random.uniform();
+      reach.push_back(large > 0 ? (u < large ? 1.0 : 1 / ratio) : std::pow(ratio, -u));
+      area += reach.back() * reach.back();
+    }
+    for (std::size_t i = 0; i < reach.size(); ++i) {
+      x.push_back(2 * std::sqrt(area) * random.uniform() - 3);
+      y.push_back(2 * std::sqrt(area) * random.uniform() + 7);
+    }
+    std::vector<std::pair<Index, Index>> visited;
+    DiskGrid(x, y, reach).for_each_pair([&](Index i, Index j) { visited.emplace_back(i, j); });
+    CHECK(count(visited) < most * count(reach));
+    const std::set<std::pair<Index, Index>> once(visited.begin(), visited.end());
+    CHECK(once.size() == visited.size());
+    Index missed = 0, near = 0;
+    for (Index i = 0; i < count(reach); ++i)
+      for (Index j = i + 1; j < count(reach); ++j)
+        if (std::hypot(x[at(i)] - x[at(j)], y[at(i)] - y[at(j)]) <= reach[at(i)] + reach[at(j)]) {
+          ++near;
+          missed += !once.contains({i, j});
+        }
+    CHECK(near > 500);
+    CHECK(missed == 0);
+  }
+  DiskGrid({}, {}, {}).for_each_pair([](Index, Index) { FAIL("a pair of no disks"); });
 }
 
 TEST_CASE("contacts: normals, midpoints of centres, gaps, order") {

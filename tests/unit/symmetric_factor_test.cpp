@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
 #include "../support/matrices.hpp"
+#include <nscdd/core/error.hpp>
 #include <nscdd/linalg/random.hpp>
 #include <nscdd/linalg/symmetric_factor.hpp>
 
@@ -158,6 +159,26 @@ TEST_CASE("symmetric factor: what is apart from the border serves a family, to t
       CHECK(backward_error(lower, x, b) < 1e-11);
     }
   }
+}
+
+TEST_CASE("symmetric factor: solves from and to the border are refused without one, or with another length") {
+  const SymmetricProblem problem = saddle_point(20, 0.5, 0.7, 31);
+  const Index n = problem.lower.rows();
+  const SymmetricFactor plain = factorise(problem);
+  const Vector all = Vector::Ones(n), none, two = Vector::Ones(2);
+  for (const Vector& g : {none, two, all}) {
+    CHECK_THROWS_WITH_AS(plain.solve_from_border(g), doctest::Contains("an analysis with border rows"),
+                         Error);
+    CHECK_THROWS_WITH_AS(plain.solve_on_border(g), doctest::Contains("an analysis with border rows"), Error);
+  }
+  CHECK_THROWS_WITH_AS(plain.solve_to_border(all), doctest::Contains("an analysis with border rows"), Error);
+  const SymmetricFactor bordered(SymmetricAnalysis(problem.lower, problem.group, {}, {n - 1, 0, 3}),
+                                 problem.lower);
+  for (const Vector& g : {none, two, all}) {
+    CHECK_THROWS_WITH_AS(bordered.solve_from_border(g), doctest::Contains("each of 3 border rows"), Error);
+    CHECK_THROWS_WITH_AS(bordered.solve_on_border(g), doctest::Contains("each of 3 border rows"), Error);
+  }
+  CHECK(bordered.solve_to_border(all).size() == 3);
 }
 
 TEST_CASE("symmetric factor: masses and stiffnesses many decades apart") {

@@ -68,7 +68,8 @@ class SymmetricFactor {
 
   /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts what is given on the border rows in its place among
   /// zeros: the bits of `solve`, with less work. What is from or to the border passes the fronts on the way
-  /// from it to the root only.
+  /// from it to the root only. They need the `border` of the analysis: Error where it was given none, and
+  /// where g has not one value for each of its rows, in their order.
   Vector solve_from_border(const Vector& g) const;
   Vector solve_to_border(const Vector& b) const;
   Vector solve_on_border(const Vector& g) const;

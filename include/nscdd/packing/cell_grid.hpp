@@ -3,6 +3,7 @@
 
 #include <nscdd/core/types.hpp>
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -36,7 +37,38 @@ class CellGrid {
       }
   }
 
+  /// Calls visit(i) for every point of the cells that a square about (x, y) meets: every point no farther
+  /// than `distance` from there in both coordinates, and some that are. x, y anywhere, m.
+  template <class Visit>
+  void for_each_near(double x, double y, double distance, Visit&& visit) const {
+    distance += rounding * side_;
+    const Index first = along(x - x_low_ - distance, columns_), last = along(x - x_low_ + distance, columns_);
+    const Index top = along(y - y_low_ + distance, rows_);
+    for (Index row = along(y - y_low_ - distance, rows_); row <= top; ++row)
+      for (Index column = first; column <= last; ++column)
+        for (const Index i : cell(column, row)) visit(i);
+  }
+
+  /// Indices of all points, cell by cell.
+  const std::vector<Index>& points() const { return points_; }
+
+  /// Points in the cell of a point, itself included, on average over the points: what a search costs each.
+  double crowd() const {
+    double sum = 0;
+    for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
+      const auto here = static_cast<double>(start_[c + 1] - start_[c]);
+      sum += here * here;
+    }
+    return sum / std::max(1.0, static_cast<double>(points_.size()));
+  }
+
  private:
+  static constexpr double rounding = 1e-9;  ///< of a side, more than coordinates lose among so many cells
+
+  // The cell at an offset from the lower end of the table; the first or last one for what is beyond it.
+  Index along(double offset, Index cells) const {
+    return static_cast<Index>(std::clamp(offset / side_, 0.0, static_cast<double>(cells - 1)));
+  }
   template <class Visit>
   static void ordered(Index i, Index j, Visit& visit) {
     i < j ? visit(i, j) : visit(j, i);
@@ -47,6 +79,7 @@ class CellGrid {
   }
 
   Index columns_ = 1, rows_ = 1;
+  double x_low_ = 0, y_low_ = 0, side_ = 1;
   std::vector<Index> start_;   ///< first point of each cell, one more at the end
   std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
 };

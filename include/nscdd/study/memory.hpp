@@ -19,6 +19,13 @@ namespace nscdd {
 /// memory.cpp).
 double estimated_bytes(const Model& model, const SweepParameters& parameters);
 
+/// The same for the impulses of `link_rows` (active or unilateral; the model alone where nothing is
+/// prescribed), and for the ranks of `inspect`: rank_bytes (n + contacts) log2(n + contacts) beside the
+/// model; up to 4 000 contacts the impulses of the linear rigid problem come from dense matrices, of as many
+/// rows as the packing has unknowns.
+double estimated_link_bytes(const Model& model, ContactSet contacts);
+double estimated_rank_bytes(const Model& model);
+
 /// The case of a table that needs most.
 struct MemoryNeed {
   double bytes = 0;
