@@ -52,7 +52,7 @@ def curves(results, axes, tables, epsilon, look, cuts="all"):
         some = style.where(rows, epsilon=epsilon, eta=eta)
         if not tables.endswith("-large"):
             style.need(results, f"scalability/{tables}.csv", rows, epsilon=epsilon, eta=eta)
-        axes.plot(style.column(some, "subdomains"), style.iterations(some), linestyle=line, **{**look, **face})
+        axes.plot(style.column(some, "subdomains"), style.iterations(some), **{"linestyle": line, **look, **face})
 
 
 def smaller_etas(results, axes):
@@ -98,7 +98,7 @@ def fixed_size(results, lattice, deposit, soft):
 
 def fixed_total(results, stiff, soft):
     for cuts, look in (("strips", STRIPS), ("grids", GRIDS)):
-        curves(results, stiff, "lattice-total-rigid", 0, {**LATTICE, **look}, cuts)
+        curves(results, stiff, "lattice-total-rigid lattice-total-rigid-strips", 0, {**LATTICE, **look}, cuts)
         curves(results, soft, "lattice-total-100k-large", 1e-2, {**LATTICE, **look}, cuts)
         curves(results, soft, "deposit-total-100k deposit-total-100k-large", 1e-2, {**DEPOSIT, **look}, cuts)
     curves(results, stiff, "deposit-total-strips", 1e-6, {**DEPOSIT, **STRIPS})
@@ -107,6 +107,15 @@ def fixed_total(results, stiff, soft):
     for packing, colour in (("lattice", LATTICE), ("deposit", DEPOSIT)):
         for table in (f"{packing}-total", f"{packing}-total-strips"):
             curves(results, soft, table, 1e-2, {**colour, "linewidth": 0.5, "alpha": 0.7})
+        # 10^6: crosses, upright of strips
+        for cuts, mark in (("strips", "+"), ("grids", "x")):
+            curves(results, soft, f"{packing}-total-1m-large", 1e-2,
+                   {**colour, "linestyle": "none", "marker": mark, "markersize": 7, "markeredgewidth": 1}, cuts)
+
+
+def sizes_of_total(results):
+    millions = os.path.exists(os.path.join(results, "scalability/deposit-total-1m-large.csv"))
+    return r"$10^5$ grains (thin: 4 096" + (r", +$\times$: $10^6$)" if millions else ")") + r", $\varepsilon = 10^{-2}$"
 
 
 def draw(results, output, formats):
@@ -127,7 +136,7 @@ def draw(results, output, formats):
     guide(best, [8, 48], 3e2, 2, "slope 2", (26, 1.2e3))
     texts = [r"fixed size, rigid ($\eta$ in 1/kg)", r"fixed size, $\varepsilon = 10^{-6}$ 1/kg",
              r"fixed size, $\varepsilon = 10^{-2}$ 1/kg", r"4 096 grains, rigid; $\varepsilon = 10^{-6}$ 1/kg",
-             r"$10^5$ grains (thin: 4 096), $\varepsilon = 10^{-2}$", "strip of disks, nonsmooth"]
+             sizes_of_total(results), "strip of disks, nonsmooth"]
     for axes, letter, text in zip(grid.flat, "abcdef", texts):
         style.panel(axes, letter, text)
     key = [("lattice", {**LATTICE}), ("deposit", {**DEPOSIT})]
