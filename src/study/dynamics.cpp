@@ -52,14 +52,15 @@ void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index bounda
   const Index first = spec.first < 0 ? spec.first + grains : spec.first;
   const Index last = spec.last < 0 ? spec.last + grains : spec.last;
   if (first < 0 || last >= grains || first > last)
-    throw Error(
-        fmt::format("boundary '{}': expected grains first <= last in 0..{} (or negative, from the end), "
-                    "met {} and {}",
-                    spec.name, grains - 1, spec.first, spec.last));
+    throw Error(fmt::format(
+        "boundary '{}': first, last: expected grains first <= last in 0..{} (or negative, from the end), "
+        "met {} and {}",
+        spec.name, grains - 1, spec.first, spec.last));
   for (Index i = first; i <= last; ++i) {
     if (system.driven_by[at(i)] >= 0)
-      throw Error(fmt::format("boundary '{}': expected grains driven once, met grain {} of boundary '{}'",
-                              spec.name, i, system.boundaries[at(system.driven_by[at(i)])].name));
+      throw Error(fmt::format(
+          "boundary '{}': first, last: expected grains driven once, met grain {} of boundary '{}'", spec.name,
+          i, system.boundaries[at(system.driven_by[at(i)])].name));
     system.driven_by[at(i)] = boundary;
   }
 }

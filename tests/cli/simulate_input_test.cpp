@@ -57,3 +57,26 @@ TEST_CASE("simulate: what a killed run leaves beside the trajectory is its own")
   CHECK_FALSE(session.has("run.h5.next"));
   CHECK_FALSE(session.has("run.h5.previous"));
 }
+
+TEST_CASE("simulate: errors of disks and walls name the file, and the boundary or the key") {
+  const Session session;
+  const std::string rest = "[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n";
+  session.file("two.csv", "x,y,radius\n0,0,1\n5,0,1\n");
+  session.file("inside.csv", "x,y,radius\n0,0,1\n1.2,0,1\n");
+  const auto refused = [&](const std::string& packing, const std::string& more,
+                           std::initializer_list<std::string> parts) {
+    session.file("c.toml", "[packing]\nfile = \"" + packing + "\"\n" + rest + more);
+    check_refused(session, "simulate c.toml -o run.h5", parts);
+  };
+  const std::string drum =
+      "[[boundary]]\nname = \"drum\"\nshape = \"disks\"\nfrom = [5, 1.2]\nto = [9, 1.2]\nradius = 1\n";
+  const std::string piston = "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 1\nlast = ";
+  refused("inside.csv", "", {"c.toml: disk 0 and disk 1: expected an overlap"});
+  refused("two.csv", drum, {"c.toml: disk 1 and disk 2 of boundary 'drum': expected an overlap"});
+  refused("two.csv", "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
+          {"c.toml: disk 0 and the wall of boundary 'floor': expected an overlap"});
+  refused("two.csv", piston + "2\n", {"c.toml: boundary 'piston': first, last: expected grains"});
+  refused("two.csv", piston + "1\n[[prescribed]]\ngrain = -1\nvelocity = [1, 0]\n",
+          {"c.toml: prescribed[0].grain: expected a free grain, met disk 1 of boundary 'piston'"});
+  refused("two.csv", "[[prescribed]]\ngrain = 7\nvelocity = [1, 0]\n", {"c.toml: prescribed", "met grain 7"});
+}

@@ -8,6 +8,7 @@
 #include <nscdd/packing/packing.hpp>
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 namespace nscdd {
@@ -59,6 +60,9 @@ struct GranularState {
 
 /// The state at time 0: grains at rest where the packing has them, boundaries at their centres.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y);
+
+/// "disk 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() + its number.
+std::string body_name(const GranularSystem& system, Index body);
 
 /// Throws Error naming the disk or boundary where sizes differ, a disk is driven by a boundary that does not
 /// exist, or no disk is free.

@@ -42,7 +42,8 @@ struct SettledPacking {
 
 /// Everything that defines a problem to be studied: a case file, resolved.
 struct Case {
-  std::string name;  ///< stem of the file; the `case` column of every table
+  std::string name;    ///< stem of the file; the `case` column of every table
+  std::string source;  ///< the file as it was named, for errors; empty where there is none
   std::string title;
   std::variant<Generator, PackingFile, SettledPacking, ContactProblemFile> packing =
       Generator{TriangularStrip{}};
