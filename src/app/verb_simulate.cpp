@@ -43,8 +43,7 @@ void require_effect(const Options& options, const std::string& algorithm) {
         "decompose");
 }
 
-Case resolve(const Options& options) {
-  Case one = read_any_case(options.name);
+void apply(const Options& options, Case& one) {
   if (!one.dynamics)
     throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
   if (!options.subdomains.empty()) one.partition = parse_subdomains(options.subdomains);
@@ -64,7 +63,7 @@ Case resolve(const Options& options) {
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
   require_effect(options, one.dynamics->solver.algorithm);
-  return one;
+  check_dynamics(one);
 }
 
 void check_names(const Options& options) {
@@ -72,7 +71,9 @@ void check_names(const Options& options) {
   if (!options.convergence.empty()) require_distinct(options.output, options.convergence);
   if (options.restart && options.force)
     throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
-  if (!options.restart) require_writable(options.output, options.force);
+  if (options.restart) return;
+  require_writable(options.output, options.force);
+  if (!options.convergence.empty()) require_writable(options.convergence, options.force);
 }
 
 // After each step of the run in a file.
@@ -82,14 +83,22 @@ std::vector<double> speeds_of(const std::string& path, const GranularSystem& sys
   return speeds;
 }
 
-// The state to go on from: that of the file, of the same run.
-void take_up(Simulation& simulation, const std::string& path, const TrajectoryHeader& header) {
-  require_same_run(path, read_trajectory_header(path), header);
+// Whether the run in the file is the one asked for, before its grains are known.
+void check_restart(const Options& options, const Case& one) {
+  const std::string& path = options.output;
+  require_same_case(path, read_trajectory_header(path), to_toml(one), build_fingerprint());
+  const Index done = read_last_step(path).state.step, steps = one.dynamics->time.steps;
+  if (done > steps)
+    throw Error(
+        fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
+  require_table_to_go_on(options.convergence, done);
+}
+
+// The state to go on from: that of the file.
+void take_up(Simulation& simulation, const std::string& path) {
+  require_same_disks(path, read_trajectory_header(path).system, simulation.system);
   simulation.state = read_last_step(path).state;
   check(simulation.system, simulation.state);
-  if (simulation.state.step > simulation.dynamics.time.steps)
-    throw Error(fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path,
-                            simulation.state.step, simulation.dynamics.time.steps));
 }
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome,
@@ -135,21 +144,20 @@ void check_partition(const Simulation& simulation) {
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
-  const Case one = resolve(options);
-  require_no_input(options, one);
+  const Case one = read_any_case(options.name, [&](Case& read) {
+    apply(options, read);
+    require_no_input(options, read);
+    if (options.restart) check_restart(options, read);
+  });
   Simulation simulation = simulation_of(one);
   check_partition(simulation);
   const TrajectoryHeader header{to_toml(one), build_fingerprint(), provenance(options.context, {one}),
                                 simulation.system};
-  if (options.restart) take_up(simulation, options.output, header);
+  if (options.restart) take_up(simulation, options.output);
   const Index before = simulation.state.step;
   const std::vector<double> speeds =
       options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
-  std::optional<Index> steps_done;
-  if (options.restart) {
-    steps_done = before;
-    require_table_to_go_on(options.convergence, before);
-  }
+  const std::optional<Index> steps_done = options.restart ? std::optional<Index>(before) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
   if (options.restart) trajectory.emplace(options.output, header.case_text, step_columns());

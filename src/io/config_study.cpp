@@ -132,6 +132,20 @@ void read_lead_in(StrictTable& section, StudyTable& table) {
   table.lead_in = name == "own" ? LeadInSolver::own : LeadInSolver::plain;
 }
 
+// What can be told of cases that move before they are settled and run.
+void check_moving(StrictTable& section, const StudyTable& table) {
+  if (!moves(table.observable)) return;
+  for (Index number = 0; number < varied_case_count(table); ++number) {
+    const Case one = varied_case(table, number).one;
+    try {
+      check_dynamics(one);
+    } catch (const Error& error) {
+      throw Error(
+          fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
+    }
+  }
+}
+
 StudyTable read_table(StrictTable section, const CaseReader& read) {
   StudyTable table;
   section.read("name", table.name);
@@ -151,6 +165,7 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
           fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
     }
   read_vary(section, table);
+  check_moving(section, table);
   read_spec(section, "epsilon", table.sweep.epsilon, parse_epsilon);
   read_spec(section, "eta", table.sweep.eta, parse_eta);
   read_spec(section, "relaxation", table.sweep.relaxation, parse_relaxation);

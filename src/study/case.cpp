@@ -221,9 +221,7 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
 }
 
 Simulation unnamed_simulation_of(const Case& one, const Monitor& monitor) {
-  if (!one.dynamics)
-    throw Error(
-        fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
+  check_dynamics(one);
   const Packing packing = with_masses(packing_of(one, monitor), one.masses);
   GranularScene start = scene(packing, *one.dynamics);
   set_moving(one, packing, start);

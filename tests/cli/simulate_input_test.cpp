@@ -28,6 +28,32 @@ std::string provenance_of(const Session& session, const std::string& file, const
 
 }  // namespace
 
+TEST_CASE("simulate: what options and case say is judged before a packing is settled") {
+  const MovingSession session;
+  ::setenv("NSCDD_CACHE", (session.folder / "cache").c_str(), 1);
+  const std::string text = replaced(moving_case(), generator, "settled = \"shear.toml\"\n");
+  session.file("test.toml", text);
+  session.file("wide.toml", replaced(text, "radius = 0.198\n[[", "radius = 1e-9\n[["));
+  session.file("other.h5", "");
+  session.file("study/study.toml",
+               "[[table]]\nname = \"t\"\nobservable = \"runs\"\ncases = \"../test.toml\"\nsteps = 2\n"
+               "vary = { \"solver.algorithm\" = [\"jacobi\"] }\n");
+  const auto refused = [&](const std::string& line, std::initializer_list<std::string> parts) {
+    check_refused(session, line, parts);
+    CHECK_FALSE(session.has("cache"));
+  };
+  refused("simulate test.toml -o run.h5 --criterion speed", {"solver.criterion", "met \"speed\""});
+  refused("simulate test.toml -o run.h5 --set solver.speed=2", {"solver.speed"});
+  refused("simulate test.toml -o run.h5 --subdomains 100000x100000", {"partition.grid", "100000"});
+  refused("simulate test.toml -o run.h5 --convergence nowhere/rows.csv", {"nowhere"});
+  refused("simulate test.toml -o run.h5 --convergence shear.toml", {"shear.toml", "exists already"});
+  refused("simulate test.toml -o other.h5 --restart", {"other.h5", "trajectory"});
+  refused("simulate wide.toml -o run.h5", {"wide.toml:17: boundary 'floor': spacing: expected"});
+  refused("inspect test.toml --set contacts.tolerence=1", {"contacts.tolerence"});
+  refused("run study", {"study.toml:6", "solver.algorithm", "jacobi"});
+  ::unsetenv("NSCDD_CACHE");
+}
+
 TEST_CASE("simulate: files of others beside the trajectory are neither replaced nor removed") {
   const MovingSession session;
   for (const std::string& name : Texts{"run.h5.next", "run.h5.previous", "run.h5.lock"}) {

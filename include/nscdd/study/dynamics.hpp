@@ -29,6 +29,9 @@ struct BoundarySpec {
   double spacing = 0;          ///< m between centres at the most, disks; 0: touching (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
+
+  /// Between the centres of disks at the most, m.
+  double distance() const { return spacing > 0 ? spacing : 2 * radius; }
 };
 
 /// The sections of a case that make it move: [interaction], [dynamics], [solver], [[boundary]].
@@ -44,6 +47,9 @@ std::string_view to_string(BoundaryShape shape);
 
 /// The sections as a case file has them, a blank line before each.
 std::string to_toml(const Dynamics& dynamics);
+
+/// Throws Error naming the boundary for a wall or row of disks without extent, and for a row of too many.
+void check(const BoundarySpec& spec);
 
 /// Throws Error naming `key` unless the text is "optimal" or a number > 0.
 void check_eta(std::string_view eta, std::string_view key);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/study/case.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace nscdd {
+void check(const BoundarySpec& spec) {
+  if (spec.shape == BoundaryShape::grains) return;
+  const double length = std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]);
+  if (!(length > 0) || !std::isfinite(length))
+    throw Error(fmt::format("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})",
+                            spec.name, spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
+  if (spec.shape == BoundaryShape::wall) return;
+  if (!(spec.radius > 0))
+    throw Error(
+        fmt::format("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius));
+  constexpr double most = 1e7;
+  if (!(length / spec.distance() < most))
+    throw Error(fmt::format("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m",
+                            spec.name, most, length, spec.distance()));
+}
+
+void check_dynamics(const Case& one) {
+  if (!one.dynamics)
+    throw Error(
+        fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
+  subdomains(one.partition);
+}
+
+}  // namespace nscdd
