@@ -187,7 +187,8 @@ void declare_solver(CLI::App& command, Options& options) {
   command.add_option("--eta", options.eta,
                      "flexibility of the enriched Stage 2, 1/kg, or optimal: solver.eta");
   command.add_option("--criterion", options.criterion,
-                     "zeta, interface_change, natural_map, quad_dv or none: solver.criterion");
+                     "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none: "
+                     "solver.criterion");
   command.add_option("--tolerance", options.tolerance, "of the criterion: solver.tolerance");
   command.add_option("--iterations", options.iterations, "of a step at the most: solver.maximum_iterations");
 }

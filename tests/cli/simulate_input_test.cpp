@@ -28,6 +28,34 @@ std::string provenance_of(const Session& session, const std::string& file, const
 
 }  // namespace
 
+TEST_CASE("simulate: every indicator that can end the iterations is a criterion") {
+  const MovingSession session;
+  for (const std::string& name :
+       Texts{"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"}) {
+    CAPTURE(name);
+    answer(session,
+           "simulate shear.toml --steps 3 --force -o run.h5 --convergence rows.csv --iterations "
+           "20000 --tolerance 1e-3 --set solver.gluing_tolerance=1 --criterion " +
+               name);
+    const CsvTable rows = read_table(session.read("rows.csv"));
+    REQUIRE(rows.rows.size() > 3);
+    for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+      const bool last = k + 1 == rows.rows.size() || rows.text(k + 1, "step") != rows.text(k, "step");
+      const double value = rows.number(k, name);
+      // What a subdomain has no part of yet (nothing jumps, F stays) says nothing.
+      if (value != 0) CHECK((std::abs(value) <= 1e-3) == last);
+    }
+  }
+  check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --algorithm nlgs",
+                {"solver.criterion", "gluing", "generic or enriched", "met nlgs"});
+  check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --subdomains 1x1",
+                {"solver.criterion", "two subdomains", "met one"});
+  check_refused(session,
+                "simulate shear.toml -o none.h5 --criterion gluing --algorithm enriched --set "
+                "solver.enrichment=semi_implicit",
+                {"solver.criterion", "met semi_implicit"});
+}
+
 TEST_CASE("simulate: what options and case say is judged before a packing is settled") {
   const MovingSession session;
   ::setenv("NSCDD_CACHE", (session.folder / "cache").c_str(), 1);
@@ -43,6 +71,7 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
     CHECK_FALSE(session.has("cache"));
   };
   refused("simulate test.toml -o run.h5 --criterion speed", {"solver.criterion", "met \"speed\""});
+  refused("simulate test.toml -o run.h5 --criterion gluing --algorithm nlgs", {"solver.criterion"});
   refused("simulate test.toml -o run.h5 --set solver.speed=2", {"solver.speed"});
   refused("simulate test.toml -o run.h5 --subdomains 100000x100000", {"partition.grid", "100000"});
   refused("simulate test.toml -o run.h5 --convergence nowhere/rows.csv", {"nowhere"});

@@ -70,7 +70,7 @@ std::string to_toml(const Case& one);
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
 /// Throws Error naming the key where a case cannot be made to move, as far as that can be told without its
-/// grains: no [dynamics], too many subdomains.
+/// grains: no [dynamics], too many subdomains, a criterion that says nothing of its solver.
 void check_dynamics(const Case& one);
 
 /// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error naming the file
