@@ -34,13 +34,20 @@ struct Options {
 };
 
 // What is asked for on the command line must not be passed over in silence.
-void require_effect(const Options& options, const std::string& algorithm) {
-  if (options.eta && algorithm != "enriched")
-    throw Error(fmt::format("--eta: expected --algorithm enriched with it, met {}", algorithm));
-  if (!options.subdomains.empty() && algorithm == "nlgs")
-    throw Error(
-        "--subdomains: expected --algorithm generic or enriched with it, met nlgs, which does not "
-        "decompose");
+void require_effects(const Options& options, const Dynamics& dynamics) {
+  const auto decomposed = [&](const std::string& option) {
+    if (dynamics.solver.algorithm == "nlgs")
+      throw Error(fmt::format(
+          "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
+          option));
+  };
+  if (options.eta) require_effect(dynamics, "solver.eta", "--eta");
+  if (!options.subdomains.empty()) decomposed("--subdomains");
+  for (const std::string& setting : options.settings) {
+    const std::string key = setting.substr(0, setting.find('='));
+    require_effect(dynamics, key, "--set " + key);
+    if (key.rfind("partition.", 0) == 0) decomposed("--set " + key);
+  }
 }
 
 void apply(const Options& options, Case& one) {
@@ -62,7 +69,7 @@ void apply(const Options& options, Case& one) {
   set("solver.tolerance", options.tolerance);
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
-  require_effect(options, one.dynamics->solver.algorithm);
+  require_effects(options, *one.dynamics);
   check_dynamics(one);
 }
 

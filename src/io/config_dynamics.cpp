@@ -70,6 +70,16 @@ Motion read_motion(StrictTable& section) {
   return motion;
 }
 
+// A key that is given with another value than its default must have an effect; a resolved case has them all.
+template <class Parameters>
+void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters),
+                                      by_default = describe_fields(Parameters{});
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (section.has(now[k].key) && now[k].value != by_default[k].value)
+      require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key));
+}
+
 BoundaryShape read_shape(StrictTable& section) {
   std::string name;
   section.read("shape", name);
@@ -136,6 +146,8 @@ std::optional<Dynamics> read_dynamics(StrictTable& root) {
   solver.read_fields(dynamics.solver);
   check_eta(dynamics.solver.eta, solver.where("eta"));
   solver.finish();
+  require_effects(interaction, dynamics, dynamics.interaction);
+  require_effects(solver, dynamics, dynamics.solver);
   for (const StrictTable& boundary : root.tables("boundary")) {
     dynamics.boundaries.push_back(read_boundary(boundary));
     for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)

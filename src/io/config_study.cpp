@@ -132,6 +132,27 @@ void read_lead_in(StrictTable& section, StudyTable& table) {
   table.lead_in = name == "own" ? LeadInSolver::own : LeadInSolver::plain;
 }
 
+// A key that the observable does not look at would be passed over.
+void require_uses(const StrictTable& section, Observable observable) {
+  using enum Observable;
+  const bool sweeps = observable == spectral_radius || observable == observed_rate;
+  const bool spectra = sweeps || observable == optimum;
+  const std::pair<const char*, bool> uses[] = {{"epsilon", spectra},
+                                               {"eta", sweeps},
+                                               {"relaxation", sweeps},
+                                               {"gauss_seidel_sweeps", sweeps},
+                                               {"contacts", spectra || observable == links},
+                                               {"solver", spectra},
+                                               {"certify", spectra},
+                                               {"seed", observable == observed_rate},
+                                               {"steps", moves(observable)},
+                                               {"lead_in", moves(observable)}};
+  for (const auto& [key, used] : uses)
+    if (!used && section.has(key))
+      section.fail(key, "an observable with it that uses it",
+                   fmt::format("\"{}\"", observables[static_cast<std::size_t>(observable)].first));
+}
+
 // What can be told of cases that move before they are settled and run.
 void check_moving(StrictTable& section, const StudyTable& table) {
   if (!moves(table.observable)) return;
@@ -155,6 +176,7 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (table.name == "provenance")
     section.fail("name", "a name other than that of the group of origins", "'provenance'");
   table.observable = read_observable(section);
+  require_uses(section, table.observable);
   section.read("large", table.large);
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");

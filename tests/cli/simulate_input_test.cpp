@@ -28,6 +28,35 @@ std::string provenance_of(const Session& session, const std::string& file, const
 
 }  // namespace
 
+TEST_CASE("simulate: a value without effect is refused, not passed over") {
+  const MovingSession session;
+  const auto refused = [&](const std::string& options, std::initializer_list<std::string> parts) {
+    check_refused(session, "simulate shear.toml -o run.h5 " + options, parts);
+  };
+  refused("--set solver.eta=2", {"--set solver.eta: expected solver.algorithm enriched", "met generic"});
+  refused("--set solver.enrichment=first_iteration", {"--set solver.enrichment", "enriched", "met generic"});
+  refused("--set solver.interface_relaxation=0.5 --algorithm nlgs",
+          {"--set solver.interface_relaxation: expected solver.algorithm generic or enriched", "met nlgs"});
+  refused("--set partition.grid=2,2 --algorithm nlgs", {"--set partition.grid", "met nlgs"});
+  refused("--set interaction.cohesion=5", {"--set interaction.cohesion", "cohesive", "met coulomb"});
+  refused("--set interaction.boundary_friction=-0.5",
+          {"interaction.boundary_friction: expected", ">= 0", "or -1", "met -0.5"});
+  // in any order, and beside what gives it an effect
+  answer(session, "simulate shear.toml --steps 1 -o eta.h5 --set solver.eta=40 --algorithm enriched");
+  answer(session,
+         "simulate shear.toml --steps 1 -o cohesive.h5 --set interaction.cohesion=5 --set "
+         "interaction.law=cohesive --set interaction.boundary_friction=-1");
+}
+
+TEST_CASE("simulate: a case made for one algorithm can be run by another, and its trajectory read") {
+  const Session session;
+  session.file("shear.toml",
+               replaced(moving_case(), "algorithm = \"generic\"", "algorithm = \"enriched\"\neta = \"40\""));
+  answer(session, "simulate shear.toml --steps 1 --algorithm generic -o run.h5");
+  answer(session, "export run.h5 --vtk pictures");
+  answer(session, "simulate shear.toml --steps 2 --algorithm generic -o run.h5 --restart");
+}
+
 TEST_CASE("simulate: every indicator that can end the iterations is a criterion") {
   const MovingSession session;
   for (const std::string& name :
@@ -72,6 +101,7 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
   };
   refused("simulate test.toml -o run.h5 --criterion speed", {"solver.criterion", "met \"speed\""});
   refused("simulate test.toml -o run.h5 --criterion gluing --algorithm nlgs", {"solver.criterion"});
+  refused("simulate test.toml -o run.h5 --set solver.eta=2", {"--set solver.eta"});
   refused("simulate test.toml -o run.h5 --set solver.speed=2", {"solver.speed"});
   refused("simulate test.toml -o run.h5 --subdomains 100000x100000", {"partition.grid", "100000"});
   refused("simulate test.toml -o run.h5 --convergence nowhere/rows.csv", {"nowhere"});

@@ -107,6 +107,25 @@ TEST_CASE("case file: every error names file, line and key") {
   require_error("", "expected a section [packing]");
 }
 
+TEST_CASE("study file: a key that its observable does not use is refused") {
+  const CaseReader known = [](const std::string&, bool) { return testing::strip(4); };
+  const auto refused = [&](const std::string& observable, const std::string& line, const std::string& part) {
+    const std::string text =
+        "[[table]]\nname = \"t\"\ncases = \"disks4\"\nobservable = \"" + observable + "\"\n" + line + "\n";
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(parse_study(text, "s/study.toml", known), doctest::Contains(part.c_str()), Error);
+  };
+  refused(
+      "spectral_radius", "steps = 3",
+      "study.toml:5: table[0].steps: expected an observable with it that uses it, met \"spectral_radius\"");
+  refused("optimum", "lead_in = \"own\"", "table[0].lead_in");
+  refused("optimum", "eta = 1", "table[0].eta");
+  refused("runs", "epsilon = 1", "table[0].epsilon");
+  refused("grains", "contacts = \"active\"", "table[0].contacts");
+  refused("links", "epsilon = 1", "table[0].epsilon");
+  refused("spectral_radius", "seed = 2", "table[0].seed");
+}
+
 TEST_CASE("study file: read, and refused with file, line and key") {
   const CaseReader known = [](const std::string& name, bool) -> Case {
     if (name != "disks4") throw Error("no such case");

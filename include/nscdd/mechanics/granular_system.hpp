@@ -85,8 +85,9 @@ struct Interaction {
           Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
     visit("boundary_friction", self.boundary_friction,
           Field{.description = "Coulomb's coefficient at boundaries; -1: as between grains",
-                .minimum = -1,
-                .maximum = 100});
+                .minimum = 0,
+                .maximum = 100,
+                .also = -1});
     visit("restitution", self.restitution,
           Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
     visit("tangential_restitution", self.tangential_restitution,
