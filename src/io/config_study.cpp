@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "strict_toml.hpp"
 #include <nscdd/io/config.hpp>
+#include <nscdd/study/predicted_observed.hpp>
 #include <nscdd/study/values.hpp>
 
 #include <algorithm>
@@ -160,6 +161,8 @@ void check_moving(StrictTable& section, const StudyTable& table) {
     const Case one = varied_case(table, number).one;
     try {
       check_dynamics(one);
+      if (table.observable == Observable::predicted_observed)
+        require_comparable(*one.dynamics, one.partition);
     } catch (const Error& error) {
       throw Error(
           fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
