@@ -108,6 +108,11 @@ void take_up(Simulation& simulation, const std::string& path) {
   check(simulation.system, simulation.state);
 }
 
+// What a restart adds to the provenance of the run.
+std::string restart_line(const Options& options, Index steps_done) {
+  return fmt::format("from step {}: nscdd {}: {}\n", steps_done, version(), options.context.command_line);
+}
+
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome,
           const RunSummary& summary, ConvergenceTable& table) {
   if (outcome.end == RunEnd::stopped) {
@@ -167,7 +172,8 @@ int run(const Options& options) {
   const std::optional<Index> steps_done = options.restart ? std::optional<Index>(before) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
-  if (options.restart) trajectory.emplace(options.output, header.case_text, step_columns());
+  if (options.restart)
+    trajectory.emplace(options.output, header.case_text, restart_line(options, before), step_columns());
   ConvergenceTable table(options.convergence, options.force, steps_done);
   if (!options.restart)
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());

@@ -113,6 +113,22 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
   ::unsetenv("NSCDD_CACHE");
 }
 
+TEST_CASE("simulate: a trajectory keeps the command line of its start and adds those of its restarts") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
+  CHECK(provenance_of(session, "run.h5", "restarts") == "");
+  const std::string first = provenance_of(session, "run.h5", "command_line");
+  answer(session, "simulate shear.toml --steps 3 --restart -o run.h5 --threads 1");
+  answer(session, "simulate shear.toml --steps 5 --restart -o run.h5");
+  CHECK(provenance_of(session, "run.h5", "command_line") == first);
+  const std::string restarts = provenance_of(session, "run.h5", "restarts");
+  const std::string program = "nscdd " + nscdd::version() + ": ";
+  CHECK(std::count(restarts.begin(), restarts.end(), '\n') == 2);
+  CHECK(restarts.find("from step 2: " + program) == 0);
+  CHECK(restarts.find("--threads 1\nfrom step 3: " + program) != std::string::npos);
+  CHECK(restarts.find("simulate shear.toml --steps 5 --restart -o run.h5\n") != std::string::npos);
+}
+
 TEST_CASE("simulate: files of others beside the trajectory are neither replaced nor removed") {
   const MovingSession session;
   for (const std::string& name : Texts{"run.h5.next", "run.h5.previous", "run.h5.lock"}) {
