@@ -63,14 +63,16 @@ TEST_CASE(
   struct Contact {
     double friction, restitution, tangential;
   };
-  for (const auto [friction, restitution, tangential] : {Contact{0, 0, 0},
-                                                         {0.4, 0, 0},
-                                                         {1, 0, 0},
-                                                         {0, 0.5, 0},
-                                                         {0.4, 0.5, 0},
-                                                         {1, 0.5, 0},
-                                                         {0.4, 0.5, 0.5},
-                                                         {1, 0.5, 0.5}}) {
+  for (const Contact& contact : {Contact{0, 0, 0},
+                                 {0.4, 0, 0},
+                                 {1, 0, 0},
+                                 {0, 0.5, 0},
+                                 {0.4, 0.5, 0},
+                                 {1, 0.5, 0},
+                                 {0.4, 0.5, 0.5},
+                                 {1, 0.5, 0.5}}) {
+    const double friction = contact.friction, restitution = contact.restitution;
+    const double tangential = contact.tangential;
     CAPTURE(friction);
     CAPTURE(restitution);
     CAPTURE(tangential);
