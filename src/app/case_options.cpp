@@ -31,6 +31,19 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
   return velocity;
 }
 
+// A packing file, or a contact problem, in place of a case.
+Case packing_case(const std::string& path) {
+  if (!packing_format(path))
+    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
+  Case one;
+  one.name = std::filesystem::path(path).stem().string();
+  if (packing_format(path) == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
+    one.packing = ContactProblemFile{path, read_global_problem(path)};
+  else
+    one.packing = PackingFile{path, read_packing(path)};
+  return one;
+}
+
 }  // namespace
 
 Partitioner parse_subdomains(const std::string& text) {
@@ -48,17 +61,18 @@ Partitioner parse_subdomains(const std::string& text) {
   return grid;
 }
 
-Case read_any_case(const std::string& name) {
+Case read_any_case(const std::string& name, const std::function<void(Case&)>& change) {
   const std::string path = find_case(name);
-  if (std::filesystem::path(path).extension() == ".toml") return read_case_file(path);
-  if (!packing_format(path))
-    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
   Case one;
-  one.name = std::filesystem::path(path).stem().string();
-  if (packing_format(path) == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
-    one.packing = ContactProblemFile{path, read_global_problem(path)};
-  else
-    one.packing = PackingFile{path, read_packing(path)};
+  if (std::filesystem::path(path).extension() == ".toml") {
+    one = read_unsettled_case_file(path);
+    change(one);
+    if (!std::holds_alternative<SettledPacking>(one.packing)) return one;
+    one = read_case_file(path);
+  } else {
+    one = packing_case(path);
+  }
+  change(one);
   return one;
 }
 
@@ -92,7 +106,10 @@ void CaseOptions::declare(CLI::App& command) {
 }
 
 Case CaseOptions::resolve() const {
-  Case one = read_any_case(name);
+  return read_any_case(name, [this](Case& one) { apply(one); });
+}
+
+void CaseOptions::apply(Case& one) const {
   if (!subdomains.empty()) one.partition = parse_subdomains(subdomains);
   if (!prescribed.empty()) one.prescribed.clear();
   for (const std::string& text : prescribed) {
@@ -107,7 +124,6 @@ Case CaseOptions::resolve() const {
   if (tolerance) override_case(one, "contacts.tolerance", field_text(*tolerance));
   if (overlap_tolerance) override_case(one, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
   apply_settings(one, settings);
-  return one;
 }
 
 }  // namespace nscdd::app

@@ -5,15 +5,17 @@
 
 #include <CLI/CLI.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace nscdd::app {
 
-/// The case behind a name: a case file, a known case, or a packing file with everything else as by default.
-/// Throws Error for whatever cannot be used.
-Case read_any_case(const std::string& name);
+/// The case behind a name: a case file, a known case, or a packing file with everything else as by default,
+/// with what the options change. Where its packing is to be settled from another case, which may take long,
+/// `change` has refused what it refuses before. Throws Error for whatever cannot be used.
+Case read_any_case(const std::string& name, const std::function<void(Case&)>& change);
 
 /// The partitioner of --subdomains: NXxNY, or metis:N.
 Partitioner parse_subdomains(const std::string& text);
@@ -35,6 +37,9 @@ struct CaseOptions {
   /// The case with every option applied: a case file, a known case, or a packing file (one subdomain unless
   /// --subdomains says otherwise). Throws Error for whatever cannot be used.
   Case resolve() const;
+
+ private:
+  void apply(Case& one) const;
 };
 
 }  // namespace nscdd::app

@@ -14,7 +14,8 @@ namespace nscdd::app {
 /// cannot be used, for a case that is settled from itself, and for one that breaks down.
 Case read_case_file(const std::string& path);
 
-/// The same without settling anything, for a case that will not be used: two grains stand for the packing.
+/// The same without settling anything, for a case that is judged by its text or will not be used: two grains
+/// stand for the packing.
 Case read_unsettled_case_file(const std::string& path);
 
 /// Folder of the cache: $NSCDD_CACHE, else $XDG_CACHE_HOME/nscdd, else ~/.cache/nscdd; none without a home.

@@ -170,8 +170,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
-void require_same_run(const std::string& path, const TrajectoryHeader& found, const TrajectoryHeader& asked) {
-  const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(asked.case_text);
+void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text,
+                       const std::string& build) {
+  const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(case_text);
   for (std::size_t k = 0; k < std::max(had.size(), has.size()); ++k) {
     const std::string before = k < had.size() ? had[k] : "the end";
     const std::string now = k < has.size() ? has[k] : "the end";
@@ -179,12 +180,14 @@ void require_same_run(const std::string& path, const TrajectoryHeader& found, co
       throw Error(fmt::format("{}: expected the case and options of the run it holds ({}), met {}", path,
                               before, now));
   }
-  if (found.build != asked.build)
+  if (found.build != build)
     throw Error(
         fmt::format("{}: expected a trajectory of this build of the program ({}), met one of another "
                     "({}): its steps would not be those of one run",
-                    path, asked.build, found.build));
-  const GranularSystem &old = found.system, &system = asked.system;
+                    path, build, found.build));
+}
+
+void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
   if (old.radius.size() != system.radius.size())
     throw Error(fmt::format("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size()));
   for (std::size_t i = 0; i < system.radius.size(); ++i)

@@ -47,8 +47,12 @@ class RunSummary {
   StepReport last_;
 };
 
-/// Throws Error naming the first line of the case, or the disk, in which the run of a trajectory differs from
-/// the one asked for (the number of steps aside), and for a trajectory of another build of the program.
-void require_same_run(const std::string& path, const TrajectoryHeader& found, const TrajectoryHeader& asked);
+/// Throws Error naming the first line in which the case of a trajectory differs from the one asked for (the
+/// number of steps aside), and for a trajectory of another build of the program.
+void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text,
+                       const std::string& build);
+
+/// Throws Error naming the disk in which the system of a trajectory differs from the one asked for.
+void require_same_disks(const std::string& path, const GranularSystem& found, const GranularSystem& asked);
 
 }  // namespace nscdd::app

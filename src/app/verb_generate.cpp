@@ -35,15 +35,19 @@ std::optional<Case> bare_generator(const std::string& name) {
   }
 }
 
-Case resolve(const Options& options) {
-  std::optional<Case> generator = bare_generator(options.spec);
-  Case one = generator ? std::move(*generator) : read_any_case(options.spec);
+void apply(const Options& options, Case& one) {
   for (const std::string& setting : options.settings)
     if (setting.rfind("packing.", 0) != 0 && setting.rfind("masses.", 0) != 0)
       throw Error(
           fmt::format("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting));
   apply_settings(one, options.settings);
-  return one;
+}
+
+Case resolve(const Options& options) {
+  std::optional<Case> generator = bare_generator(options.spec);
+  if (!generator) return read_any_case(options.spec, [&](Case& one) { apply(options, one); });
+  apply(options, *generator);
+  return *std::move(generator);
 }
 
 PackingFormat output_format(const std::string& output) {

@@ -40,12 +40,14 @@ std::string baseline_name(const Study& study, std::size_t table) {
   return table == 0 ? "baseline.csv" : "baseline-" + study.tables[table].name + ".csv";
 }
 
-Study read_study(const std::string& folder, bool with_large) {
+// `settle`: whether packings are settled from other cases, which may take long; not those of tables that are
+// left out.
+Study read_study(const std::string& folder, bool with_large, bool settle) {
   const std::string file = (fs::path(folder) / "study.toml").string();
   return parse_study(read_text(file), file, [&](const std::string& name, bool large) {
     const fs::path beside = fs::path(folder) / name;  // a case file of the study's own
     const std::string path = fs::exists(beside) ? beside.string() : find_case(name);
-    return large && !with_large ? read_unsettled_case_file(path) : read_case_file(path);
+    return !settle || (large && !with_large) ? read_unsettled_case_file(path) : read_case_file(path);
   });
 }
 
@@ -164,7 +166,8 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
-  Study study = read_study(folder, options.large);
+  read_study(folder, options.large, false);  // what it refuses is refused before anything is settled
+  Study study = read_study(folder, options.large, true);
   if (!options.large) leave_out_large(study);
   if (options.check) require_baselines(study, folder);
   const Outputs outputs = prepare(study, options);

@@ -34,17 +34,23 @@ struct Options {
 };
 
 // What is asked for on the command line must not be passed over in silence.
-void require_effect(const Options& options, const std::string& algorithm) {
-  if (options.eta && algorithm != "enriched")
-    throw Error(fmt::format("--eta: expected --algorithm enriched with it, met {}", algorithm));
-  if (!options.subdomains.empty() && algorithm == "nlgs")
-    throw Error(
-        "--subdomains: expected --algorithm generic or enriched with it, met nlgs, which does not "
-        "decompose");
+void require_effects(const Options& options, const Dynamics& dynamics) {
+  const auto decomposed = [&](const std::string& option) {
+    if (dynamics.solver.algorithm == "nlgs")
+      throw Error(fmt::format(
+          "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
+          option));
+  };
+  if (options.eta) require_effect(dynamics, "solver.eta", "--eta");
+  if (!options.subdomains.empty()) decomposed("--subdomains");
+  for (const std::string& setting : options.settings) {
+    const std::string key = setting.substr(0, setting.find('='));
+    require_effect(dynamics, key, "--set " + key);
+    if (key.rfind("partition.", 0) == 0) decomposed("--set " + key);
+  }
 }
 
-Case resolve(const Options& options) {
-  Case one = read_any_case(options.name);
+void apply(const Options& options, Case& one) {
   if (!one.dynamics)
     throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
   if (!options.subdomains.empty()) one.partition = parse_subdomains(options.subdomains);
@@ -63,8 +69,8 @@ Case resolve(const Options& options) {
   set("solver.tolerance", options.tolerance);
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
-  require_effect(options, one.dynamics->solver.algorithm);
-  return one;
+  require_effects(options, *one.dynamics);
+  check_dynamics(one);
 }
 
 void check_names(const Options& options) {
@@ -72,7 +78,9 @@ void check_names(const Options& options) {
   if (!options.convergence.empty()) require_distinct(options.output, options.convergence);
   if (options.restart && options.force)
     throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
-  if (!options.restart) require_writable(options.output, options.force);
+  if (options.restart) return;
+  require_writable(options.output, options.force);
+  if (!options.convergence.empty()) require_writable(options.convergence, options.force);
 }
 
 // After each step of the run in a file.
@@ -82,14 +90,27 @@ std::vector<double> speeds_of(const std::string& path, const GranularSystem& sys
   return speeds;
 }
 
-// The state to go on from: that of the file, of the same run.
-void take_up(Simulation& simulation, const std::string& path, const TrajectoryHeader& header) {
-  require_same_run(path, read_trajectory_header(path), header);
+// Whether the run in the file is the one asked for, before its grains are known.
+void check_restart(const Options& options, const Case& one) {
+  const std::string& path = options.output;
+  require_same_case(path, read_trajectory_header(path), to_toml(one), build_fingerprint());
+  const Index done = read_last_step(path).state.step, steps = one.dynamics->time.steps;
+  if (done > steps)
+    throw Error(
+        fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
+  require_table_to_go_on(options.convergence, done);
+}
+
+// The state to go on from: that of the file.
+void take_up(Simulation& simulation, const std::string& path) {
+  require_same_disks(path, read_trajectory_header(path).system, simulation.system);
   simulation.state = read_last_step(path).state;
   check(simulation.system, simulation.state);
-  if (simulation.state.step > simulation.dynamics.time.steps)
-    throw Error(fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path,
-                            simulation.state.step, simulation.dynamics.time.steps));
+}
+
+// What a restart adds to the provenance of the run.
+std::string restart_line(const Options& options, Index steps_done) {
+  return fmt::format("from step {}: nscdd {}: {}\n", steps_done, version(), options.context.command_line);
 }
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome,
@@ -135,24 +156,24 @@ void check_partition(const Simulation& simulation) {
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
-  const Case one = resolve(options);
-  require_no_input(options, one);
+  const Case one = read_any_case(options.name, [&](Case& read) {
+    apply(options, read);
+    require_no_input(options, read);
+    if (options.restart) check_restart(options, read);
+  });
   Simulation simulation = simulation_of(one);
   check_partition(simulation);
   const TrajectoryHeader header{to_toml(one), build_fingerprint(), provenance(options.context, {one}),
                                 simulation.system};
-  if (options.restart) take_up(simulation, options.output, header);
+  if (options.restart) take_up(simulation, options.output);
   const Index before = simulation.state.step;
   const std::vector<double> speeds =
       options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
-  std::optional<Index> steps_done;
-  if (options.restart) {
-    steps_done = before;
-    require_table_to_go_on(options.convergence, before);
-  }
+  const std::optional<Index> steps_done = options.restart ? std::optional<Index>(before) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
-  if (options.restart) trajectory.emplace(options.output, header.case_text, step_columns());
+  if (options.restart)
+    trajectory.emplace(options.output, header.case_text, restart_line(options, before), step_columns());
   ConvergenceTable table(options.convergence, options.force, steps_done);
   if (!options.restart)
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
@@ -179,7 +200,8 @@ void declare_solver(CLI::App& command, Options& options) {
   command.add_option("--eta", options.eta,
                      "flexibility of the enriched Stage 2, 1/kg, or optimal: solver.eta");
   command.add_option("--criterion", options.criterion,
-                     "zeta, interface_change, natural_map, quad_dv or none: solver.criterion");
+                     "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none: "
+                     "solver.criterion");
   command.add_option("--tolerance", options.tolerance, "of the criterion: solver.tolerance");
   command.add_option("--iterations", options.iterations, "of a step at the most: solver.maximum_iterations");
 }

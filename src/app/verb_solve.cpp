@@ -54,9 +54,9 @@ LocalFrictionProblem local_problem(const FclibFile& file, const std::string& nam
 
 Vector starting_impulses(const FclibFile& file, const Options& options) {
   if (options.guess == 0) return {};
-  if (options.guess > count(file.guesses))
-    throw Error(fmt::format("--guess: expected one of the {} guesses of {}, met {}", file.guesses.size(),
-                            options.file, options.guess));
+  if (options.guess < 0 || options.guess > count(file.guesses))
+    throw Error(fmt::format("--guess: expected one of the {} guesses of {}, or 0 for none, met {}",
+                            file.guesses.size(), options.file, options.guess));
   return file.guesses[at(options.guess - 1)].r;
 }
 
@@ -176,7 +176,6 @@ std::function<int()> declare_solve(CLI::App& command, const Context& context) {
       ->capture_default_str();
   command
       .add_option("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command.add_option("--convergence", options->convergence,
                      "write one row per residual there, as CSV, each when it is known");

@@ -106,12 +106,13 @@ std::string_view field_type(const std::array<Index, 2>&) { return "pair of integ
 
 void check_bounds(double value, const Field& field, std::string_view key) {
   const bool low = field.minimum_excluded ? value <= field.minimum : value < field.minimum;
-  if (std::isfinite(value) && !low && value <= field.maximum) return;
+  if ((std::isfinite(value) && !low && value <= field.maximum) || value == field.also) return;
   std::string expected = "a finite number";
   if (field.minimum > -infinity)
     expected += fmt::format(" {} {}", field.minimum_excluded ? ">" : ">=", field.minimum);
   if (field.maximum < infinity)
     expected += fmt::format("{} <= {}", field.minimum > -infinity ? " and" : "", field.maximum);
+  if (!std::isnan(field.also)) expected += fmt::format(", or {}", field.also);
   throw Error(fmt::format("{}: expected {}, met {}", key, expected, value));
 }
 void check_bounds(Index value, const Field& field, std::string_view key) {

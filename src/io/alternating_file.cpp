@@ -8,9 +8,11 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 
 namespace nscdd {
 namespace {
@@ -35,6 +37,22 @@ bool is_read(const std::string& path) {
   return read;
 }
 
+// What a lock of this program holds, by which it is told from a file of somebody else's.
+constexpr std::string_view mark = "lock of a trajectory that nscdd writes\n";
+
+[[noreturn]] void refuse_foreign(const std::string& path, const std::string& name) {
+  throw Error(
+      fmt::format("{}: expected no such file, or one that a run of nscdd into {} left, met another; "
+                  "move it away",
+                  name, path));
+}
+
+std::string content_of(int descriptor) {
+  std::string text(mark.size() + 1, '\0');
+  const ssize_t length = ::pread(descriptor, text.data(), text.size(), 0);
+  return text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
+}
+
 }  // namespace
 
 AlternatingFile::AlternatingFile(std::string path)
@@ -42,14 +60,34 @@ AlternatingFile::AlternatingFile(std::string path)
       spare_(path_ + ".next"),
       previous_(path_ + ".previous"),
       lock_(path_ + ".lock") {
-  lock_descriptor_ = ::open(lock_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  lock_descriptor_ = ::open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock_descriptor_ < 0) refuse(path_, "be opened for writing", std::strerror(errno));
-  if (::flock(lock_descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+  try {
+    take_lock();
+  } catch (...) {
     ::close(lock_descriptor_);
-    throw Error(fmt::format("{}: is being written by another run", path_));
+    throw;
   }
-  remove(spare_);
-  remove(previous_);
+}
+
+// A run that was killed leaves its lock, and only beside that are the other names its own: they are made
+// after the lock and go before it. An empty one was cut off before it was marked, or is of no worth.
+void AlternatingFile::take_lock() const {
+  if (::flock(lock_descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    throw Error(fmt::format("{}: is being written by another run", path_));
+  const std::string content = content_of(lock_descriptor_);
+  if (!content.empty() && content != mark) refuse_foreign(path_, lock_);
+  for (const std::string& name : {spare_, previous_}) {
+    std::error_code ignored;
+    if (content == mark)
+      remove(name);
+    else if (fs::exists(fs::symlink_status(name, ignored))) {
+      remove(lock_);
+      refuse_foreign(path_, name);
+    }
+  }
+  if (content.empty() && ::pwrite(lock_descriptor_, mark.data(), mark.size(), 0) != std::ssize(mark))
+    refuse(lock_, "be written", std::strerror(errno));
 }
 
 AlternatingFile::~AlternatingFile() {

@@ -17,7 +17,8 @@ class AlternatingFile {
   /// Changes the file of the given name; must leave it closed.
   using Change = std::function<void(const std::string& path)>;
 
-  /// Takes the lock; leftovers of a run that was killed are removed, `path` is left as it is.
+  /// Takes the lock; leftovers of a run that was killed are removed, `path` is left as it is. Throws Error
+  /// naming a file of one of these names that no run left.
   explicit AlternatingFile(std::string path);
   ~AlternatingFile();  ///< `path` stays with its last complete change
   AlternatingFile(const AlternatingFile&) = delete;
@@ -27,6 +28,7 @@ class AlternatingFile {
   void change(Change change);
 
  private:
+  void take_lock() const;
   void copy_to_spare() const;
   void swap();
   std::string path_, spare_, previous_, lock_;

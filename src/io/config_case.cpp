@@ -155,6 +155,7 @@ Case parse_case(std::string_view text, const std::string& file, const PackingRea
   StrictTable root(document, file, "");
   Case one;
   one.name = std::filesystem::path(file).stem().string();
+  one.source = file;
   root.read("title", one.title);
   if (root.has("problem")) {
     // The sections of packings are unknown keys then, and named as such.

@@ -44,8 +44,7 @@ void read_motion_table(StrictTable& section, Motion& motion) {
 }
 
 void check_finite(StrictTable& section, const char* key, const auto& value) {
-  check_bounds(value, Field{.description = ""},
-               fmt::format("{}: {}", section.location(section.node(key)), section.key_path(key)));
+  check_bounds(value, Field{.description = ""}, section.where(key));
 }
 
 Motion read_motion(StrictTable& section) {
@@ -69,6 +68,16 @@ Motion read_motion(StrictTable& section) {
   if (uniform) section.fail("motion", "either motion = ... or velocity and spin", "both");
   read_motion_table(section, motion);
   return motion;
+}
+
+// A key that is given with another value than its default must have an effect; a resolved case has them all.
+template <class Parameters>
+void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters),
+                                      by_default = describe_fields(Parameters{});
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (section.has(now[k].key) && now[k].value != by_default[k].value)
+      require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key));
 }
 
 BoundaryShape read_shape(StrictTable& section) {
@@ -104,15 +113,17 @@ BoundarySpec read_boundary(StrictTable section) {
     require_keys(section, {"radius"});
     section.read("radius", spec.radius);
     section.read("spacing", spec.spacing);
-    const auto where = [&](const char* key) {
-      return fmt::format("{}: {}", section.location(section.node(key)), section.key_path(key));
-    };
     check_bounds(spec.radius, Field{.description = "", .minimum = 0, .minimum_excluded = true},
-                 where("radius"));
-    check_bounds(spec.spacing, Field{.description = "", .minimum = 0}, where("spacing"));
+                 section.where("radius"));
+    check_bounds(spec.spacing, Field{.description = "", .minimum = 0}, section.where("spacing"));
   }
   spec.motion = read_motion(section);
   section.finish();
+  try {
+    check(spec);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", section.location(nullptr), error.what()));
+  }
   return spec;
 }
 
@@ -133,9 +144,10 @@ std::optional<Dynamics> read_dynamics(StrictTable& root) {
   time.finish();
   StrictTable solver = root.section("solver", false);
   solver.read_fields(dynamics.solver);
-  check_eta(dynamics.solver.eta,
-            fmt::format("{}: {}", solver.location(solver.node("eta")), solver.key_path("eta")));
+  check_eta(dynamics.solver.eta, solver.where("eta"));
   solver.finish();
+  require_effects(interaction, dynamics, dynamics.interaction);
+  require_effects(solver, dynamics, dynamics.solver);
   for (const StrictTable& boundary : root.tables("boundary")) {
     dynamics.boundaries.push_back(read_boundary(boundary));
     for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "strict_toml.hpp"
 #include <nscdd/io/config.hpp>
+#include <nscdd/study/predicted_observed.hpp>
 #include <nscdd/study/values.hpp>
 
 #include <algorithm>
@@ -132,6 +133,43 @@ void read_lead_in(StrictTable& section, StudyTable& table) {
   table.lead_in = name == "own" ? LeadInSolver::own : LeadInSolver::plain;
 }
 
+// A key that the observable does not look at would be passed over.
+void require_uses(const StrictTable& section, Observable observable) {
+  using enum Observable;
+  const bool sweeps = observable == spectral_radius || observable == observed_rate;
+  const bool spectra = sweeps || observable == optimum;
+  const std::pair<const char*, bool> uses[] = {{"epsilon", spectra},
+                                               {"eta", sweeps},
+                                               {"relaxation", sweeps},
+                                               {"gauss_seidel_sweeps", sweeps},
+                                               {"contacts", spectra || observable == links},
+                                               {"solver", spectra},
+                                               {"certify", spectra},
+                                               {"seed", observable == observed_rate},
+                                               {"steps", moves(observable)},
+                                               {"lead_in", moves(observable)}};
+  for (const auto& [key, used] : uses)
+    if (!used && section.has(key))
+      section.fail(key, "an observable with it that uses it",
+                   fmt::format("\"{}\"", observables[static_cast<std::size_t>(observable)].first));
+}
+
+// What can be told of cases that move before they are settled and run.
+void check_moving(StrictTable& section, const StudyTable& table) {
+  if (!moves(table.observable)) return;
+  for (Index number = 0; number < varied_case_count(table); ++number) {
+    const Case one = varied_case(table, number).one;
+    try {
+      check_dynamics(one);
+      if (table.observable == Observable::predicted_observed)
+        require_comparable(*one.dynamics, one.partition);
+    } catch (const Error& error) {
+      throw Error(
+          fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
+    }
+  }
+}
+
 StudyTable read_table(StrictTable section, const CaseReader& read) {
   StudyTable table;
   section.read("name", table.name);
@@ -141,6 +179,7 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (table.name == "provenance")
     section.fail("name", "a name other than that of the group of origins", "'provenance'");
   table.observable = read_observable(section);
+  require_uses(section, table.observable);
   section.read("large", table.large);
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");
@@ -151,6 +190,7 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
           fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
     }
   read_vary(section, table);
+  check_moving(section, table);
   read_spec(section, "epsilon", table.sweep.epsilon, parse_epsilon);
   read_spec(section, "eta", table.sweep.eta, parse_eta);
   read_spec(section, "relaxation", table.sweep.relaxation, parse_relaxation);

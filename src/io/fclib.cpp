@@ -219,7 +219,7 @@ FclibSolution read_solution(const Group& group, std::array<Index, 2> expected) {
 }
 
 std::vector<FclibSolution> read_guesses(const Group& group, std::array<Index, 2> expected) {
-  const std::int64_t number = group.integer("number_of_guesses");
+  const std::int64_t number = size_of(group, "number_of_guesses");
   std::vector<FclibSolution> guesses;
   for (std::int64_t k = 1; k <= number; ++k)
     guesses.push_back(read_solution(Group(group, std::to_string(k)), expected));

@@ -122,6 +122,11 @@ class StrictTable {
     return line > 0 ? fmt::format("{}:{}", file_, line) : file_;
   }
 
+  /// "file:line: key", for errors that others throw.
+  std::string where(std::string_view key) const {
+    return fmt::format("{}: {}", location(table_->get(key)), key_path(key));
+  }
+
   static std::string describe(const toml::node& found) {
     std::ostringstream text;
     text << std::boolalpha;

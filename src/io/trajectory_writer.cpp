@@ -80,6 +80,17 @@ void keep_step(hid_t file, const TrajectoryStep& step) {
   put_step(open_or_make_group(steps, step_name(step.state.step)), step, 0);
 }
 
+// The line joins those of earlier restarts; what began the run stays as it was.
+void add_restart(hid_t file, const std::string& name, const std::string& line) {
+  const Handle origin = open_or_make_group(file, "provenance");
+  std::string lines;
+  if (has_link(origin, "restarts")) {
+    lines = get_text(origin, "restarts", name);
+    H5Ldelete(origin, "restarts", H5P_DEFAULT);
+  }
+  put_text(origin, "restarts", lines + line);
+}
+
 // Changes a file that is there, closed behind it.
 template <class Change>
 void change_file(const std::string& name, Change&& change) {
@@ -139,12 +150,13 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
 }
 
 TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::string& case_text,
-                                   const std::vector<Column>& summary_columns)
+                                   const std::string& restart, const std::vector<Column>& summary_columns)
     : implementation_(new Implementation{path, AlternatingFile(path), summary_columns}) {
-  implementation_->file.change([case_text](const std::string& name) {
+  implementation_->file.change([case_text, restart](const std::string& name) {
     change_file(name, [&](hid_t file) {
       H5Ldelete(file, "case", H5P_DEFAULT);
       put_text(file, "case", case_text);
+      add_restart(file, name, restart);
       put_attribute(file, "ended", std::string("running"));
     });
   });

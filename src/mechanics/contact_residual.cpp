@@ -67,7 +67,7 @@ double ContactResidual::quad_dv() const {
   return violation == 0 ? 0.0 : std::sqrt(violation / scale_velocity);
 }
 
-double ContactResidual::mean_dv_over_r() const { return scale_work > 0 ? work / scale_work : 0.0; }
+double ContactResidual::mean_dv_over_r() const { return work == 0 ? 0.0 : work / scale_work; }
 
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
                                  std::span<const DiskVelocity> v) {

@@ -20,6 +20,15 @@ GranularState initial_state(const GranularSystem& system, std::vector<double> x,
   return state;
 }
 
+std::string body_name(const GranularSystem& system, Index body) {
+  if (body >= system.disks())
+    return fmt::format("the wall of boundary '{}'",
+                       system.boundaries[at(system.walls[at(body - system.disks())].boundary)].name);
+  if (system.free(body)) return fmt::format("disk {}", body);
+  return fmt::format("disk {} of boundary '{}'", body,
+                     system.boundaries[at(system.driven_by[at(body)])].name);
+}
+
 void check(const GranularSystem& system, const GranularState& state) {
   const auto n = at(system.disks());
   for (const auto* field :

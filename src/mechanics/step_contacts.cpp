@@ -58,7 +58,8 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);
     if (!(distance > 0))
-      throw Error(fmt::format("disks {} and {}: expected distinct centres, met one", a, b));
+      throw Error(fmt::format("{} and {}: expected distinct centres, met one", body_name(system, a),
+                              body_name(system, b)));
     StepContact c{.a = a, .b = b, .normal = {dx / distance, dy / distance}, .gap = distance - touch};
     const double closing =
         c.normal[0] * (free[at(b)].x - free[at(a)].x) + c.normal[1] * (free[at(b)].y - free[at(a)].y);

@@ -43,14 +43,14 @@ void check_moves(const GranularSystem& system, const GranularState& state, const
                  double h) {
   for (Index i = 0; i < system.disks(); ++i) {
     if (!std::isfinite(state.x[at(i)]) || !std::isfinite(state.y[at(i)]))
-      throw Error(fmt::format("disk {}: expected a finite position, met ({}, {}) m", i, state.x[at(i)],
-                              state.y[at(i)]));
+      throw Error(fmt::format("{}: expected a finite position, met ({}, {}) m", body_name(system, i),
+                              state.x[at(i)], state.y[at(i)]));
     const double move = h * std::hypot(v[at(i)].x, v[at(i)].y);
     if (!(move <= largest_move * system.radius[at(i)]) || !std::isfinite(v[at(i)].rim))
       throw Error(
-          fmt::format("disk {}: expected to move by at most {} of its radii in a step, met a velocity of "
+          fmt::format("{}: expected to move by at most {} of its radii in a step, met a velocity of "
                       "({}, {}) m/s and a step of {} s",
-                      i, largest_move, v[at(i)].x, v[at(i)].y, h));
+                      body_name(system, i), largest_move, v[at(i)].x, v[at(i)].y, h));
   }
 }
 
@@ -138,9 +138,8 @@ void check_overlaps(const GranularSystem& system, const StepProblem& problem, do
     const double radius =
         wall ? system.radius[at(c.a)] : std::min(system.radius[at(c.a)], system.radius[at(c.b)]);
     if (c.gap < -largest * radius)
-      throw Error(
-          fmt::format("disk {} and {} {}: expected an overlap of at most {} of the smaller radius, met {} m",
-                      c.a, wall ? "wall" : "disk", wall ? c.b - system.disks() : c.b, largest, -c.gap));
+      throw Error(fmt::format("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m",
+                              body_name(system, c.a), body_name(system, c.b), largest, -c.gap));
   }
 }
 

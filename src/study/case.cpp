@@ -203,27 +203,42 @@ void check_first_step(const Simulation& simulation) {
   check_overlaps(simulation.system, first, largest_overlap);
 }
 
-}  // namespace
-
-Simulation simulation_of(const Case& one, const Monitor& monitor) {
-  if (!one.dynamics)
-    throw Error(
-        fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
-  const Packing packing = with_masses(packing_of(one, monitor), one.masses);
-  GranularScene start = scene(packing, *one.dynamics);
-  // What arrives in the linear study starts with that velocity here.
+// What arrives in the linear study starts with that velocity here.
+void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   ContactNetwork none;
   none.grains = packing.size();
-  const Vector v =
-      assemble(packing, none, numbered(one.prescribed, packing.size()), one.loads).arriving_velocity;
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.prescribed, packing.size());
+  for (std::size_t k = 0; k < prescribed.size(); ++k)
+    if (const Index grain = prescribed[k].grain; !start.system.free(grain))
+      throw Error(fmt::format("prescribed[{}].grain: expected a free grain, met {}", k,
+                              body_name(start.system, grain)));
+  const Vector v = assemble(packing, none, prescribed, one.loads).arriving_velocity;
   for (Index i = 0; i < packing.size(); ++i) {
     if (!start.system.free(i)) continue;
     start.state.velocity_x[at(i)] = v[2 * i];
     start.state.velocity_y[at(i)] = v[2 * i + 1];
   }
+}
+
+Simulation unnamed_simulation_of(const Case& one, const Monitor& monitor) {
+  check_dynamics(one);
+  const Packing packing = with_masses(packing_of(one, monitor), one.masses);
+  GranularScene start = scene(packing, *one.dynamics);
+  set_moving(one, packing, start);
   Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
   check_first_step(simulation);
   return simulation;
+}
+
+}  // namespace
+
+Simulation simulation_of(const Case& one, const Monitor& monitor) {
+  try {
+    return unnamed_simulation_of(one, monitor);
+  } catch (const Error& error) {
+    if (one.source.empty()) throw;
+    throw Error(fmt::format("{}: {}", one.source, error.what()));
+  }
 }
 
 Model build(const Case& one, const Monitor& monitor) {

@@ -10,11 +10,7 @@ namespace nscdd {
 namespace {
 
 double length_of(const BoundarySpec& spec) {
-  const double length = std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]);
-  if (!(length > 0) || !std::isfinite(length))
-    throw Error(fmt::format("boundary '{}': expected distinct ends, met ({}, {}) and ({}, {})", spec.name,
-                            spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
-  return length;
+  return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]);
 }
 
 void add_wall(GranularSystem& system, const BoundarySpec& spec, Index boundary) {
@@ -28,16 +24,9 @@ void add_wall(GranularSystem& system, const BoundarySpec& spec, Index boundary) 
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y,
                const BoundarySpec& spec, Index boundary) {
   const double length = length_of(spec);
-  if (!(spec.radius > 0))
-    throw Error(
-        fmt::format("boundary '{}': expected a radius > 0 of its disks, met {}", spec.name, spec.radius));
-  const double spacing = spec.spacing > 0 ? spec.spacing : 2 * spec.radius;
-  constexpr double most = 1e7;
-  if (!(length / spacing < most))
-    throw Error(fmt::format("boundary '{}': expected at most {} disks, met {} m in steps of {} m", spec.name,
-                            most, length, spacing));
   // As many gaps as keep them no wider than asked for, rounding of the last one aside.
-  const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spacing * (1 - 1e-12))));
+  const Index gaps =
+      std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {
     const double s = static_cast<double>(k) / static_cast<double>(gaps);
     x.push_back(spec.from[0] + s * (spec.to[0] - spec.from[0]));
@@ -52,14 +41,15 @@ void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index bounda
   const Index first = spec.first < 0 ? spec.first + grains : spec.first;
   const Index last = spec.last < 0 ? spec.last + grains : spec.last;
   if (first < 0 || last >= grains || first > last)
-    throw Error(
-        fmt::format("boundary '{}': expected grains first <= last in 0..{} (or negative, from the end), "
-                    "met {} and {}",
-                    spec.name, grains - 1, spec.first, spec.last));
+    throw Error(fmt::format(
+        "boundary '{}': first, last: expected grains first <= last in 0..{} (or negative, from the end), "
+        "met {} and {}",
+        spec.name, grains - 1, spec.first, spec.last));
   for (Index i = first; i <= last; ++i) {
     if (system.driven_by[at(i)] >= 0)
-      throw Error(fmt::format("boundary '{}': expected grains driven once, met grain {} of boundary '{}'",
-                              spec.name, i, system.boundaries[at(system.driven_by[at(i)])].name));
+      throw Error(fmt::format(
+          "boundary '{}': first, last: expected grains driven once, met grain {} of boundary '{}'", spec.name,
+          i, system.boundaries[at(system.driven_by[at(i)])].name));
     system.driven_by[at(i)] = boundary;
   }
 }
@@ -75,6 +65,7 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
   system.driven_by.assign(packing.radius.size(), -1);
   std::vector<double> x = packing.x, y = packing.y;
   for (const BoundarySpec& spec : dynamics.boundaries) {
+    check(spec);
     const Index boundary = count(system.boundaries);
     system.boundaries.push_back({spec.name, spec.motion});
     switch (spec.shape) {

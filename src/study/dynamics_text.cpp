@@ -28,6 +28,20 @@ std::string motion_lines(const Motion& motion) {
   return text + "]\n";
 }
 
+// What has no effect is written with its default: equal runs have equal texts, and they read back.
+template <class Parameters>
+std::string effective_lines(const Dynamics& dynamics, std::string_view section,
+                            const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters),
+                                      by_default = describe_fields(Parameters{});
+  std::string lines;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const bool effective = has_effect(dynamics, fmt::format("{}.{}", section, now[k].key));
+    lines += fmt::format("{} = {}\n", now[k].key, effective ? now[k].value : by_default[k].value);
+  }
+  return lines;
+}
+
 std::string boundary_lines(const BoundarySpec& spec) {
   std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
   if (spec.shape == BoundaryShape::grains) {
@@ -55,9 +69,9 @@ std::string_view to_string(BoundaryShape shape) {
 }
 
 std::string to_toml(const Dynamics& dynamics) {
-  std::string text = "\n[interaction]\n" + field_lines(dynamics.interaction);
+  std::string text = "\n[interaction]\n" + effective_lines(dynamics, "interaction", dynamics.interaction);
   text += "\n[dynamics]\n" + field_lines(dynamics.time);
-  text += "\n[solver]\n" + field_lines(dynamics.solver);
+  text += "\n[solver]\n" + effective_lines(dynamics, "solver", dynamics.solver);
   for (const BoundarySpec& spec : dynamics.boundaries) text += "\n[[boundary]]\n" + boundary_lines(spec);
   return text;
 }

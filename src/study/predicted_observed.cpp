@@ -84,18 +84,6 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   result.last = stretch.first + count(stretch.second_changes) - 1;
 }
 
-void require_comparable(const Dynamics& dynamics) {
-  const auto expect = [](bool right, const char* key, const std::string& expected) {
-    if (!right)
-      throw Error(fmt::format("{}: expected {} for a rate that is predicted, met another", key, expected));
-  };
-  expect(dynamics.solver.interface_method == "richardson", "solver.interface_method", "richardson");
-  expect(dynamics.solver.enrichment == "every_iteration", "solver.enrichment", "every_iteration");
-  expect(dynamics.solver.contact_relaxation == 1, "solver.contact_relaxation", "1");
-  expect(opens(contact_law(dynamics.interaction, dynamics.time.step)), "interaction.law",
-         "a law with open contacts");
-}
-
 void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>& statuses) {
   for (const ContactStatus status : statuses) {
     result.active += status != ContactStatus::open;
@@ -112,8 +100,25 @@ bool PredictedObserved::agree() const {
   return relative_gap() <= 0.01 || std::abs(observed - predicted) <= 3 * observed_error;
 }
 
+void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
+  const StepSolver& solver = dynamics.solver;
+  const auto expect = [](bool right, const char* key, const char* expected, const std::string& met) {
+    if (!right)
+      throw Error(fmt::format("{}: expected {} for a rate that is predicted, met {}", key, expected, met));
+  };
+  expect(solver.algorithm != "nlgs", "solver.algorithm", "generic or enriched", solver.algorithm);
+  expect(subdomains(partitioner) > 1, "partition", "two subdomains or more", "one");
+  expect(solver.interface_method == "richardson", "solver.interface_method", "richardson",
+         solver.interface_method);
+  expect(solver.enrichment == "every_iteration", "solver.enrichment", "every_iteration", solver.enrichment);
+  expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1",
+         field_text(solver.contact_relaxation));
+  expect(opens(contact_law(dynamics.interaction, dynamics.time.step)), "interaction.law",
+         "a law with open contacts", dynamics.interaction.law);
+}
+
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {
-  require_comparable(simulation.dynamics);
+  require_comparable(simulation.dynamics, simulation.partitioner);
   const StepSolver& solver = simulation.dynamics.solver;
   PreparedStep step = prepare_solution(simulation);
   const GranularDecomposition parts = step.iteration.parts();

@@ -27,12 +27,14 @@ constexpr double explosion = 1e6;
 double criterion_value(const std::string& criterion, const IterationRecord& record,
                        const ContactResidual& residual) {
   if (criterion == "zeta") return record.zeta;
-  // Where F did not change (no interface, or one that is left alone) it cannot tell that the iterations
-  // ended.
+  // Where F did not change (no interface, or one that is left alone), or nothing jumps, they cannot tell that
+  // the iterations ended.
   if (criterion == "interface_change")
     return record.interface_change == 0 ? record.zeta : record.interface_change;
+  if (criterion == "gluing") return record.gluing == 0 ? record.zeta : record.gluing;
   if (criterion == "natural_map") return residual.relative_natural_map();
   if (criterion == "quad_dv") return residual.quad_dv();
+  if (criterion == "mean_dv_over_r") return std::abs(residual.mean_dv_over_r());
   return infinity;  // none: as many iterations as allowed
 }
 
@@ -96,7 +98,7 @@ std::string_view to_string(SolverStatus status) {
 }
 
 bool needs_residual(const std::string& criterion) {
-  return criterion == "natural_map" || criterion == "quad_dv";
+  return criterion == "natural_map" || criterion == "quad_dv" || criterion == "mean_dv_over_r";
 }
 
 IterationWatch::IterationWatch(const StepSolver& solver) : solver_(solver) {}

@@ -118,12 +118,7 @@ Partition fresh_partition(const Simulation& simulation, const StepProblem& probl
 // Known contacts stay where they were; a new one goes to the subdomain of a known one that shares a free
 // disk.
 Partition kept_partition(const Simulation& simulation, const StepProblem& problem) {
-  Partition partition = {.subdomains = 1, .subdomain_of_contact = {}};
-  if (const auto* metis = std::get_if<MetisPartitioner>(&simulation.partitioner))
-    partition.subdomains = metis->metis;
-  else
-    partition.subdomains = std::get<GridPartitioner>(simulation.partitioner).grid[0] *
-                           std::get<GridPartitioner>(simulation.partitioner).grid[1];
+  Partition partition = {.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};
   const auto& known = simulation.state.subdomains;
   std::vector<Index> of_disk(problem.free.size(), -1);
   for (const RememberedSubdomain& one : known)

@@ -88,6 +88,12 @@ TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
   CHECK(value(rest, "status") == "converged");
   CHECK(value(answer(session, "solve some.hdf5 --guess 1 --tolerance 1e30"), "sweeps") == "0");
   check_refused(session, "solve some.hdf5 --guess 2", {"--guess", "expected one of the 1 guesses", "met 2"});
+  check_refused(session, "solve some.hdf5 --guess -1", {"--guess", "or 0 for none, met -1\n"});
+  RawFclib raw = raw_global(box());
+  raw.integers["guesses/number_of_guesses"] = {-5};
+  session.file("less.hdf5", raw.bytes());
+  check_refused(session, "solve less.hdf5",
+                {"guesses/number_of_guesses", "expected a number from 0", "met -5"});
 }
 
 TEST_CASE("solve: bad input is refused, and nothing is overwritten") {

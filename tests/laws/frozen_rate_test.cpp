@@ -183,4 +183,12 @@ TEST_CASE("a rate is not predicted for iterations that are not the frozen one") 
   simulation.dynamics.solver.interface_method = "richardson";
   simulation.dynamics.solver.contact_relaxation = 1.2;
   CHECK_THROWS_WITH_AS(predicted_observed(simulation), doctest::Contains("contact_relaxation"), Error);
+  simulation.dynamics.solver.contact_relaxation = 1;
+  simulation.dynamics.solver.algorithm = "nlgs";
+  CHECK_THROWS_WITH_AS(predicted_observed(simulation),
+                       doctest::Contains("solver.algorithm: expected generic or enriched for a rate that is "
+                                         "predicted, met nlgs"),
+                       Error);
+  simulation = sheared_box(20, {1, 1});
+  CHECK_THROWS_WITH_AS(predicted_observed(simulation), doctest::Contains("two subdomains or more"), Error);
 }

@@ -52,6 +52,7 @@ TEST_CASE("moving case: written and read back it is the same case") {
                    "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
                    "velocity = [0.1, -1e-9]\n");
   one.dynamics->time.rest_speed = 1.0 / 3;
+  one.dynamics->solver.algorithm = "enriched";
   one.dynamics->solver.eta = "optimal";
   const Case back = parse(to_toml(one));
   CHECK(to_toml(back) == to_toml(one));
@@ -79,6 +80,27 @@ TEST_CASE("moving case: every error names file, line and key") {
   require_error(replaced(good, "warm_start = true", "eta = \"0\""), "c.toml:18: solver.eta");
   require_error(replaced(good, "[dynamics]\nstep = 0.005\nsteps = 20\n", ""),
                 "c.toml:11: interaction: expected a section [dynamics] with it, met none");
+}
+
+TEST_CASE("moving case: a value without effect is refused, and written as its default") {
+  const std::string good = moving_case();
+  require_error(replaced(good, "warm_start = true", "eta = \"3\""),
+                "c.toml:18: solver.eta: expected solver.algorithm enriched with it, met generic");
+  require_error(replaced(good, "warm_start = true", "enrichment = \"semi_implicit\""),
+                "c.toml:18: solver.enrichment");
+  require_error(replaced(good, "warm_start = true", "seed = 7"),
+                "c.toml:18: solver.seed: expected solver.order random with it, met natural");
+  require_error(
+      replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
+      "c.toml:18: solver.redecompose: expected solver.algorithm generic or enriched with it, met nlgs");
+  require_error(replaced(good, "friction = 0.3", "cohesion = 3"),
+                "c.toml:12: interaction.cohesion: expected interaction.law cohesive with it, met coulomb");
+  require_error(replaced(good, "friction = 0.3", "boundary_friction = -0.5"),
+                "c.toml:12: interaction.boundary_friction: expected a finite number >= 0 and <= 100, or -1");
+  CHECK(parse(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
+  Case one = parse(good);
+  one.dynamics->solver.eta = "3";
+  CHECK(to_toml(one) == to_toml(parse(good)));
 }
 
 TEST_CASE("moving case: every error of a boundary names file, line and key") {

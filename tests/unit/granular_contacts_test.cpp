@@ -226,7 +226,7 @@ TEST_CASE("prepare_step refuses what cannot be computed, and names it") {
   CHECK_NOTHROW(prepared(broken));
   broken = s;
   broken.state.x[1] = 0;
-  CHECK_THROWS_WITH_AS(prepared(broken), doctest::Contains("disks 0 and 1"), Error);
+  CHECK_THROWS_WITH_AS(prepared(broken), doctest::Contains("disk 0 and disk 1"), Error);
   broken = s;
   broken.state.x[1] = not_a_number;
   CHECK_THROWS_WITH_AS(prepared(broken), doctest::Contains("disk 1"), Error);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/moving_case.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/config.hpp>
@@ -105,6 +106,44 @@ TEST_CASE("case file: every error names file, line and key") {
                 "c.toml:2: packing.file: no file a.csv");
   require_error(good + good, "not valid TOML");
   require_error("", "expected a section [packing]");
+}
+
+TEST_CASE("study file: a key that its observable does not use is refused") {
+  const CaseReader known = [](const std::string&, bool) { return testing::strip(4); };
+  const auto refused = [&](const std::string& observable, const std::string& line, const std::string& part) {
+    const std::string text =
+        "[[table]]\nname = \"t\"\ncases = \"disks4\"\nobservable = \"" + observable + "\"\n" + line + "\n";
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(parse_study(text, "s/study.toml", known), doctest::Contains(part.c_str()), Error);
+  };
+  refused(
+      "spectral_radius", "steps = 3",
+      "study.toml:5: table[0].steps: expected an observable with it that uses it, met \"spectral_radius\"");
+  refused("optimum", "lead_in = \"own\"", "table[0].lead_in");
+  refused("optimum", "eta = 1", "table[0].eta");
+  refused("runs", "epsilon = 1", "table[0].epsilon");
+  refused("grains", "contacts = \"active\"", "table[0].contacts");
+  refused("links", "epsilon = 1", "table[0].epsilon");
+  refused("spectral_radius", "seed = 2", "table[0].seed");
+}
+
+TEST_CASE("study file: cases that move are judged before anything is run") {
+  const CaseReader moving = [](const std::string&, bool) {
+    return parse_case(testing::moving_case(), "m.toml", [](const std::string&) { return Packing{}; });
+  };
+  const auto refused = [&](const std::string& observable, const std::string& vary, const std::string& part) {
+    const std::string text = "[[table]]\nname = \"t\"\nobservable = \"" + observable +
+                             "\"\ncases = \"m\"\nvary = { " + vary + " }\n";
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(parse_study(text, "s/study.toml", moving), doctest::Contains(part.c_str()), Error);
+  };
+  refused(
+      "predicted_observed", "\"solver.algorithm\" = [\"generic\", \"nlgs\"]",
+      "study.toml:4: case 'm': solver.algorithm: expected generic or enriched for a rate that is predicted, "
+      "met nlgs");
+  refused("predicted_observed", "\"partition.grid\" = [\"1,1\"]", "expected two subdomains or more");
+  refused("runs", "\"solver.criterion\" = [\"gluing\"], \"solver.algorithm\" = [\"nlgs\"]",
+          "study.toml:4: case 'm': solver.criterion: expected solver.algorithm generic or enriched");
 }
 
 TEST_CASE("study file: read, and refused with file, line and key") {

@@ -133,7 +133,7 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   Simulation second = small(20);
   second.state = read_last_step(path).state;
   CHECK(second.state.step == 10);
-  TrajectoryWriter writer(path, "the longer case", step_columns());
+  TrajectoryWriter writer(path, "the longer case", "from step 10\n", step_columns());
   run_into(writer, second);
   CHECK(read_trajectory_header(path).case_text == "the longer case");
   check_equal(second.state, whole.state);
@@ -165,7 +165,7 @@ TEST_CASE("trajectory: a second writer is refused") {
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
   const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, "the case", step_columns()),
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, "the case", "", step_columns()),
                        doctest::Contains("by another run"), Error);
 }
 

@@ -22,6 +22,7 @@ struct Field {
   double minimum = -infinity;
   bool minimum_excluded = false;
   double maximum = infinity;
+  double also = not_a_number;  ///< one more number that is allowed, outside the bounds; none where no number
   std::string_view choices = {};  ///< of a text: the values it may have, separated by blanks; empty for any
 };
 

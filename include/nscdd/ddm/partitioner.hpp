@@ -11,6 +11,12 @@ namespace nscdd {
 /// Every partitioner: one file, one word here, and its branch in `partition`.
 using Partitioner = std::variant<GridPartitioner, MetisPartitioner>;
 
+/// Subdomains asked for.
+inline Index subdomains(const Partitioner& partitioner) {
+  const auto* grid = std::get_if<GridPartitioner>(&partitioner);
+  return grid != nullptr ? subdomains(*grid) : std::get<MetisPartitioner>(partitioner).metis;
+}
+
 /// Distributes the contacts of a packing; each partitioner takes of it what it needs.
 inline Partition partition(const Partitioner& partitioner, const Packing& packing,
                            const ContactNetwork& network, const ReferenceProblem& problem) {

@@ -38,7 +38,7 @@ struct StepSolver {
           Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
     visit("criterion", self.criterion,
           Field{.description = "indicator that ends the iterations",
-                .choices = "zeta interface_change natural_map quad_dv none"});
+                .choices = "zeta interface_change gluing natural_map quad_dv mean_dv_over_r none"});
     visit("tolerance", self.tolerance,
           Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
     visit("gluing_tolerance", self.gluing_tolerance,

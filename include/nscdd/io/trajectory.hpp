@@ -48,8 +48,9 @@ class TrajectoryWriter {
   TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
                    const std::vector<Column>& summary_columns);
 
-  /// Goes on with a trajectory there is; `case_text` replaces its own, for it may ask for more steps.
-  TrajectoryWriter(const std::string& path, const std::string& case_text,
+  /// Goes on with a trajectory there is; `case_text` replaces its own, for it may ask for more steps, and
+  /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
+  TrajectoryWriter(const std::string& path, const std::string& case_text, const std::string& restart,
                    const std::vector<Column>& summary_columns);
   ~TrajectoryWriter();
   TrajectoryWriter(const TrajectoryWriter&) = delete;

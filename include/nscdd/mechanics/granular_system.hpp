@@ -8,6 +8,7 @@
 #include <nscdd/packing/packing.hpp>
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 namespace nscdd {
@@ -60,6 +61,9 @@ struct GranularState {
 /// The state at time 0: grains at rest where the packing has them, boundaries at their centres.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y);
 
+/// "disk 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() + its number.
+std::string body_name(const GranularSystem& system, Index body);
+
 /// Throws Error naming the disk or boundary where sizes differ, a disk is driven by a boundary that does not
 /// exist, or no disk is free.
 void check(const GranularSystem& system, const GranularState& state);
@@ -81,8 +85,9 @@ struct Interaction {
           Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
     visit("boundary_friction", self.boundary_friction,
           Field{.description = "Coulomb's coefficient at boundaries; -1: as between grains",
-                .minimum = -1,
-                .maximum = 100});
+                .minimum = 0,
+                .maximum = 100,
+                .also = -1});
     visit("restitution", self.restitution,
           Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
     visit("tangential_restitution", self.tangential_restitution,

@@ -42,7 +42,8 @@ struct SettledPacking {
 
 /// Everything that defines a problem to be studied: a case file, resolved.
 struct Case {
-  std::string name;  ///< stem of the file; the `case` column of every table
+  std::string name;    ///< stem of the file; the `case` column of every table
+  std::string source;  ///< the file as it was named, for errors; empty where there is none
   std::string title;
   std::variant<Generator, PackingFile, SettledPacking, ContactProblemFile> packing =
       Generator{TriangularStrip{}};
@@ -68,8 +69,12 @@ std::string to_toml(const Case& one);
 /// Throws Error for a packing or masses that cannot be used, and for a contact problem, which has none.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
-/// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error for a case
-/// without [dynamics].
+/// Throws Error naming the key where a case cannot be made to move, as far as that can be told without its
+/// grains: no [dynamics], too many subdomains, a criterion that says nothing of its solver.
+void check_dynamics(const Case& one);
+
+/// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error naming the file
+/// of the case, as check_dynamics and for grains that cannot be used.
 Simulation simulation_of(const Case& one, const Monitor& monitor = {});
 
 /// A case made ready for analysis.

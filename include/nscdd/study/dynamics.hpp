@@ -29,6 +29,9 @@ struct BoundarySpec {
   double spacing = 0;          ///< m between centres at the most, disks; 0: touching (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
+
+  /// Between the centres of disks at the most, m.
+  double distance() const { return spacing > 0 ? spacing : 2 * radius; }
 };
 
 /// The sections of a case that make it move: [interaction], [dynamics], [solver], [[boundary]].
@@ -42,8 +45,19 @@ struct Dynamics {
 /// The names of shapes in a case file.
 std::string_view to_string(BoundaryShape shape);
 
-/// The sections as a case file has them, a blank line before each.
+/// The sections as a case file has them, a blank line before each. A parameter without effect is written with
+/// its default.
 std::string to_toml(const Dynamics& dynamics);
+
+/// Whether a parameter such as "solver.eta" has an effect beside the others: those of the enriched algorithm,
+/// of the interface, of a law or of random numbers have none without it.
+bool has_effect(const Dynamics& dynamics, std::string_view path);
+
+/// Throws Error naming `where` for a parameter without effect, saying which other value it goes with.
+void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where);
+
+/// Throws Error naming the boundary for a wall or row of disks without extent, and for a row of too many.
+void check(const BoundarySpec& spec);
 
 /// Throws Error naming `key` unless the text is "optimal" or a number > 0.
 void check_eta(std::string_view eta, std::string_view key);

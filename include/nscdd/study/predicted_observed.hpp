@@ -38,8 +38,12 @@ struct PredictedObserved {
 /// corrections F_i - F_{i-1} tend to a constant drift (impulses that the networks carry either way; zero
 /// where there are none) with the subdominant radius as their rate. So the rate is fitted to |F_i - 2 F_{i-1}
 /// + F_{i-2}| over the last half of the stretch, and compared with the radius at the statuses of that
-/// stretch. Throws Error for settings the frozen iteration does not have: conjugate gradients, an enrichment
-/// that is not that of every iteration, relaxed contacts, the viscous law.
+/// stretch. Throws Error as require_comparable.
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor = {});
+
+/// Throws Error naming the key for settings whose rate is not predicted: plain Gauss-Seidel and one
+/// subdomain, which have no interface, and what the frozen iteration does not have: conjugate gradients, an
+/// enrichment that is not that of every iteration, relaxed contacts, the viscous law.
+void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner);
 
 }  // namespace nscdd

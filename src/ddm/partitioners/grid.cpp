@@ -20,11 +20,16 @@ Index cell(double coordinate, double low, double high, Index cells) {
 
 }  // namespace
 
-Partition by_grid(const Packing& packing, const ContactNetwork& network, const GridPartitioner& partitioner) {
+Index subdomains(const GridPartitioner& partitioner) {
   const auto [nx, ny] = partitioner.grid;
   if (nx < 1 || ny < 1 || nx * ny > 1'000'000)
     throw Error(fmt::format("partition.grid: expected between 1 and 1000000 cells, met {} x {}", nx, ny));
-  Partition partition{.subdomains = nx * ny, .subdomain_of_contact = {}};
+  return nx * ny;
+}
+
+Partition by_grid(const Packing& packing, const ContactNetwork& network, const GridPartitioner& partitioner) {
+  const auto [nx, ny] = partitioner.grid;
+  Partition partition{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
   if (packing.size() == 0) return partition;
   const auto [x_low, x_high] = std::minmax_element(packing.x.begin(), packing.x.end());
   const auto [y_low, y_high] = std::minmax_element(packing.y.begin(), packing.y.end());

@@ -22,6 +22,9 @@ struct GridPartitioner {
   }
 };
 
+/// Cells of the grid. Throws Error for over 10^6.
+Index subdomains(const GridPartitioner& partitioner);
+
 /// A midpoint within 1e-9 of a cell size above a line counts as on it. Throws Error for over 10^6 cells.
 Partition by_grid(const Packing& packing, const ContactNetwork& network, const GridPartitioner& partitioner);
 

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd simulate: what is refused, when, by which name; files of others; what a restart leaves to be read.
+#include "../support/moving_case.hpp"
+#include "session.hpp"
+#include <nscdd/core/version.hpp>
+#include <nscdd/io/trajectory.hpp>
+
+#include <doctest/doctest.h>
+
+#include <csignal>
+#include <cstdlib>
+
+using namespace nscdd::testing;
+
+namespace {
+
+const std::string generator = "generator = \"deposit\"\ngrains = 120\nwidth = 3.0\nradius_max = 0.198\n";
+
+struct MovingSession : Session {
+  MovingSession() { file("shear.toml", moving_case()); }
+};
+
+std::string provenance_of(const Session& session, const std::string& file, const std::string& key) {
+  for (const auto& [name, text] : nscdd::read_trajectory_header((session.folder / file).string()).provenance)
+    if (name == key) return text;
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("simulate: a value without effect is refused, not passed over") {
+  const MovingSession session;
+  const auto refused = [&](const std::string& options, std::initializer_list<std::string> parts) {
+    check_refused(session, "simulate shear.toml -o run.h5 " + options, parts);
+  };
+  refused("--set solver.eta=2", {"--set solver.eta: expected solver.algorithm enriched", "met generic"});
+  refused("--set solver.enrichment=first_iteration", {"--set solver.enrichment", "enriched", "met generic"});
+  refused("--set solver.interface_relaxation=0.5 --algorithm nlgs",
+          {"--set solver.interface_relaxation: expected solver.algorithm generic or enriched", "met nlgs"});
+  refused("--set partition.grid=2,2 --algorithm nlgs", {"--set partition.grid", "met nlgs"});
+  refused("--set interaction.cohesion=5", {"--set interaction.cohesion", "cohesive", "met coulomb"});
+  refused("--set interaction.boundary_friction=-0.5",
+          {"interaction.boundary_friction: expected", ">= 0", "or -1", "met -0.5"});
+  // in any order, and beside what gives it an effect
+  answer(session, "simulate shear.toml --steps 1 -o eta.h5 --set solver.eta=40 --algorithm enriched");
+  answer(session,
+         "simulate shear.toml --steps 1 -o cohesive.h5 --set interaction.cohesion=5 --set "
+         "interaction.law=cohesive --set interaction.boundary_friction=-1");
+}
+
+TEST_CASE("simulate: a case made for one algorithm can be run by another, and its trajectory read") {
+  const Session session;
+  session.file("shear.toml",
+               replaced(moving_case(), "algorithm = \"generic\"", "algorithm = \"enriched\"\neta = \"40\""));
+  answer(session, "simulate shear.toml --steps 1 --algorithm generic -o run.h5");
+  answer(session, "export run.h5 --vtk pictures");
+  answer(session, "simulate shear.toml --steps 2 --algorithm generic -o run.h5 --restart");
+}
+
+TEST_CASE("simulate: every indicator that can end the iterations is a criterion") {
+  const MovingSession session;
+  for (const std::string& name :
+       Texts{"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"}) {
+    CAPTURE(name);
+    answer(session,
+           "simulate shear.toml --steps 3 --force -o run.h5 --convergence rows.csv --iterations "
+           "20000 --tolerance 1e-3 --set solver.gluing_tolerance=1 --criterion " +
+               name);
+    const CsvTable rows = read_table(session.read("rows.csv"));
+    REQUIRE(rows.rows.size() > 3);
+    for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+      const bool last = k + 1 == rows.rows.size() || rows.text(k + 1, "step") != rows.text(k, "step");
+      const double value = rows.number(k, name);
+      // What a subdomain has no part of yet (nothing jumps, F stays) says nothing.
+      if (value != 0) CHECK((std::abs(value) <= 1e-3) == last);
+    }
+  }
+  check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --algorithm nlgs",
+                {"solver.criterion", "gluing", "generic or enriched", "met nlgs"});
+  check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --subdomains 1x1",
+                {"solver.criterion", "two subdomains", "met one"});
+  check_refused(session,
+                "simulate shear.toml -o none.h5 --criterion gluing --algorithm enriched --set "
+                "solver.enrichment=semi_implicit",
+                {"solver.criterion", "met semi_implicit"});
+}
+
+TEST_CASE("simulate: what options and case say is judged before a packing is settled") {
+  const MovingSession session;
+  ::setenv("NSCDD_CACHE", (session.folder / "cache").c_str(), 1);
+  const std::string text = replaced(moving_case(), generator, "settled = \"shear.toml\"\n");
+  session.file("test.toml", text);
+  session.file("wide.toml", replaced(text, "radius = 0.198\n[[", "radius = 1e-9\n[["));
+  session.file("other.h5", "");
+  session.file("study/study.toml",
+               "[[table]]\nname = \"t\"\nobservable = \"runs\"\ncases = \"../test.toml\"\nsteps = 2\n"
+               "vary = { \"solver.algorithm\" = [\"jacobi\"] }\n");
+  const auto refused = [&](const std::string& line, std::initializer_list<std::string> parts) {
+    check_refused(session, line, parts);
+    CHECK_FALSE(session.has("cache"));
+  };
+  refused("simulate test.toml -o run.h5 --criterion speed", {"solver.criterion", "met \"speed\""});
+  refused("simulate test.toml -o run.h5 --criterion gluing --algorithm nlgs", {"solver.criterion"});
+  refused("simulate test.toml -o run.h5 --set solver.eta=2", {"--set solver.eta"});
+  refused("simulate test.toml -o run.h5 --set solver.speed=2", {"solver.speed"});
+  refused("simulate test.toml -o run.h5 --subdomains 100000x100000", {"partition.grid", "100000"});
+  refused("simulate test.toml -o run.h5 --convergence nowhere/rows.csv", {"nowhere"});
+  refused("simulate test.toml -o run.h5 --convergence shear.toml", {"shear.toml", "exists already"});
+  refused("simulate test.toml -o other.h5 --restart", {"other.h5", "trajectory"});
+  refused("simulate wide.toml -o run.h5", {"wide.toml:17: boundary 'floor': spacing: expected"});
+  refused("inspect test.toml --set contacts.tolerence=1", {"contacts.tolerence"});
+  refused("run study", {"study.toml:6", "solver.algorithm", "jacobi"});
+  ::unsetenv("NSCDD_CACHE");
+}
+
+TEST_CASE("simulate: a trajectory keeps the command line of its start and adds those of its restarts") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
+  CHECK(provenance_of(session, "run.h5", "restarts") == "");
+  const std::string first = provenance_of(session, "run.h5", "command_line");
+  answer(session, "simulate shear.toml --steps 3 --restart -o run.h5 --threads 1");
+  answer(session, "simulate shear.toml --steps 5 --restart -o run.h5");
+  CHECK(provenance_of(session, "run.h5", "command_line") == first);
+  const std::string restarts = provenance_of(session, "run.h5", "restarts");
+  const std::string program = "nscdd " + nscdd::version() + ": ";
+  CHECK(std::count(restarts.begin(), restarts.end(), '\n') == 2);
+  CHECK(restarts.find("from step 2: " + program) == 0);
+  CHECK(restarts.find("--threads 1\nfrom step 3: " + program) != std::string::npos);
+  CHECK(restarts.find("simulate shear.toml --steps 5 --restart -o run.h5\n") != std::string::npos);
+}
+
+TEST_CASE("simulate: files of others beside the trajectory are neither replaced nor removed") {
+  const MovingSession session;
+  for (const std::string& name : Texts{"run.h5.next", "run.h5.previous", "run.h5.lock"}) {
+    session.file(name, "mine");
+    check_refused(session, "simulate shear.toml --steps 2 -o run.h5", {name, "move it away"});
+    std::filesystem::remove(session.folder / name);
+  }
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
+  session.file("run.h5.next", "mine");
+  check_refused(session, "simulate shear.toml --steps 3 -o run.h5 --restart",
+                {"run.h5.next", "move it away"});
+  check_refused(session, "simulate shear.toml --steps 3 -o run.h5 --force", {"run.h5.next", "move it away"});
+}
+
+TEST_CASE("simulate: what a killed run leaves beside the trajectory is its own") {
+  const MovingSession session;
+  RunOptions options;
+  options.kill_when = [&] { return session.has("run.h5") && session.has("run.h5.next"); };
+  REQUIRE(
+      session.run(words("simulate shear.toml --steps 4000 --save-every 1000 -o run.h5"), options).exit_code ==
+      128 + SIGKILL);
+  REQUIRE(session.has("run.h5.lock"));
+  session.file("run.h5.next", "damaged");
+  session.file("run.h5.previous", "damaged");
+  answer(session, "simulate shear.toml --steps 4 -o run.h5 --force");
+  CHECK_FALSE(session.has("run.h5.lock"));
+  CHECK_FALSE(session.has("run.h5.next"));
+  CHECK_FALSE(session.has("run.h5.previous"));
+}
+
+TEST_CASE("simulate: errors of disks and walls name the file, and the boundary or the key") {
+  const Session session;
+  const std::string rest = "[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n";
+  session.file("two.csv", "x,y,radius\n0,0,1\n5,0,1\n");
+  session.file("inside.csv", "x,y,radius\n0,0,1\n1.2,0,1\n");
+  const auto refused = [&](const std::string& packing, const std::string& more,
+                           std::initializer_list<std::string> parts) {
+    session.file("c.toml", "[packing]\nfile = \"" + packing + "\"\n" + rest + more);
+    check_refused(session, "simulate c.toml -o run.h5", parts);
+  };
+  const std::string drum =
+      "[[boundary]]\nname = \"drum\"\nshape = \"disks\"\nfrom = [5, 1.2]\nto = [9, 1.2]\nradius = 1\n";
+  const std::string piston = "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 1\nlast = ";
+  refused("inside.csv", "", {"c.toml: disk 0 and disk 1: expected an overlap"});
+  refused("two.csv", drum, {"c.toml: disk 1 and disk 2 of boundary 'drum': expected an overlap"});
+  refused("two.csv", "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
+          {"c.toml: disk 0 and the wall of boundary 'floor': expected an overlap"});
+  refused("two.csv", piston + "2\n", {"c.toml: boundary 'piston': first, last: expected grains"});
+  refused("two.csv", piston + "1\n[[prescribed]]\ngrain = -1\nvelocity = [1, 0]\n",
+          {"c.toml: prescribed[0].grain: expected a free grain, met disk 1 of boundary 'piston'"});
+  refused("two.csv", "[[prescribed]]\ngrain = 7\nvelocity = [1, 0]\n", {"c.toml: prescribed", "met grain 7"});
+}
