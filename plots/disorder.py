@@ -14,7 +14,7 @@ SMALLEST = 0.1  # m, radius_min of the deposits
 ENRICHED = 0.1  # 1/kg, the finite eta of the tables
 STIFF = (1e-4, 1e-2)
 # endings of the tables of 1 024, 4 096, 16 384 and 10^5 grains, and of what is run on demand only
-SIZES = ("-1k", "", "-16k", "-100k", "-100k-large")
+SIZES = ("-1k", "", "-16k", "-100k", "-100k-large", "-1m-large")
 # parameter, the packings followed through the sizes: value, label, look
 FOLLOWED = {
     "vacancies": ("packing.vacancies", [(0, "lattice", {"color": "#123c63", "marker": "o"}),
@@ -87,6 +87,10 @@ def through_sizes(results, panels):
                                   label=label if np.isinf(eta) else None, **look)
 
 
+def by_millions(results):
+    return os.path.exists(os.path.join(results, "disorder/deposit-1m-large.csv"))
+
+
 def by_size(rows):
     """Numbers of grains, and of each the geometric mean, the least and the largest 1 - rho."""
     result = []
@@ -109,7 +113,7 @@ def draw(results, output, formats):
     sizes.set_xlabel("largest / smallest radius")
     through_sizes(results, dict(zip((0, *STIFF), below)))
     for axes in below:
-        style.log_axis(axes.xaxis, 500, 2e5)
+        style.log_axis(axes.xaxis, 500, 2e6 if by_millions(results) else 2e5)
         axes.set_xlabel("number of grains")
     texts = ["4 096 grains, rigid", r"$\varepsilon = 10^{-4}$, $10^{-2}$ 1/kg", "deposits, rigid",
              "rigid contacts", r"$\varepsilon = 10^{-4}$ 1/kg", r"$\varepsilon = 10^{-2}$ 1/kg"]
