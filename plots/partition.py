@@ -15,7 +15,7 @@ CUTS = [("blocks", "grid, blocks", {"marker": "s", "linestyle": "-"}),
         ("metis", "METIS, by seed", {"marker": "o", "linestyle": "none", "markerfacecolor": "white"})]
 PARTS = [(4, {"linestyle": (0, (1, 1.3))}), (16, {"linestyle": (0, (4, 2))}), (64, {"linestyle": "-"})]
 # endings of the tables of 1 024, 4 096 and 10^5 grains, and of what is run on demand only
-SIZES = ("-1k", "", "-100k", "-100k-large")
+SIZES = ("-1k", "", "-100k", "-100k-large", "-1m-large")
 COLUMNS = "grains subdomains interface_dofs epsilon eta subdominant_radius"
 
 
@@ -37,6 +37,10 @@ def interface(rows):
 
 def gap(rows):
     return 1 - style.column(rows, "subdominant_radius")
+
+
+def by_millions(results):
+    return os.path.exists(os.path.join(results, "partition/deposit-grid-1m-large.csv"))
 
 
 def of_4096(results, size, generic, enriched):
@@ -85,7 +89,7 @@ def draw(results, output, formats):
     enriched.text(80, 0.097, r"$\varepsilon/\eta$", fontsize=7, ha="right", va="top")
     for axes, label, limits in zip(below, ("unknowns", r"$1 - \rho$", r"$1 - \rho$"),
                                    ((0.9, 1.3), (0.8, 1.8), (0.9, 1.3))):
-        style.log_axis(axes.xaxis, 500, 2e5)
+        style.log_axis(axes.xaxis, 500, 2e6 if by_millions(results) else 2e5)
         axes.axhline(1, color=style.GREY, linewidth=0.6, zorder=0.5)
         axes.set(xlabel="number of grains", ylabel=f"{label}, METIS / blocks", ylim=limits)
     texts = ["4 096 grains", r"generic, $\varepsilon = 10^{-2}$ 1/kg", r"enriched, $\eta = 0.1$ 1/kg",

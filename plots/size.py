@@ -49,8 +49,11 @@ def linear_panels(results, rigid, stiff):
 
 def nonsmooth_panels(results, radii, etas):
     for packing, look in PACKINGS.items():
-        rows = style.read_table(results, f"size/best-{packing}.csv",
-                                numbers="grains generic_radius best_radius best_eta convergent_from")
+        rows = []
+        for name in (f"size/best-{packing}.csv", f"size/best-{packing}-large.csv"):
+            if "large" not in name or os.path.exists(os.path.join(results, name)):  # run on demand only
+                rows += style.read_table(results, name,
+                                         numbers="grains generic_radius best_radius best_eta convergent_from")
         against_grains(radii, rows, gap(rows, "generic_radius"), linestyle=GENERIC_LINE, **look)
         against_grains(radii, rows, gap(rows, "best_radius"), linestyle=ENRICHED_LINE, **open_marker(look))
         against_grains(etas, rows, style.column(rows, "best_eta"), linestyle=ENRICHED_LINE, **open_marker(look))
@@ -64,7 +67,7 @@ def draw(results, output, formats):
     (rigid, stiff), (radii, etas) = grid
     linear_panels(results, rigid, stiff)
     nonsmooth_panels(results, radii, etas)
-    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 5e4)), (etas, (40, 5e4))):
+    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 2e5)), (etas, (40, 2e5))):
         style.log_axis(axes.xaxis, *limits)
         axes.set_xlabel("number of grains")
     for axes, limits in ((rigid, (1e-5, 1)), (stiff, (1e-5, 1)), (radii, (5e-4, 0.3))):

@@ -174,7 +174,8 @@ TEST_CASE("ARPACK: an end that was not found leaves the start of the next point 
   // What failed is as if it had not been tried.
   CHECK(memory.matrix_free.smallest == before.smallest);
   CHECK(memory.matrix_free.largest == before.largest);
-  SpectralMemory straight{.matrix_free = before};
+  SpectralMemory straight;
+  straight.matrix_free = before;
   const SpectralRadius after = spectral_radius(at(0.11), options, &memory);
   const SpectralRadius expected = spectral_radius(at(0.11), options, &straight);
   CHECK(after.applications == expected.applications);
