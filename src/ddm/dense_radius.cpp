@@ -51,7 +51,8 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   PencilEnds ends = ends_of(wanted);
   const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
     const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
-    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest);
+    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) +
+           lost_to_rounding(b, b.system.eta()) * (1 + largest);  // of S and P as they were assembled
   };
   if (options.certify)  // until the multiples of both ends are all in sight
     while (

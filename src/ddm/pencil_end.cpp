@@ -62,13 +62,13 @@ class EndSearch {
   double rounding(double lambda) const { return side_.rounding(lambda); }
   Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
-  // From what is proved to have no eigenvalue beyond it, inwards to the value.
-  double distance_to_proof() const {
+  // What is proved to have no eigenvalue beyond it, by a shift or beforehand; none yet: infinitely far out.
+  double proved() const {
     const double known = end_ == SpectrumEnd::smallest ? point_.low : point_.high;
-    if (point_.kernel > 0 && end_ == SpectrumEnd::smallest && !outer_) return infinity;
-    const double outer = outer_ && inward(*outer_ - known) > 0 ? *outer_ : known;
-    return std::max(0.0, inward(value() - outer));
+    if (point_.kernel > 0 && end_ == SpectrumEnd::smallest) return outer_.value_or(-infinity);
+    return outer_ && inward(*outer_ - known) > 0 ? *outer_ : known;
   }
+  double distance_to_proof() const { return std::max(0.0, inward(value() - proved())); }
 
   bool converged() {
     result_.residual = quotient_ ? distance_to_proof() + solution_error_ : infinity;
@@ -100,9 +100,14 @@ class EndSearch {
     return std::isfinite(point_.high) ? point_.high * (1 + 1e-3) : 1 + 1e-3;
   }
 
-  // Further out than a shift that has eigenvalues beyond it.
+  // Further out than a shift that has eigenvalues beyond it: where the bound of the value puts its
+  // near-copies, if Lanczos had thought itself nearer, or else halfway to what is proved.
   double step_out(double shift) {
-    if (outer_) return std::sqrt(shift * *outer_);
+    if (found()) {
+      const double clear = value() - inward(4 * (bound_ + solution_error_));
+      if (inward(shift - clear) > 0 && inward(clear - proved()) > 0) return clear;
+    }
+    if (proved() > 0 && std::isfinite(proved())) return std::sqrt(shift * proved());
     const double far = end_ == SpectrumEnd::smallest ? shift / 16 : shift * 4;
     if (guess_ == 0) return far;
     distance_ *= 8;
@@ -198,9 +203,8 @@ class EndSearch {
     if (error_ + solution_error_ <= 2 * share_of_margin * beyond_value)
       return std::max(value() - inward(beyond_value), 0.5 * value());
     const double step = std::max(2 * (bound_ + solution_error_), beyond_value);
-    // Never further out than what is proved already.
-    const double room = outer_ ? 0.3 * std::abs(value() - *outer_) : infinity;
-    return std::max(value() - inward(std::min(step, room)), 0.5 * value());
+    // Never further out than what is proved already, be it by a shift or beforehand.
+    return std::max(value() - inward(std::min(step, 0.3 * distance_to_proof())), 0.5 * value());
   }
 
   // The count just outside is there; another just inside says how many eigenvalues the end has.

@@ -43,12 +43,18 @@ class EndList {
     for (Index k = 0; k < run.values.size(); ++k) {
       const double error = run.bounds[k] + pencil.solution_error() * std::abs(run.values[k] - pencil.shift());
       if (error > side_.tolerance(run.values[k])) continue;
+      if (is_of_kernel(run.values[k], error)) continue;
       Index place = result_.values.size();
       while (place > 0 && side_.inward(result_.values[place - 1] - run.values[k]) > 0) --place;
       insert(place, run.values[k], run.vectors.col(k));
       result_.residual = std::max(result_.residual, error);
     }
     return result_.values.size() > before;
+  }
+
+  // Seen from the largest eigenvalues the zeros of the rigid limit come last; they are not of the list.
+  bool is_of_kernel(double lambda, double error) const {
+    return side_.point.kernel > 0 && lambda <= 10 * (error + side_.rounding(lambda));
   }
 
   void insert(Index place, double lambda, const Vector& vector) {

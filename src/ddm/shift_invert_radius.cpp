@@ -14,16 +14,7 @@ namespace {
 // limit then count as zero that are below the first of two shifts with none between them.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
-// Error of lambda for each unit of 1 / (mass epsilon), from the digits of M lost beside K/epsilon: several
-// times the largest seen against dense spectra (tests/laws).
-constexpr double rounding = 4e-16;
-
-// In units of max(1, |lambda|).
-double lost_to_rounding(const Contraction& b, double epsilon) {
-  const double lightest = 0.25 * b.system.scale().maxCoeff();  // 1/mass
-  return rounding * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.eta());
-}
-
+constexpr double rigid_zero_at_most = 1e-4;
 // Ends of the spectrum of (S, P), lambda = 1 - mu.
 struct Ends {
   PencilEnd smallest, largest;
@@ -233,6 +224,23 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
   return count == again ? count : std::nullopt;
 }
 
+// Whether a shift with `kernel` eigenvalues below it is found. Where eta is small, P is small on the kernel,
+// and rounding blurs its zeros the more: on to larger shifts, which prove as much.
+bool confirms(const ShiftedPencilFamily& family, double eta, Index kernel, Index& factorisations) {
+  for (double shift = rigid_zero_again; shift <= rigid_zero_at_most; shift *= 10) {
+    ++factorisations;
+    const ShiftedPencil pencil = family.at(0, eta, shift);
+    if (pencil.reliable() && pencil.below() == kernel) return true;
+  }
+  return false;
+}
+
+SpectralRadius unproved_rigid(Index kernel) {
+  SpectralRadius result = not_converged("shift-invert");
+  result.unit_multiplicity = kernel;
+  return result;
+}
+
 // Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each. Their
 // number comes from ranks, which no small eigenvalue can blur; a shift next to 0 that counts another number
 // says that one of the two is wrong.
@@ -251,13 +259,9 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   if (!limit->kernel) {
     limit->kernel = b.system.nullity();
     limit->confirmed = false;
-    for (const double zero : {rigid_zero_again, 10 * rigid_zero_again, 100 * rigid_zero_again})
-      if (const auto counted = counted_below(family, point.eta, zero, factorisations)) {
-        limit->confirmed = counted == limit->kernel;
-        break;
-      }
   }
-  if (!limit->confirmed) return not_converged("shift-invert");
+  if (!limit->confirmed) limit->confirmed = confirms(family, point.eta, *limit->kernel, factorisations);
+  if (!limit->confirmed) return unproved_rigid(*limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
   SpectralRadius result =

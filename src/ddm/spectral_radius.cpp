@@ -57,7 +57,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     plain = arpack_radius(b, options, memory != nullptr ? *memory : local);
   } else {
     plain = shift_invert_radius(b, options, memory != nullptr ? *memory : local);
-    // A last resort: no lattice or deposit met so far needs it (docs/theory.md).
+    // A last resort, for small eta (docs/theory.md).
     if (options.solver == SpectralSolver::automatic && !plain.converged && b.system.eta() == 0 &&
         n <= rigid_dense_limit)
       plain = dense_radius(b, options);

@@ -20,6 +20,13 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
 SpectralRadius not_converged(std::string_view solver);
 SpectralRadius all_unit(Index size, std::string_view solver);  ///< S = 0, B = I
 
+/// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|), from the digits of M that are lost
+/// beside K/epsilon and K/eta: several times the largest seen against dense spectra (tests/laws).
+inline double lost_to_rounding(const Contraction& b, double epsilon) {
+  const double lightest = 0.25 * b.system.scale().maxCoeff();  // 1/mass
+  return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.eta());
+}
+
 inline bool accurate(const SpectralRadius& radius, double tolerance) {
   return radius.residual <= tolerance * std::max(1.0, radius.value);
 }

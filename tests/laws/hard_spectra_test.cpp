@@ -205,6 +205,42 @@ TEST_CASE("certificates of the dense solver count every copy of a multiple eigen
   }
 }
 
+TEST_CASE("fifteen near-copies next to a bound known beforehand are told apart from it") {
+  Case one;
+  one.packing = Generator{HexagonalLattice{.columns = 40, .rows = 40, .radius = 0.5}};
+  one.partition = GridPartitioner{{16, 1}};
+  one.masses = {.model = MassModel::density, .density = 2500};  // 1 963 kg each: eigenvalues of B are near 0
+  const InterfaceFamily family(build(one).parts);
+  for (const double epsilon : {1.0, 10.0}) {
+    CAPTURE(epsilon);
+    const Contraction b{family.at(infinity), family.at(epsilon)};
+    const SpectralRadius found = spectral_radius(b, shift_invert());
+    const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+    CHECK(found.converged);
+    CHECK(found.certified);
+    CHECK(std::abs(found.subdominant_min - dense.subdominant_min) <= found.residual);
+    CHECK(std::abs(found.subdominant_max - dense.subdominant_max) <= found.residual);
+  }
+}
+
+TEST_CASE("certified intervals of the dense solver hold the eigenvalues of the exact matrices") {
+  Case one = lattice_in_grid(1, {1, 1});
+  one.packing = Generator{HexagonalLattice{.columns = 7, .rows = 6, .radius = 0.5}};
+  one.partition = GridPartitioner{{2, 1}};
+  const InterfaceFamily family(build(one).parts);
+  const auto certified = [&](double epsilon, double eta) {
+    return spectral_radius({family.at(eta), family.at(epsilon)},
+                           {.solver = SpectralSolver::dense, .certify = true});
+  };
+  const auto inside = [](const auto& interval, double value) {
+    return interval.front() <= value && value <= interval.back();
+  };
+  // by arithmetic of 40 digits
+  CHECK(inside(certified(1, 1e-3).interval_min, -653.53970838783784));
+  CHECK(inside(certified(1, 1e-5).interval_min, -65411.992212446257));
+  CHECK(inside(certified(1e-5, 1e-3).interval_max, 0.98999391928763780));
+}
+
 TEST_CASE("backward error: a solution that is no number is not exact") {
   const SymmetricProblem problem = saddle_point(10, 0.5, 0.7, 1);
   const Vector b = Vector::Ones(problem.lower.rows());

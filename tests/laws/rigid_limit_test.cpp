@@ -91,6 +91,19 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
   CHECK(warm < 0.9 * static_cast<double>(cold));
 }
 
+TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of the others") {
+  const InterfaceFamily family(build(hexagons(384, 12, {32, 1})).parts);
+  const auto at = [&](double eta) { return Contraction{family.at(eta), family.at(0)}; };
+  SpectralMemory memory;
+  const SpectralRadius hardest = shift_inverted(at(1e-9), &memory);
+  CHECK_FALSE(hardest.converged);
+  CHECK(hardest.unit_multiplicity == 465);
+  const SpectralRadius next = shift_inverted(at(infinity), &memory), alone = shift_inverted(at(infinity));
+  CHECK(next.converged);
+  CHECK(next.unit_multiplicity == 465);
+  CHECK(std::abs(next.subdominant - alone.subdominant) <= next.residual + alone.residual);
+}
+
 TEST_CASE("rigid limit of 10^4 disks in sixteen full strips: proved, unit eigenvalues counted twice") {
   const InterfaceFamily family(build(hexagons(100, 100, {16, 1})).parts);
   const Contraction b{family.at(infinity), family.at(0)};
