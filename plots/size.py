@@ -30,7 +30,11 @@ def linear_panels(results, rigid, stiff):
     for packing, look in PACKINGS.items():
         for axes, name, epsilons in ((rigid, f"size/rigid-{packing}.csv", [0]),
                                      (stiff, f"size/{packing}.csv", [1e-4, 1e-2])):
-            rows = style.read_table(results, name, numbers="grains epsilon eta subdominant_radius")
+            numbers = "grains epsilon eta subdominant_radius"
+            rows = style.read_table(results, name, numbers=numbers)
+            beyond = f"size/rigid-{packing}-100k-large.csv"  # run on demand only
+            if axes is rigid and os.path.exists(os.path.join(results, beyond)):
+                rows += style.read_table(results, beyond, numbers=numbers)
             for epsilon in epsilons:
                 for eta, line, change in ((np.inf, GENERIC_LINE, dict), (ENRICHED, ENRICHED_LINE, open_marker)):
                     some = style.need(results, name, rows, epsilon=epsilon, eta=eta)
@@ -67,17 +71,17 @@ def draw(results, output, formats):
     (rigid, stiff), (radii, etas) = grid
     linear_panels(results, rigid, stiff)
     nonsmooth_panels(results, radii, etas)
-    for axes, limits in ((rigid, (150, 2e4)), (stiff, (600, 1.7e6)), (radii, (40, 2e5)), (etas, (40, 2e5))):
+    for axes, limits in ((rigid, (150, 2e5)), (stiff, (600, 1.7e6)), (radii, (40, 2e5)), (etas, (40, 2e5))):
         style.log_axis(axes.xaxis, *limits)
         axes.set_xlabel("number of grains")
-    for axes, limits in ((rigid, (1e-5, 1)), (stiff, (1e-5, 1)), (radii, (5e-4, 0.3))):
+    for axes, limits in ((rigid, (1e-7, 1)), (stiff, (1e-5, 1)), (radii, (5e-4, 0.3))):
         style.log_axis(axes.yaxis, *limits)
         axes.set_ylabel(r"$1 - \rho$")
     guide = np.array([1.5e3, 8e3])
-    rigid.plot(guide, 0.031 * (guide / guide[0])**-0.5, color=style.GREY, linewidth=0.6)
-    rigid.text(5.5e3, 0.0205, "slope $-1/2$", fontsize=7)
-    rigid.plot(guide, 1.2e-4 * (guide / guide[0])**-1.2, color=style.GREY, linewidth=0.6)
-    rigid.text(1.1e3, 2.6e-5, "slope $-1.2$", fontsize=7)
+    rigid.plot(8 * guide, 0.11 * (guide / guide[0])**-0.5, color=style.GREY, linewidth=0.6)
+    rigid.text(2.2e4, 0.095, "slope $-1/2$", fontsize=7, ha="left", va="bottom")
+    rigid.plot(guide, 5e-5 * (guide / guide[0])**-1.3, color=style.GREY, linewidth=0.6)
+    rigid.text(2.6e3, 1.7e-5, "slope $-1.3$", fontsize=7, ha="right", va="top")
     texts = [r"rigid contacts, $\eta = 0.1$ 1/kg", r"$\eta = 0.1$, $\varepsilon = 10^{-2}$ and $10^{-4}$ 1/kg",
              "nonsmooth, best $\\eta$", r"best $\eta$; dots: diverges below"]
     for axes, letter, text in zip(grid.flat, "abcd", texts):
