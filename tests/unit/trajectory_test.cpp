@@ -167,6 +167,10 @@ TEST_CASE("trajectory: a second writer is refused") {
   const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
   CHECK_THROWS_WITH_AS(TrajectoryWriter(path, "the case", "", step_columns()),
                        doctest::Contains("by another run"), Error);
+  const std::string link = folder / "link.h5";
+  std::filesystem::create_symlink("run.h5", link);
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, "the case", "", step_columns()),
+                       doctest::Contains("by another run"), Error);
 }
 
 TEST_CASE("trajectory: what is none, or damaged, is refused") {
