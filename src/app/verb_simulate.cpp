@@ -98,7 +98,7 @@ void check_restart(const Options& options, const Case& one) {
   if (done > steps)
     throw Error(
         fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
-  require_table_to_go_on(options.convergence, done);
+  require_table_to_go_on(options.convergence, run_so_far(path));
 }
 
 // The state to go on from: that of the file.
@@ -169,13 +169,14 @@ int run(const Options& options) {
   const Index before = simulation.state.step;
   const std::vector<double> speeds =
       options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
-  const std::optional<Index> steps_done = options.restart ? std::optional<Index>(before) : std::nullopt;
+  const auto found = options.restart ? std::optional(run_so_far(options.output)) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
+  if (options.restart) trajectory.emplace(options.output, step_columns());
+  ConvergenceTable table(options.convergence, options.force, found);
   if (options.restart)
-    trajectory.emplace(options.output, header.case_text, restart_line(options, before), step_columns());
-  ConvergenceTable table(options.convergence, options.force, steps_done);
-  if (!options.restart)
+    trajectory->go_on(header.case_text, restart_line(options, before));
+  else
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
   Progress progress("simulate " + one.name, before, "step");
   RunSummary summary;

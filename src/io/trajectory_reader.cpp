@@ -151,6 +151,11 @@ TrajectoryStep read_last_step(const std::string& path) {
   return get_step(member_group(file, "last", path), path);
 }
 
+std::string read_end(const std::string& path) {
+  const Handle file = open_trajectory(path);
+  return get_text_attribute(file, "ended", path);
+}
+
 std::vector<double> read_summary(const std::string& path, const std::string& column) {
   const Handle file = open_trajectory(path);
   const Handle group = member_group(file, "summary", path);

@@ -15,7 +15,6 @@ namespace {
 
 struct MovingSession : Session {
   MovingSession() { file("shear.toml", moving_case()); }
-  std::string bytes(const std::string& name) const { return nscdd::read_text((folder / name).string()); }
   nscdd::Index last_step(const std::string& name) const {
     return nscdd::read_last_step((folder / name).string()).state.step;
   }
@@ -44,8 +43,57 @@ TEST_CASE("simulate: a second name of a trajectory keeps the version it has") {
   const MovingSession session;
   answer(session, "simulate shear.toml --steps 2 -o run.h5");
   fs::create_hard_link(session.folder / "run.h5", session.folder / "kept.h5");
-  const std::string before = session.bytes("kept.h5");
+  const std::string before = session.read("kept.h5");
   answer(session, "simulate shear.toml --steps 5 --restart -o run.h5");
-  CHECK(session.bytes("kept.h5") == before);
+  CHECK(session.read("kept.h5") == before);
   CHECK(session.last_step("run.h5") == 5);
+}
+
+TEST_CASE("simulate: a restart that is refused for its table leaves the trajectory as it was") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
+  session.file("foreign.csv.partial", "a,b\n1,2\n");
+  check_refused(session, "simulate shear.toml --steps 4 --restart -o run.h5 --convergence foreign.csv",
+                {"foreign.csv.partial", "met other columns"});
+  session.file("both.csv", "mine");
+  session.file("both.csv.partial", "");
+  check_refused(session, "simulate shear.toml --steps 4 --restart -o run.h5 --convergence both.csv",
+                {"both.csv", "exists already"});
+}
+
+TEST_CASE("simulate: a restart drops the rows of the step that broke down") {
+  const Session session;
+  session.file("worse.toml",
+               replaced(moving_case(), "spin = -0.075", "motion = [[0.05, 0, 0, 0], [0.051, 1e6, 0, 0]]"));
+  const auto row_count = [&] { return read_table(session.read("rows.csv")).rows.size(); };
+  CHECK(session.run(words("simulate worse.toml -o run.h5 --convergence rows.csv")).exit_code == 1);
+  const auto first = row_count();
+  CHECK(session.run(words("simulate worse.toml --restart -o run.h5 --convergence rows.csv")).exit_code == 1);
+  CHECK(row_count() == first);
+  // where iterations of the step that failed are in the table
+  session.file("shear.toml", moving_case());
+  const std::string diverging =
+      "simulate shear.toml --algorithm enriched --eta 1e-4 --iterations 8 -o bad.h5 --convergence bad.csv";
+  CHECK(session.run(words(diverging)).exit_code == 1);
+  const CsvTable before = read_table(session.read("bad.csv"));
+  REQUIRE(!before.rows.empty());
+  CHECK(before.text(before.rows.size() - 1, "step") ==
+        std::to_string(nscdd::read_last_step((session.folder / "bad.h5").string()).state.step + 1));
+  const Outcome again = session.run(words(diverging + " --restart"));
+  CHECK(again.exit_code == 1);
+  CHECK(read_table(session.read("bad.csv")).rows.size() == before.rows.size());
+}
+
+TEST_CASE("simulate: a restart does not go on with a table that lacks steps, or is of another run") {
+  const MovingSession session;
+  const std::string restart = " --restart -o run.h5 --convergence ";
+  answer(session, "simulate shear.toml --steps 2 -o run.h5 --convergence one.csv");
+  answer(session, "simulate shear.toml --steps 4" + restart + "two.csv");
+  check_refused(session, "simulate shear.toml --steps 5" + restart + "one.csv",
+                {"one.csv: expected the ", " rows of step 3 of the run in run.h5, met 0"});
+  answer(session, "simulate shear.toml --steps 5" + restart + "two.csv");
+  CHECK(read_table(session.read("two.csv")).text(0, "step") == "3");
+  answer(session, "simulate shear.toml --steps 5 --iterations 3 -o other.h5 --convergence other.csv");
+  check_refused(session, "simulate shear.toml --steps 6" + restart + "other.csv",
+                {"other.csv: expected the ", " rows of step 1 of the run in run.h5, met 3"});
 }

@@ -133,7 +133,8 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   Simulation second = small(20);
   second.state = read_last_step(path).state;
   CHECK(second.state.step == 10);
-  TrajectoryWriter writer(path, "the longer case", "from step 10\n", step_columns());
+  TrajectoryWriter writer(path, step_columns());
+  writer.go_on("the longer case", "from step 10\n");
   run_into(writer, second);
   CHECK(read_trajectory_header(path).case_text == "the longer case");
   check_equal(second.state, whole.state);
@@ -165,11 +166,11 @@ TEST_CASE("trajectory: a second writer is refused") {
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
   const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, "the case", "", step_columns()),
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, step_columns()),
                        doctest::Contains("by another run"), Error);
   const std::string link = folder / "link.h5";
   std::filesystem::create_symlink("run.h5", link);
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, "the case", "", step_columns()),
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, step_columns()),
                        doctest::Contains("by another run"), Error);
 }
 

@@ -48,13 +48,15 @@ class TrajectoryWriter {
   TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
                    const std::vector<Column>& summary_columns);
 
-  /// Goes on with a trajectory there is; `case_text` replaces its own, for it may ask for more steps, and
-  /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
-  TrajectoryWriter(const std::string& path, const std::string& case_text, const std::string& restart,
-                   const std::vector<Column>& summary_columns);
+  /// Takes a trajectory there is, to go on with it: nobody else can from now on, nothing is changed yet.
+  TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
   ~TrajectoryWriter();
   TrajectoryWriter(const TrajectoryWriter&) = delete;
   TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
+
+  /// First of all for a trajectory there is: `case_text` replaces its own, for it may ask for more steps, and
+  /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
+  void go_on(const std::string& case_text, const std::string& restart);
 
   /// Adds a step: to /last and /summary, and to /steps where `keep`.
   void append(TrajectoryStep step, const Row& summary, bool keep);
@@ -86,6 +88,9 @@ std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Inde
 /// from its case text. Packing files and settled cases that it began from are not looked for. Throws Error
 /// where case text, system and state do not fit together.
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state);
+
+/// How the run ended, as its attribute `ended` says.
+std::string read_end(const std::string& path);
 
 /// A column of numbers of /summary, one per step from 1.
 std::vector<double> read_summary(const std::string& path, const std::string& column);
