@@ -73,9 +73,23 @@ void apply(const Options& options, Case& one) {
   check_dynamics(one);
 }
 
+// What is written under these names beside the trajectory is removed with the end of the run.
+void require_not_beside(const std::string& output, const std::string& table) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  for (const std::string& name : names_beside(output))
+    if (fs::weakly_canonical(fs::absolute(table), ignored) ==
+        fs::weakly_canonical(fs::absolute(name), ignored))
+      throw Error(
+          fmt::format("{}: expected another name, met one that is taken while {} is written", table, output));
+}
+
 void check_names(const Options& options) {
   require_hdf5_name(options.output);
-  if (!options.convergence.empty()) require_distinct(options.output, options.convergence);
+  if (!options.convergence.empty()) {
+    require_distinct(options.output, options.convergence);
+    require_not_beside(options.output, options.convergence);
+  }
   if (options.restart && options.force)
     throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;

@@ -56,11 +56,16 @@ std::string content_of(int descriptor) {
 
 }  // namespace
 
-AlternatingFile::AlternatingFile(const std::string& path)
-    : path_(followed(path).string()),
-      spare_(path_ + ".next"),
-      previous_(path_ + ".previous"),
-      lock_(path_ + ".lock") {
+std::vector<std::string> AlternatingFile::names_beside(const std::string& path) {
+  const std::string file = followed(path).string();
+  return {file + ".next", file + ".previous", file + ".lock"};
+}
+
+AlternatingFile::AlternatingFile(const std::string& path) : path_(followed(path).string()) {
+  const std::vector<std::string> names = names_beside(path);
+  spare_ = names[0];
+  previous_ = names[1];
+  lock_ = names[2];
   lock_descriptor_ = ::open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock_descriptor_ < 0) refuse(path_, "be opened for writing", std::strerror(errno));
   try {

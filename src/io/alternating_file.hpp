@@ -18,6 +18,9 @@ class AlternatingFile {
   /// Changes the file of the given name; must leave it closed.
   using Change = std::function<void(const std::string& path)>;
 
+  /// The names beside `path`: spare, version before, lock.
+  static std::vector<std::string> names_beside(const std::string& path);
+
   /// Takes the lock; leftovers of a run that was killed are removed, `path` is left as it is. Throws Error
   /// naming a file of one of these names that no run left.
   explicit AlternatingFile(const std::string& path);

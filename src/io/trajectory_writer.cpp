@@ -102,6 +102,8 @@ void change_file(const std::string& name, Change&& change) {
 
 }  // namespace
 
+std::vector<std::string> names_beside(const std::string& path) { return AlternatingFile::names_beside(path); }
+
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved) {
   TrajectoryStep step;
   step.state = after.state;

@@ -22,7 +22,8 @@ struct MovingSession : Session {
 
 }  // namespace
 
-TEST_CASE("simulate: through a symbolic link the trajectory it leads to is written, whole, and stays linked") {
+TEST_CASE(
+    "simulate: through a symbolic link the trajectory it leads to is written, whole, and stays linked") {
   const MovingSession session;
   fs::create_directory(session.folder / "store");
   answer(session, "simulate shear.toml --steps 2 -o store/real.h5");
@@ -96,4 +97,18 @@ TEST_CASE("simulate: a restart does not go on with a table that lacks steps, or 
   answer(session, "simulate shear.toml --steps 5 --iterations 3 -o other.h5 --convergence other.csv");
   check_refused(session, "simulate shear.toml --steps 6" + restart + "other.csv",
                 {"other.csv: expected the ", " rows of step 1 of the run in run.h5, met 3"});
+}
+
+TEST_CASE("simulate: names that the trajectory takes while it is written are no names for its table") {
+  const MovingSession session;
+  fs::create_directory(session.folder / "store");
+  fs::create_symlink("store/real.h5", session.folder / "link.h5");
+  for (const std::string& ending : Texts{".next", ".previous", ".lock"}) {
+    CAPTURE(ending);
+    for (const std::string& name : Texts{"run.h5" + ending, "store/../run.h5" + ending})
+      check_refused(session, "simulate shear.toml --steps 2 -o run.h5 --convergence " + name,
+                    {name, "expected another name", "run.h5 is written"});
+    check_refused(session, "simulate shear.toml -o link.h5 --convergence store/real.h5" + ending,
+                  {"store/real.h5" + ending, "expected another name"});
+  }
 }

@@ -37,6 +37,10 @@ struct TrajectoryStep {
 /// The step that led from `solved` to the state of `after`.
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
 
+/// Names that a writer of the trajectory `path` makes, replaces and removes: FILE.next, FILE.previous and
+/// FILE.lock, FILE being `path` or what it leads to as a symbolic link.
+std::vector<std::string> names_beside(const std::string& path);
+
 /// Writes the trajectory of a run as HDF5, layout in docs/formats.md: /provenance, /case, /system,
 /// /steps/NNNNNN, /last (the newest step, whatever is kept of the others) and /summary, a row per step. The
 /// file holds whole steps at every moment and can be read while the run goes on, however the program ends: it
