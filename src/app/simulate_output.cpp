@@ -225,4 +225,24 @@ void require_same_disks(const std::string& path, const GranularSystem& old, cons
       throw Error(fmt::format("{}: expected the disks of this case, met another disk {}", path, i));
 }
 
+void require_same_start(const std::string& path, const GranularState& asked) {
+  const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
+  if (!first) return;
+  const GranularState& found = first->state;
+  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle,
+                            &GranularState::velocity_x, &GranularState::velocity_y, &GranularState::spin}) {
+    const std::vector<double>&had = found.*values, &has = asked.*values;
+    if (had.size() != has.size())
+      throw Error(
+          fmt::format("{}: expected {} disks in its first step, met {}", path, has.size(), had.size()));
+    const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
+    if (differs.first == had.end()) continue;
+    const auto i = static_cast<std::size_t>(differs.first - had.begin());
+    throw Error(
+        fmt::format("{}: expected the start of the run it holds, met disk {} elsewhere or at another "
+                    "velocity, at ({}, {}) m instead of ({}, {}) m",
+                    path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i)));
+  }
+}
+
 }  // namespace nscdd::app

@@ -65,4 +65,8 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
 /// Throws Error naming the disk in which the system of a trajectory differs from the one asked for.
 void require_same_disks(const std::string& path, const GranularSystem& found, const GranularSystem& asked);
 
+/// Throws Error naming the disk that did not start where it starts now; `asked`: the state at time 0. Says
+/// nothing of a trajectory that has lost its first step.
+void require_same_start(const std::string& path, const GranularState& asked);
+
 }  // namespace nscdd::app

@@ -118,6 +118,7 @@ void check_restart(const Options& options, const Case& one) {
 // The state to go on from: that of the file.
 void take_up(Simulation& simulation, const std::string& path) {
   require_same_disks(path, read_trajectory_header(path).system, simulation.system);
+  require_same_start(path, simulation.state);
   simulation.state = read_last_step(path).state;
   check(simulation.system, simulation.state);
 }

@@ -112,3 +112,17 @@ TEST_CASE("simulate: names that the trajectory takes while it is written are no 
                   {"store/real.h5" + ending, "expected another name"});
   }
 }
+
+TEST_CASE("simulate: a restart from another start is refused with the disk that differs") {
+  const Session session;
+  const std::string rest =
+      "\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 3\nstep = 0.01\n";
+  session.file("two.csv", "x,y,radius\n0,0,1\n5,0,1\n");
+  session.file("two.toml", "[packing]\nfile = \"two.csv\"" + rest);
+  answer(session, "simulate two.toml -o run.h5 --save-every 3");
+  session.file("two.csv", "x,y,radius\n0,0,1\n5,0.5,1\n");
+  check_refused(session, "simulate two.toml --steps 4 --restart -o run.h5",
+                {"run.h5", "met disk 1 elsewhere", "at (5, 0.5) m instead of (5, 0) m"});
+  session.file("two.csv", "x,y,radius\n0,0,1\n5,0,1\n");
+  answer(session, "simulate two.toml --steps 4 --restart -o run.h5");
+}
