@@ -70,7 +70,11 @@ void apply(const Options& options, Case& one) {
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
   require_effects(options, *one.dynamics);
-  check_dynamics(one);
+  try {
+    check_dynamics(one);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", one.source, error.what()));
+  }
 }
 
 // What is written under these names beside the trajectory is removed with the end of the run.
@@ -120,7 +124,7 @@ void take_up(Simulation& simulation, const std::string& path) {
   require_same_disks(path, read_trajectory_header(path).system, simulation.system);
   require_same_start(path, simulation.state);
   simulation.state = read_last_step(path).state;
-  check(simulation.system, simulation.state);
+  require_fit(path, simulation);
 }
 
 // What a restart adds to the provenance of the run.

@@ -126,3 +126,16 @@ TEST_CASE("simulate: a restart from another start is refused with the disk that 
   session.file("two.csv", "x,y,radius\n0,0,1\n5,0,1\n");
   answer(session, "simulate two.toml --steps 4 --restart -o run.h5");
 }
+
+TEST_CASE("simulate: what does not fit together names the file, the option or the key") {
+  const Session session;
+  session.file("shear.toml", replaced(moving_case(), "warm_start = true", "criterion = \"gluing\""));
+  check_refused(session, "simulate shear.toml --algorithm nlgs -o run.h5",
+                {"shear.toml: solver.criterion: expected solver.algorithm generic or enriched"});
+  session.file("shear.toml", moving_case() + "\n[[prescribed]]\ngrain = 1000\nvelocity = [0, 0]\n");
+  check_refused(session, "simulate shear.toml -o run.h5", {"shear.toml: prescribed[0].grain: expected"});
+  session.file("shear.toml", moving_case());
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
+  check_refused(session, "export run.h5 --fclib 2 --subdomain 99 -o part.hdf5",
+                {"--subdomain: run.h5: step 2: expected a subdomain that has contacts", "met 99"});
+}

@@ -226,3 +226,10 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
   require_refused([](TrajectoryStep& s) { s.state.gluing[0].subdomain = 100'000'000; },
                   "interface/subdomain: expected");
 }
+
+TEST_CASE("trajectory: a state that is no number is refused with the file it is in") {
+  Simulation simulation = small(1);
+  simulation.state.velocity_x[3] = infinity;
+  CHECK_THROWS_WITH_AS(require_fit("run.h5", simulation),
+                       doctest::Contains("run.h5: disk 3: expected finite"), Error);
+}

@@ -93,6 +93,10 @@ std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Inde
 /// where case text, system and state do not fit together.
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state);
 
+/// Throws Error naming the file, and the disk or boundary, where system and state read from it do not fit
+/// together or a position or velocity is no number.
+void require_fit(const std::string& path, const Simulation& simulation);
+
 /// How the run ended, as its attribute `ended` says.
 std::string read_end(const std::string& path);
 
