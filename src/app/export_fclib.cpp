@@ -92,6 +92,14 @@ void print_report(const FclibExport& what, const FclibFile& file, const LocalFri
     fmt::print("solution             none: step {} is not kept\n", what.step);
 }
 
+FclibFile subdomain_file(const FclibExport& what, const Simulation& before, const TrajectoryStep& after) {
+  try {
+    return fclib_of_subdomain(before, after, *what.subdomain);
+  } catch (const Error& error) {
+    throw Error(fmt::format("--subdomain: {}: {}", what.trajectory, error.what()));
+  }
+}
+
 }  // namespace
 
 int export_fclib(const FclibExport& what, const Context& context) {
@@ -100,7 +108,7 @@ int export_fclib(const FclibExport& what, const Context& context) {
   const TrajectoryHeader header = read_trajectory_header(what.trajectory);
   const Simulation before = rebuilt_simulation(what.trajectory, header, state_before(what).state);
   const std::optional<TrajectoryStep> after = find_trajectory_step(what.trajectory, what.step);
-  FclibFile file = what.subdomain ? fclib_of_subdomain(before, kept_step(what, after), *what.subdomain)
+  FclibFile file = what.subdomain ? subdomain_file(what, before, kept_step(what, after))
                                   : fclib_of_step(before, after ? &*after : nullptr);
   const FclibFile local = local_form(file);
   if (what.local) file = local;

@@ -16,17 +16,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Throws where rows of a step are missing behind the first row there is, or are another run's.
+void require_rows_of(const RunSoFar& run, const std::vector<Index>& rows, const std::string& name) {
+  const auto first = std::find_if(rows.begin(), rows.end(), [](Index n) { return n > 0; });
+  for (auto step = first; step != rows.end(); ++step) {
+    const auto expected = static_cast<Index>(run.iterations[at(step - rows.begin())]);
+    if (*step != expected)
+      throw Error(
+          fmt::format("{}: expected the {} rows of step {} of the run in {}, met {}; a table of another name "
+                      "begins with the steps taken now",
+                      name, expected, step - rows.begin() + 1, run.path, *step));
+  }
+}
+
 // Bytes of a table up to the last row of the steps done.
-std::uintmax_t bytes_of_steps(const std::string& text, Index steps_done, const std::string& name) {
+std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const std::string& name) {
   const std::string header = csv_header(iteration_columns()) + "\n";
   if (text.substr(0, header.size()) != header)
     throw Error(fmt::format("{}: expected the table of a run to go on with, met other columns", name));
   std::size_t kept = header.size();
+  std::vector<Index> rows(run.iterations.size(), 0);
   for (std::size_t end = text.find('\n', kept); end != std::string::npos; end = text.find('\n', kept)) {
-    const std::string step = text.substr(kept, text.find(',', kept) - kept);
-    if (parse_integer(step, name + ": step") > steps_done) break;
+    const std::string cell = text.substr(kept, text.find(',', kept) - kept);
+    const Index step = parse_integer(cell, name + ": step");
+    if (step > count(rows)) break;
+    if (step < 1) throw Error(fmt::format("{}: step: expected a number from 1, met {}", name, step));
+    ++rows[at(step - 1)];
     kept = end + 1;
   }
+  require_rows_of(run, rows, name);
   return kept;
 }
 
@@ -36,7 +54,7 @@ bool grows(const std::string& path) {
 }
 
 // What is kept of the table of the run before, which grows on as a partial file.
-std::uintmax_t reopened(const std::string& path, Index steps_done) {
+std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   std::error_code status;
   const fs::path growing = partial_path(path);
   if (is_stream(path)) return 0;
@@ -46,25 +64,36 @@ std::uintmax_t reopened(const std::string& path, Index steps_done) {
     if (status) throw Error(fmt::format("{}: cannot be renamed: {}", path, status.message()));
   }
   const std::string text = read_text(growing.string());
-  return text.empty() ? 0 : bytes_of_steps(text, steps_done, growing.string());
+  return text.empty() ? 0 : bytes_of_run(text, run, growing.string());
 }
 
 }  // namespace
 
-void require_table_to_go_on(const std::string& path, Index steps_done) {
-  std::error_code status;
-  if (path.empty() || is_stream(path) || grows(path) || !fs::exists(path, status)) return;
-  const std::string text = read_text(path);  // of a run that came to its end
-  if (bytes_of_steps(text, steps_done, path) < text.size())
-    throw Error(
-        fmt::format("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
-                    steps_done));
+RunSoFar run_so_far(const std::string& path) {
+  return {path, read_summary(path, "iterations"), read_end(path).starts_with(to_string(RunEnd::broke_down))};
 }
 
-ConvergenceTable::ConvergenceTable(const std::string& path, bool force, std::optional<Index> steps_done) {
+void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
+  std::error_code status;
+  if (path.empty() || is_stream(path)) return;
+  if (grows(path)) {
+    require_writable(path, false, true);
+    const std::string name = partial_path(path).string(), text = read_text(name);
+    if (!text.empty()) bytes_of_run(text, run, name);
+    return;
+  }
+  if (!fs::exists(path, status)) return require_writable(path, false);
+  const std::string text = read_text(path);  // of a run that came to its end
+  if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
+    throw Error(
+        fmt::format("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
+                    run.iterations.size()));
+}
+
+ConvergenceTable::ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run) {
   if (path.empty()) return;
   std::optional<std::uintmax_t> kept;
-  if (steps_done) kept = reopened(path, *steps_done);
+  if (run) kept = reopened(path, *run);
   csv_.emplace(path, force, iteration_columns(), kept);
 }
 
@@ -194,6 +223,26 @@ void require_same_disks(const std::string& path, const GranularSystem& old, cons
     if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] ||
         old.driven_by[i] != system.driven_by[i])
       throw Error(fmt::format("{}: expected the disks of this case, met another disk {}", path, i));
+}
+
+void require_same_start(const std::string& path, const GranularState& asked) {
+  const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
+  if (!first) return;
+  const GranularState& found = first->state;
+  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle,
+                            &GranularState::velocity_x, &GranularState::velocity_y, &GranularState::spin}) {
+    const std::vector<double>&had = found.*values, &has = asked.*values;
+    if (had.size() != has.size())
+      throw Error(
+          fmt::format("{}: expected {} disks in its first step, met {}", path, has.size(), had.size()));
+    const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
+    if (differs.first == had.end()) continue;
+    const auto i = static_cast<std::size_t>(differs.first - had.begin());
+    throw Error(
+        fmt::format("{}: expected the start of the run it holds, met disk {} elsewhere or at another "
+                    "velocity, at ({}, {}) m instead of ({}, {}) m",
+                    path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i)));
+  }
 }
 
 }  // namespace nscdd::app

@@ -8,19 +8,29 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace nscdd::app {
 
-/// Throws Error where the table at `path` is not one that a run of so many steps can go on with: other
-/// columns, or, if it is complete, later steps. Changes nothing.
-void require_table_to_go_on(const std::string& path, Index steps_done);
+/// What the trajectory of a run says of it that its table must agree with.
+struct RunSoFar {
+  std::string path;
+  std::vector<double> iterations;  ///< of every step done
+  bool broke_down = false;         ///< in the step after these, whose rows are in the table
+};
+RunSoFar run_so_far(const std::string& path);
+
+/// Throws Error where the table at `path` is not one that the run can go on with: other columns, rows of its
+/// steps missing behind the first row there is, or later steps in a complete one, but for the step that broke
+/// down. Changes nothing.
+void require_table_to_go_on(const std::string& path, const RunSoFar& run);
 
 /// The table of --convergence: one row per iteration, flushed. A run that goes on keeps the rows of the steps
 /// that are done and drops those of the step that was not.
 class ConvergenceTable {
  public:
-  /// No table where `path` is empty. `steps_done`: those of the run that is gone on with, none for a new run.
-  ConvergenceTable(const std::string& path, bool force, std::optional<Index> steps_done);
+  /// No table where `path` is empty. `run`: the one that is gone on with, none for a new one.
+  ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run);
   IterationSink sink();
   void finish();  ///< the run came to its end
   void leave();   ///< it was interrupted: the partial table stays
@@ -54,5 +64,9 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
 
 /// Throws Error naming the disk in which the system of a trajectory differs from the one asked for.
 void require_same_disks(const std::string& path, const GranularSystem& found, const GranularSystem& asked);
+
+/// Throws Error naming the disk that did not start where it starts now; `asked`: the state at time 0. Says
+/// nothing of a trajectory that has lost its first step.
+void require_same_start(const std::string& path, const GranularState& asked);
 
 }  // namespace nscdd::app

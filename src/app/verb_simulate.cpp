@@ -70,12 +70,30 @@ void apply(const Options& options, Case& one) {
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
   require_effects(options, *one.dynamics);
-  check_dynamics(one);
+  try {
+    check_dynamics(one);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", one.source, error.what()));
+  }
+}
+
+// What is written under these names beside the trajectory is removed with the end of the run.
+void require_not_beside(const std::string& output, const std::string& table) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  for (const std::string& name : names_beside(output))
+    if (fs::weakly_canonical(fs::absolute(table), ignored) ==
+        fs::weakly_canonical(fs::absolute(name), ignored))
+      throw Error(
+          fmt::format("{}: expected another name, met one that is taken while {} is written", table, output));
 }
 
 void check_names(const Options& options) {
   require_hdf5_name(options.output);
-  if (!options.convergence.empty()) require_distinct(options.output, options.convergence);
+  if (!options.convergence.empty()) {
+    require_distinct(options.output, options.convergence);
+    require_not_beside(options.output, options.convergence);
+  }
   if (options.restart && options.force)
     throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;
@@ -98,14 +116,15 @@ void check_restart(const Options& options, const Case& one) {
   if (done > steps)
     throw Error(
         fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
-  require_table_to_go_on(options.convergence, done);
+  require_table_to_go_on(options.convergence, run_so_far(path));
 }
 
 // The state to go on from: that of the file.
 void take_up(Simulation& simulation, const std::string& path) {
   require_same_disks(path, read_trajectory_header(path).system, simulation.system);
+  require_same_start(path, simulation.state);
   simulation.state = read_last_step(path).state;
-  check(simulation.system, simulation.state);
+  require_fit(path, simulation);
 }
 
 // What a restart adds to the provenance of the run.
@@ -169,13 +188,14 @@ int run(const Options& options) {
   const Index before = simulation.state.step;
   const std::vector<double> speeds =
       options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
-  const std::optional<Index> steps_done = options.restart ? std::optional<Index>(before) : std::nullopt;
+  const auto found = options.restart ? std::optional(run_so_far(options.output)) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
+  if (options.restart) trajectory.emplace(options.output, step_columns());
+  ConvergenceTable table(options.convergence, options.force, found);
   if (options.restart)
-    trajectory.emplace(options.output, header.case_text, restart_line(options, before), step_columns());
-  ConvergenceTable table(options.convergence, options.force, steps_done);
-  if (!options.restart)
+    trajectory->go_on(header.case_text, restart_line(options, before));
+  else
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
   Progress progress("simulate " + one.name, before, "step");
   RunSummary summary;

@@ -108,7 +108,8 @@ void write_result(FclibFile file, const FrictionSolution& solution, const Option
   output.finish();
 }
 
-void check_names(const Options& options) {
+void check_options(const Options& options) {
+  check_bounds(options.solver.tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "--tolerance");
   if (options.convergence == "-")
     throw Error("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty()) require_hdf5_name(options.output);
@@ -119,7 +120,7 @@ void check_names(const Options& options) {
 }
 
 int run(const Options& options) {
-  check_names(options);
+  check_options(options);
   const FclibFile file = read_fclib(options.file);
   const LocalFrictionProblem local = local_problem(file, options.file);
   const Vector guess = starting_impulses(file, options);

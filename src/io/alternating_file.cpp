@@ -2,6 +2,7 @@
 #include "alternating_file.hpp"
 
 #include <nscdd/core/error.hpp>
+#include <nscdd/io/output_file.hpp>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -55,11 +56,16 @@ std::string content_of(int descriptor) {
 
 }  // namespace
 
-AlternatingFile::AlternatingFile(std::string path)
-    : path_(std::move(path)),
-      spare_(path_ + ".next"),
-      previous_(path_ + ".previous"),
-      lock_(path_ + ".lock") {
+std::vector<std::string> AlternatingFile::names_beside(const std::string& path) {
+  const std::string file = followed(path).string();
+  return {file + ".next", file + ".previous", file + ".lock"};
+}
+
+AlternatingFile::AlternatingFile(const std::string& path) : path_(followed(path).string()) {
+  const std::vector<std::string> names = names_beside(path);
+  spare_ = names[0];
+  previous_ = names[1];
+  lock_ = names[2];
   lock_descriptor_ = ::open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock_descriptor_ < 0) refuse(path_, "be opened for writing", std::strerror(errno));
   try {
@@ -125,14 +131,14 @@ void AlternatingFile::copy_to_spare() const {
 }
 
 // One rename puts the new version in place. The old one becomes the spare where the file system has hard
-// links; where it has none, the next change begins with a copy.
+// links and nobody else has one to it; otherwise the next change begins with a copy.
 void AlternatingFile::swap() {
   std::error_code status, linked;
   remove(previous_);
   fs::create_hard_link(path_, previous_, linked);
   fs::rename(spare_, path_, status);
   if (status) refuse(path_, "be renamed from " + spare_, status.message());
-  if (!linked) fs::rename(previous_, spare_, status);
+  if (!linked && fs::hard_link_count(previous_, status) == 1) fs::rename(previous_, spare_, status);
 }
 
 }  // namespace nscdd

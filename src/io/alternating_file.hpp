@@ -10,16 +10,20 @@ namespace nscdd {
 /// A file that is changed again and again and yet complete under its name at every moment, however the
 /// program ends. There are two copies: `path`, never touched while it has that name, and `path.next`, which
 /// gets the change the other one has already and the new one, and takes the name then. Whoever reads `path`
-/// meets a finished version and does not disturb the writer. `path.lock` keeps a second writer away.
+/// meets a finished version and does not disturb the writer. `path.lock` keeps a second writer away. A
+/// symbolic link stays one: `path` is then what it leads to.
 /// Every function throws Error naming the file where the system refuses.
 class AlternatingFile {
  public:
   /// Changes the file of the given name; must leave it closed.
   using Change = std::function<void(const std::string& path)>;
 
+  /// The names beside `path`: spare, version before, lock.
+  static std::vector<std::string> names_beside(const std::string& path);
+
   /// Takes the lock; leftovers of a run that was killed are removed, `path` is left as it is. Throws Error
   /// naming a file of one of these names that no run left.
-  explicit AlternatingFile(std::string path);
+  explicit AlternatingFile(const std::string& path);
   ~AlternatingFile();  ///< `path` stays with its last complete change
   AlternatingFile(const AlternatingFile&) = delete;
   AlternatingFile& operator=(const AlternatingFile&) = delete;

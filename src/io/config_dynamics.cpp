@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config_dynamics.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace nscdd {
@@ -97,10 +98,18 @@ void read_ends(StrictTable& section, BoundarySpec& spec) {
   if (spec.from == spec.to) section.fail("to", "another point than from", "the same");
 }
 
+// A trajectory holds one name per line.
+void read_name(StrictTable& section, std::string& name) {
+  section.read("name", name);
+  const auto breaks = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (name.empty() || std::any_of(name.begin(), name.end(), breaks))
+    section.fail("name", "a text of one line, without control characters and not empty", field_text(name));
+}
+
 BoundarySpec read_boundary(StrictTable section) {
   BoundarySpec spec;
   require_keys(section, {"name", "shape"});
-  section.read("name", spec.name);
+  read_name(section, spec.name);
   spec.shape = read_shape(section);
   if (spec.shape == BoundaryShape::grains) {
     require_keys(section, {"first", "last"});

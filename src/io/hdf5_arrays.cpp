@@ -192,6 +192,19 @@ void put_attribute(hid_t object, const std::string& name, double value) {
   require(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value), name);
 }
 
+std::string get_text_attribute(hid_t object, const std::string& name, const std::string& file) {
+  const std::string met = fmt::format("{}: expected a text in the attribute '{}', met none", file, name);
+  const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, met);
+  const Handle type(H5Aget_type(attribute), H5Tclose, met);
+  const Handle space(H5Aget_space(attribute), H5Sclose, met);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0 ||
+      H5Sget_simple_extent_npoints(space) != 1)
+    throw Error(met);
+  std::string text(H5Tget_size(type), '\0');
+  if (H5Aread(attribute, type, text.data()) < 0) throw Error(met);
+  return text.substr(0, text.find('\0'));
+}
+
 double get_number(hid_t object, const std::string& name, const std::string& file) {
   const std::string met = fmt::format("{}: expected a number in the attribute '{}', met none", file, name);
   const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, met);

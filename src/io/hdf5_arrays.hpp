@@ -48,6 +48,7 @@ void put_text(hid_t group, const std::string& name, const std::string& text);
 std::string get_text(hid_t group, const std::string& name, const std::string& file);
 void put_attribute(hid_t object, const std::string& name, const std::string& text);
 void put_attribute(hid_t object, const std::string& name, double value);
+std::string get_text_attribute(hid_t object, const std::string& name, const std::string& file);
 double get_number(hid_t object, const std::string& name, const std::string& file);
 
 }  // namespace nscdd

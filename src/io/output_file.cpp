@@ -28,6 +28,17 @@ bool is_stream(const fs::path& path) {
   return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
 }
 
+fs::path followed(fs::path path) {
+  constexpr int longest_chain = 40;  // as for the system, which refuses longer ones
+  std::error_code status;
+  for (int link = 0; link < longest_chain && fs::is_symlink(path, status); ++link) {
+    const fs::path target = fs::read_symlink(path, status);
+    if (status) break;
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  return path;
+}
+
 fs::path partial_path(const fs::path& path) { return fs::path(path.string() + ".partial"); }
 
 void require_writable(const fs::path& path, bool force, bool partial_accepted) {

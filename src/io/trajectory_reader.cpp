@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 namespace nscdd {
@@ -44,12 +45,42 @@ std::vector<Element> get_structs(hid_t parent, const std::string& name, const st
   return elements;
 }
 
+// A number that counts steps.
+Index get_count(hid_t group, const std::string& name, Index lowest, const std::string& file) {
+  constexpr double highest = 1e15;  // below it every integer is a double
+  const double value = get_number(group, name, file);
+  if (!(value >= static_cast<double>(lowest) && value <= highest && std::floor(value) == value))
+    throw Error(fmt::format("{}: expected an integer from {} to {} in the attribute '{}', met {}", file,
+                            lowest, highest, name, value));
+  return static_cast<Index>(value);
+}
+
+void require_below(Index value, Index bound, const char* array, const std::string& file) {
+  if (value < 0 || value >= bound)
+    throw Error(fmt::format("{}: {}: expected a number in 0..{}, met {}", file, array, bound - 1, value));
+}
+
+// Whether numbers of bodies and subdomains are some.
+void check_numbers(const TrajectoryStep& step, Index walls, const std::string& file) {
+  constexpr Index most_subdomains = 1'000'000;  // of any partitioner
+  const Index disks = count(step.state.x), bodies = disks + walls;
+  for (const TrajectoryContact& c : step.contacts) {
+    require_below(c.geometry.a, bodies, "contacts/a", file);
+    require_below(c.geometry.b, bodies, "contacts/b", file);
+    require_below(c.subdomain, most_subdomains, "contacts/subdomain", file);
+  }
+  for (const RememberedGluing& gluing : step.state.gluing) {
+    require_below(gluing.grain, disks, "interface/grain", file);
+    require_below(gluing.subdomain, most_subdomains, "interface/subdomain", file);
+  }
+}
+
 TrajectoryStep get_step(hid_t group, const std::string& file) {
   TrajectoryStep step;
   GranularState& state = step.state;
-  state.step = static_cast<Index>(get_number(group, "step", file));
+  state.step = get_count(group, "step", 0, file);
   state.time = get_number(group, "time", file);
-  state.decomposed_at = static_cast<Index>(get_number(group, "decomposed_at", file));
+  state.decomposed_at = get_count(group, "decomposed_at", -1, file);
   state.eta = get_number(group, "eta", file);
   for (const auto& array : layout::state_arrays)
     state.*(array.values) = get_array<double>(group, array.name, file);
@@ -58,6 +89,8 @@ TrajectoryStep get_step(hid_t group, const std::string& file) {
       get_structs<TrajectoryContact>(group, "contacts", file, [](auto&& v) { layout::contact_columns(v); });
   state.gluing =
       get_structs<RememberedGluing>(group, "interface", file, [](auto&& v) { layout::gluing_columns(v); });
+  const Handle walls = member_group(member_group(group, "/system", file), "walls", file);
+  check_numbers(step, count(get_array<double>(walls, "point_x", file)), file);
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
     if (c.impulse.n != 0 || c.impulse.t != 0)
@@ -149,6 +182,11 @@ std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Inde
 TrajectoryStep read_last_step(const std::string& path) {
   const Handle file = open_trajectory(path);
   return get_step(member_group(file, "last", path), path);
+}
+
+std::string read_end(const std::string& path) {
+  const Handle file = open_trajectory(path);
+  return get_text_attribute(file, "ended", path);
 }
 
 std::vector<double> read_summary(const std::string& path, const std::string& column) {

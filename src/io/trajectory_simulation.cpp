@@ -7,6 +7,14 @@
 
 namespace nscdd {
 
+void require_fit(const std::string& path, const Simulation& simulation) {
+  try {
+    check(simulation.system, simulation.state);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
   // The grains are those of the file, wherever they came from.
   const Case one = parse_case(
@@ -27,8 +35,9 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
                               system.boundaries[k].name));
     system.boundaries[k].motion = specs[k].motion;
   }
-  check(system, state);
-  return {std::move(system), std::move(state), *one.dynamics, one.partition};
+  Simulation simulation{std::move(system), std::move(state), *one.dynamics, one.partition};
+  require_fit(path, simulation);
+  return simulation;
 }
 
 }  // namespace nscdd

@@ -102,6 +102,8 @@ void change_file(const std::string& name, Change&& change) {
 
 }  // namespace
 
+std::vector<std::string> names_beside(const std::string& path) { return AlternatingFile::names_beside(path); }
+
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved) {
   TrajectoryStep step;
   step.state = after.state;
@@ -149,9 +151,12 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
   });
 }
 
-TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::string& case_text,
-                                   const std::string& restart, const std::vector<Column>& summary_columns)
-    : implementation_(new Implementation{path, AlternatingFile(path), summary_columns}) {
+TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns)
+    : implementation_(new Implementation{path, AlternatingFile(path), summary_columns}) {}
+
+TrajectoryWriter::~TrajectoryWriter() = default;
+
+void TrajectoryWriter::go_on(const std::string& case_text, const std::string& restart) {
   implementation_->file.change([case_text, restart](const std::string& name) {
     change_file(name, [&](hid_t file) {
       H5Ldelete(file, "case", H5P_DEFAULT);
@@ -161,8 +166,6 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::string& c
     });
   });
 }
-
-TrajectoryWriter::~TrajectoryWriter() = default;
 
 void TrajectoryWriter::append(TrajectoryStep step, const Row& summary, bool keep) {
   const auto columns = implementation_->columns;

@@ -76,16 +76,17 @@ Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
 
 // Prescribed velocities with their grains counted from 0, each once.
 std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, Index grains) {
-  for (PrescribedVelocity& velocity : prescribed) {
+  for (std::size_t k = 0; k < prescribed.size(); ++k) {
+    PrescribedVelocity& velocity = prescribed[k];
     if (velocity.grain < -grains || velocity.grain >= grains)
       throw Error(
-          fmt::format("prescribed velocity: expected a grain in 0..{} (or -1 for the last), met grain {}",
+          fmt::format("prescribed[{}].grain: expected a grain in 0..{} (or -1 for the last), met grain {}", k,
                       grains - 1, velocity.grain));
     if (velocity.grain < 0) velocity.grain += grains;
     for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
       if (other->grain == velocity.grain)
-        throw Error(
-            fmt::format("prescribed velocity: expected each grain once, met grain {} again", velocity.grain));
+        throw Error(fmt::format("prescribed[{}].grain: expected each grain once, met grain {} again", k,
+                                velocity.grain));
   }
   return prescribed;
 }

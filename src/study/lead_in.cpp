@@ -25,7 +25,7 @@ void advance(Arrival& arrival) {
   SolvedStep step = solve_step(arrival.simulation);
   if (step.report.status == SolverStatus::diverged || step.report.status == SolverStatus::no_number)
     throw Error(fmt::format("step {}: {}: {}", step.report.step, to_string(step.report.status),
-                            describe_breakdown(step)));
+                            describe_breakdown(arrival.simulation, step)));
   arrival.totals.add(take_step(arrival.simulation, std::move(step)));
 }
 

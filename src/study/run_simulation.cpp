@@ -20,7 +20,7 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
     const SolverStatus status = step.report.status;
     if (status != SolverStatus::diverged && status != SolverStatus::no_number) return step;
     reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, to_string(status),
-                         step.report.last.iteration, describe_breakdown(step));
+                         step.report.last.iteration, describe_breakdown(simulation, step));
   } catch (const Error& error) {
     if (simulation.state.step == 0) throw;
     reason = fmt::format("step {}: {}", simulation.state.step + 1, error.what());

@@ -217,9 +217,10 @@ StepReport take_step(Simulation& simulation, SolvedStep step) {
   return step.report;
 }
 
-std::string describe_breakdown(const SolvedStep& step) {
-  const auto name = [](const StepContact& c) {
-    return fmt::format("contact of bodies {} and {} at ({:.6g}, {:.6g}) m", c.a, c.b, c.point[0], c.point[1]);
+std::string describe_breakdown(const Simulation& before, const SolvedStep& step) {
+  const auto name = [&](const StepContact& c) {
+    return fmt::format("contact of {} and {} at ({:.6g}, {:.6g}) m", body_name(before.system, c.a),
+                       body_name(before.system, c.b), c.point[0], c.point[1]);
   };
   std::size_t largest = 0;
   double size = -1;
@@ -233,7 +234,9 @@ std::string describe_breakdown(const SolvedStep& step) {
   }
   for (std::size_t i = 0; i < step.velocities.size(); ++i)
     if (!std::isfinite(step.velocities[i].x + step.velocities[i].y + step.velocities[i].rim))
-      return fmt::format("disk {}: velocity is no number", i);
+      return fmt::format("{} at ({:.6g}, {:.6g}) m: velocity is no number",
+                         body_name(before.system, static_cast<Index>(i)), before.state.x[i],
+                         before.state.y[i]);
   if (step.contacts.empty()) return "no contact";
   return fmt::format("{}: largest impulse, {:.6g} N s", name(step.problem.geometry[largest]), size);
 }

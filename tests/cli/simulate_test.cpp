@@ -199,7 +199,7 @@ TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, 
       session.run(words("simulate shear.toml --algorithm enriched --eta 1e-4 --iterations 8 -o run.h5"));
   CHECK(exploded.exit_code == 1);
   CHECK(contains(exploded.standard_error, ": diverged after "));
-  CHECK(contains(exploded.standard_error, "contact of bodies "));
+  CHECK(contains(exploded.standard_error, "contact of disk "));
   const auto end = nscdd::read_last_step(path_of(session, "run.h5")).state;
   for (const double speed : end.velocity_y) CHECK(std::abs(speed) < 10);
   session.file("light.csv", "x,y,radius,mass\n0,0,1,1\n2,0,1,1e-310\n4,0,1,1\n");

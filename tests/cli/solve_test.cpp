@@ -86,7 +86,7 @@ TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
                                   "solve some.hdf5 --guess 1 --tolerance 1e-8 -o done.hdf5 --order reverse "
                                   "--relaxation 0.9");
   CHECK(value(rest, "status") == "converged");
-  CHECK(value(answer(session, "solve some.hdf5 --guess 1 --tolerance 1e30"), "sweeps") == "0");
+  CHECK(value(answer(session, "solve some.hdf5 --guess 1 --tolerance 1"), "sweeps") == "0");
   check_refused(session, "solve some.hdf5 --guess 2", {"--guess", "expected one of the 1 guesses", "met 2"});
   check_refused(session, "solve some.hdf5 --guess -1", {"--guess", "or 0 for none, met -1\n"});
   RawFclib raw = raw_global(box());
@@ -164,4 +164,13 @@ TEST_CASE("a global problem goes through sweep, optimum and inspect like any cas
   check_refused(session, "modes p.hdf5 --subdomains metis:3 --epsilon 1 --output m",
                 {"modes: expected a packing"});
   check_refused(session, "generate p.hdf5 -o g.csv", {"p.hdf5: expected a packing"});
+}
+
+TEST_CASE("solve: a tolerance that says nothing is refused") {
+  const Session session;
+  session.file("local.hdf5", raw_local(reduce(box()), Storage::triplets).bytes());
+  for (const std::string& tolerance : Texts{"inf", "nan", "-1", "1.5"}) {
+    CAPTURE(tolerance);
+    check_refused(session, "solve local.hdf5 --tolerance " + tolerance, {"--tolerance: expected"});
+  }
 }

@@ -108,6 +108,9 @@ TEST_CASE("moving case: every error of a boundary names file, line and key") {
   require_error(replaced(good, "name = \"floor\"", "name = \"left\""),
                 "boundary[1].name: expected each name once, met \"left\" again");
   require_error(replaced(good, "name = \"floor\"\n", ""), "boundary[0].name: expected a value, met none");
+  for (const std::string name : {"", "a\\nb", "tab\\t", "\\u007f"})
+    require_error(replaced(good, "name = \"floor\"", "name = \"" + name + "\""),
+                  "boundary[0].name: expected a text of one line");
   require_error(replaced(good, "shape = \"wall\"", "shape = \"spheres\""),
                 "boundary[2].shape: expected \"wall\", \"disks\" or \"grains\", met \"spheres\"");
   require_error(replaced(good, "shape = \"disks\"", "shape = \"wall\""), "unknown key 'boundary[0].radius'");

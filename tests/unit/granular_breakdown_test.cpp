@@ -49,7 +49,7 @@ TEST_CASE("status: diverged under an enrichment that is far too stiff, and the s
   const SolvedStep step = solve_step(s);
   CHECK(step.report.status == SolverStatus::diverged);
   CHECK(s.state.step == 0);
-  CHECK(describe_breakdown(step).find("largest impulse") != std::string::npos);
+  CHECK(describe_breakdown(s, step).find("largest impulse") != std::string::npos);
 }
 
 TEST_CASE("criterion interface_change without an interface does not pass the first sweep for converged") {
@@ -106,14 +106,19 @@ TEST_CASE("describe_breakdown names what is no number") {
   SolvedStep broken = step;
   broken.contacts[2].impulse_t = not_a_number;
   const StepContact& c = step.problem.geometry[2];
-  CHECK(describe_breakdown(broken).starts_with("contact of bodies " + std::to_string(c.a) + " and " +
-                                               std::to_string(c.b) + " at ("));
-  CHECK(describe_breakdown(broken).ends_with(") m: impulse is no number"));
+  CHECK(describe_breakdown(s, broken).starts_with("contact of disk " + std::to_string(c.a) + " and disk " +
+                                                  std::to_string(c.b) + " at ("));
+  CHECK(describe_breakdown(s, broken).ends_with(") m: impulse is no number"));
   broken = step;
   broken.velocities[4].rim = infinity;
-  CHECK(describe_breakdown(broken) == "disk 4: velocity is no number");
+  s.state.x[4] = 1.5;
+  s.state.y[4] = -2;
+  CHECK(describe_breakdown(s, broken) == "disk 4 at (1.5, -2) m: velocity is no number");
+  s.system.boundaries.push_back({.name = "drum", .motion = {}});
+  s.system.driven_by[4] = 0;
+  CHECK(describe_breakdown(s, broken).starts_with("disk 4 of boundary 'drum' at ("));
   SolvedStep empty;
-  CHECK(describe_breakdown(empty) == "no contact");
+  CHECK(describe_breakdown(s, empty) == "no contact");
 }
 
 TEST_CASE("a case that asks for an eta that is no number is refused") {

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 
 using namespace nscdd;
 using nscdd::testing::moving_case;
@@ -133,7 +134,8 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   Simulation second = small(20);
   second.state = read_last_step(path).state;
   CHECK(second.state.step == 10);
-  TrajectoryWriter writer(path, "the longer case", "from step 10\n", step_columns());
+  TrajectoryWriter writer(path, step_columns());
+  writer.go_on("the longer case", "from step 10\n");
   run_into(writer, second);
   CHECK(read_trajectory_header(path).case_text == "the longer case");
   check_equal(second.state, whole.state);
@@ -165,8 +167,10 @@ TEST_CASE("trajectory: a second writer is refused") {
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
   const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, "the case", "", step_columns()),
-                       doctest::Contains("by another run"), Error);
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, step_columns()), doctest::Contains("by another run"), Error);
+  const std::string link = folder / "link.h5";
+  std::filesystem::create_symlink("run.h5", link);
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, step_columns()), doctest::Contains("by another run"), Error);
 }
 
 TEST_CASE("trajectory: what is none, or damaged, is refused") {
@@ -195,4 +199,37 @@ TEST_CASE("trajectory: a state with arrays of different lengths is refused") {
   { TrajectoryWriter writer(path, header_of(simulation), step, step_columns()); }
   CHECK_THROWS_WITH_AS(check(simulation.system, read_last_step(path).state), doctest::Contains("disks"),
                        Error);
+}
+
+TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are refused") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  const Simulation simulation = small(1);
+  const Index bodies = simulation.system.disks() + count(simulation.system.walls);
+  const auto require_refused = [&](const std::function<void(TrajectoryStep&)>& damage,
+                                   const std::string& part) {
+    CAPTURE(part);
+    TrajectoryStep step{simulation.state, {TrajectoryContact{}}};
+    step.state.gluing.push_back({0, 1, 0, 0, 0});
+    damage(step);
+    { TrajectoryWriter writer(path, header_of(simulation), step, step_columns()); }
+    CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains(part.c_str()), Error);
+    CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains("run.h5"), Error);
+  };
+  require_refused([](TrajectoryStep& s) { s.state.step = Index{1} << 60; }, "attribute 'step', met 1.15");
+  require_refused([](TrajectoryStep& s) { s.state.decomposed_at = -2; }, "'decomposed_at', met -2");
+  require_refused([](TrajectoryStep& s) { s.contacts[0].geometry.a = -5; }, "contacts/a: expected");
+  require_refused([&](TrajectoryStep& s) { s.contacts[0].geometry.b = bodies; }, "contacts/b: expected");
+  require_refused([](TrajectoryStep& s) { s.contacts[0].subdomain = -5; }, "contacts/subdomain: expected");
+  require_refused([&](TrajectoryStep& s) { s.state.gluing[0].grain = simulation.system.disks(); },
+                  "interface/grain: expected");
+  require_refused([](TrajectoryStep& s) { s.state.gluing[0].subdomain = 100'000'000; },
+                  "interface/subdomain: expected");
+}
+
+TEST_CASE("trajectory: a state that is no number is refused with the file it is in") {
+  Simulation simulation = small(1);
+  simulation.state.velocity_x[3] = infinity;
+  CHECK_THROWS_WITH_AS(require_fit("run.h5", simulation),
+                       doctest::Contains("run.h5: disk 3: expected finite"), Error);
 }

@@ -31,6 +31,9 @@ void complete(const std::filesystem::path& path);
 /// Whether `path` is a device or a pipe, which holds nothing; "-" (standard output) counts as one.
 bool is_stream(const std::filesystem::path& path);
 
+/// The name that symbolic links under `path` lead to at last, whether a file is there or not.
+std::filesystem::path followed(std::filesystem::path path);
+
 /// A text output that appears under its name only when complete: it grows as `path.partial`, every line
 /// flushed, and is renamed by `finish`. A killed run leaves the readable partial file; one that ends by an
 /// exception removes it, unless it holds bytes of a run before. "-" is standard output; devices and pipes are

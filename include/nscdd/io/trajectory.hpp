@@ -37,6 +37,10 @@ struct TrajectoryStep {
 /// The step that led from `solved` to the state of `after`.
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
 
+/// Names that a writer of the trajectory `path` makes, replaces and removes: FILE.next, FILE.previous and
+/// FILE.lock, FILE being `path` or what it leads to as a symbolic link.
+std::vector<std::string> names_beside(const std::string& path);
+
 /// Writes the trajectory of a run as HDF5, layout in docs/formats.md: /provenance, /case, /system,
 /// /steps/NNNNNN, /last (the newest step, whatever is kept of the others) and /summary, a row per step. The
 /// file holds whole steps at every moment and can be read while the run goes on, however the program ends: it
@@ -48,13 +52,15 @@ class TrajectoryWriter {
   TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
                    const std::vector<Column>& summary_columns);
 
-  /// Goes on with a trajectory there is; `case_text` replaces its own, for it may ask for more steps, and
-  /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
-  TrajectoryWriter(const std::string& path, const std::string& case_text, const std::string& restart,
-                   const std::vector<Column>& summary_columns);
+  /// Takes a trajectory there is, to go on with it: nobody else can from now on, nothing is changed yet.
+  TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
   ~TrajectoryWriter();
   TrajectoryWriter(const TrajectoryWriter&) = delete;
   TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
+
+  /// First of all for a trajectory there is: `case_text` replaces its own, for it may ask for more steps, and
+  /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
+  void go_on(const std::string& case_text, const std::string& restart);
 
   /// Adds a step: to /last and /summary, and to /steps where `keep`.
   void append(TrajectoryStep step, const Row& summary, bool keep);
@@ -86,6 +92,13 @@ std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Inde
 /// from its case text. Packing files and settled cases that it began from are not looked for. Throws Error
 /// where case text, system and state do not fit together.
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state);
+
+/// Throws Error naming the file, and the disk or boundary, where system and state read from it do not fit
+/// together or a position or velocity is no number.
+void require_fit(const std::string& path, const Simulation& simulation);
+
+/// How the run ended, as its attribute `ended` says.
+std::string read_end(const std::string& path);
 
 /// A column of numbers of /summary, one per step from 1.
 std::vector<double> read_summary(const std::string& path, const std::string& column);

@@ -91,8 +91,9 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = 
 /// Takes a solved step: moves the state on.
 StepReport take_step(Simulation& simulation, SolvedStep step);
 
-/// Where a solver broke down: "contact of disks 3 and 7" or "disk 5", the first with a value that is no
-/// number or, where all are, the largest impulse.
-std::string describe_breakdown(const SolvedStep& step);
+/// Where a solver broke down, by the names and places of bodies: the first contact, then the first disk, with
+/// a value that is no number or, where all are, the contact of the largest impulse. `before`: the simulation
+/// that the step was solved from.
+std::string describe_breakdown(const Simulation& before, const SolvedStep& step);
 
 }  // namespace nscdd
