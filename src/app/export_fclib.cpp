@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "provenance.hpp"
+#include "settled_cases.hpp"
 #include "trajectory_export.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/output_file.hpp>
@@ -95,7 +96,7 @@ void print_report(const FclibExport& what, const FclibFile& file, const LocalFri
 }  // namespace
 
 int export_fclib(const FclibExport& what, const Context& context) {
-  require_distinct(what.trajectory, what.output);
+  require_no_input({what.output}, {what.trajectory});
   require_hdf5_name(what.output);
   const TrajectoryHeader header = read_trajectory_header(what.trajectory);
   const Simulation before = rebuilt_simulation(what.trajectory, header, state_before(what).state);

@@ -80,7 +80,7 @@ void print_geometry(const Inspection& found) {
 int run(const Options& options) {
   if (options.histogram == "-")
     throw Error("--histogram: expected a file name, met -; standard output is for the report");
-  const Case one = options.one.resolve();
+  const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, size_columns());
   Model model;

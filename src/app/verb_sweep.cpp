@@ -96,7 +96,7 @@ int run(const Options& options) {
   StudyTable work;
   work.name = "sweep";
   work.sweep = parameters(options);
-  work.cases = {options.one.resolve()};
+  work.cases = {options.one.resolve({options.csv, options.hdf5})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.resume))
     throw Error("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
