@@ -60,6 +60,18 @@ void explain(const Unproved& rows) {
                     rows.rigid));
 }
 
+// What --redo came to, and its exit code.
+int explain(const Redone& redone, const std::string& path) {
+  if (redone.not_converged > 0) note(fmt::format("{} row(s) still did not converge", redone.not_converged));
+  if (redone.not_certified > 0)
+    note(fmt::format("{} row(s) converged but are still not certified: see the column 'certified'",
+                     redone.not_certified));
+  if (redone.left == 0) return 0;
+  note(fmt::format("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", path,
+                   redone.rows, redone.left));
+  return interrupted_exit_code;
+}
+
 // The rows of the sweep, those found included; `sink` takes them all.
 Unproved work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
                       Interruption& interruption, const RowSink& sink) {
@@ -109,9 +121,8 @@ int run(const Options& options) {
         model.name, model.partition.subdomains));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.redo) {
-    const Index unproved = redo_unproved(model, work, options.csv);
-    if (unproved > 0) note(fmt::format("{} row(s) still did not converge", unproved));
-    return 0;
+    Interruption interruption;
+    return explain(redo_unproved(model, work, options.csv, interruption), options.csv);
   }
   Table table{sweep_columns(work.sweep.spectral), {}};
   Interruption interruption;  // from here on there is something to be left in good order
