@@ -42,6 +42,13 @@ SweepParameters parameters(const Options& options) {
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   result.contacts = options.spectral.contact_set();
   result.spectral = options.spectral.spectral();
+  if (result.spectral.certify || result.spectral.eigenvalues > 1)
+    for (const auto& sweeps : result.gauss_seidel_sweeps)
+      if (sweeps)
+        throw Error(
+            fmt::format("--gauss-seidel-sweeps: expected inf with --certify or --eigenvalues (an inexact "
+                        "Stage 1 has no symmetric pencil), met {}",
+                        *sweeps));
   return result;
 }
 

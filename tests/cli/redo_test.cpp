@@ -101,3 +101,12 @@ TEST_CASE("redo: with --certify rows that are not certified are computed again")
   CHECK(outcome.exit_code == 0);
   CHECK(session.read("table.csv") == certified);
 }
+
+TEST_CASE("redo: an empty interface is certified, there being nothing to miss") {
+  const Session session;
+  const std::string line = "sweep disks4 --subdomains 1x1 --epsilon 1 --csv table.csv --certify";
+  const Outcome outcome = session.run(words(line));
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.standard_error.find("--redo") == std::string::npos);
+  CHECK(read_table(session.read("table.csv")).text(0, "certified") == "true");
+}
