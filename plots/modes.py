@@ -25,6 +25,14 @@ PIXELS_FROM = 3000             # grains from which a vector format holds them as
 
 
 def read(prefix):
+    try:
+        return read_tables(prefix)
+    except style.NoRows:
+        raise style.DataError(f"{prefix}: no mode in its tables (no interface, or no mode was found, as nscdd modes "
+                              "says): nothing to draw") from None
+
+
+def read_tables(prefix):
     folder, name = os.path.split(prefix)
     rows = style.read_table(folder, f"{name}-impulses.csv", texts="case end",
                             numbers="epsilon eta eigenvalue grain subdomain_first subdomain_second "

@@ -63,6 +63,10 @@ class DataError(Exception):
     """A table that is missing or does not hold what a figure needs."""
 
 
+class NoRows(DataError):
+    """A table that holds its line of names alone."""
+
+
 def _number(text):
     return float(text)
 
@@ -106,7 +110,7 @@ def read_table(results, name, numbers="", flags="", texts=""):
     except (csv.Error, UnicodeDecodeError) as error:
         raise DataError(f"{path}: not a CSV table ({error})") from None
     if not rows:
-        raise DataError(f"{path}: no rows")
+        raise NoRows(f"{path}: no rows")
     if unconverged:
         print(f"{path}: {unconverged} of {len(rows)} rows did not converge", file=sys.stderr)
     return rows

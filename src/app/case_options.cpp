@@ -61,16 +61,19 @@ Partitioner parse_subdomains(const std::string& text) {
   return grid;
 }
 
-Case read_any_case(const std::string& name, const std::function<void(Case&)>& change) {
+Case read_any_case(const std::string& name, const std::vector<std::string>& outputs,
+                   const std::function<void(Case&)>& change) {
   const std::string path = find_case(name);
   Case one;
   if (std::filesystem::path(path).extension() == ".toml") {
     one = read_unsettled_case_file(path);
     change(one);
+    require_no_input(outputs, files_behind(one, path));
     if (!std::holds_alternative<SettledPacking>(one.packing)) return one;
     one = read_case_file(path);
   } else {
     one = packing_case(path);
+    require_no_input(outputs, files_behind(one, path));
   }
   change(one);
   return one;
@@ -105,8 +108,8 @@ void CaseOptions::declare(CLI::App& command) {
       ->allow_extra_args(false);
 }
 
-Case CaseOptions::resolve() const {
-  return read_any_case(name, [this](Case& one) { apply(one); });
+Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
+  return read_any_case(name, outputs, [this](Case& one) { apply(one); });
 }
 
 void CaseOptions::apply(Case& one) const {

@@ -14,8 +14,11 @@ namespace nscdd::app {
 
 /// The case behind a name: a case file, a known case, or a packing file with everything else as by default,
 /// with what the options change. Where its packing is to be settled from another case, which may take long,
-/// `change` has refused what it refuses before. Throws Error for whatever cannot be used.
-Case read_any_case(const std::string& name, const std::function<void(Case&)>& change);
+/// `change` has refused what it refuses before. `outputs` are the files that the verb writes (empty names:
+/// not asked for): Throws Error where one of them is a file that the case comes from, and for whatever cannot
+/// be used.
+Case read_any_case(const std::string& name, const std::vector<std::string>& outputs,
+                   const std::function<void(Case&)>& change);
 
 /// The partitioner of --subdomains: NXxNY, or metis:N.
 Partitioner parse_subdomains(const std::string& text);
@@ -35,8 +38,9 @@ struct CaseOptions {
   void declare(CLI::App& command);
 
   /// The case with every option applied: a case file, a known case, or a packing file (one subdomain unless
-  /// --subdomains says otherwise). Throws Error for whatever cannot be used.
-  Case resolve() const;
+  /// --subdomains says otherwise), none of whose files is one of `outputs`. Throws Error for whatever
+  /// cannot be used.
+  Case resolve(const std::vector<std::string>& outputs) const;
 
  private:
   void apply(Case& one) const;

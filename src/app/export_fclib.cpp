@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "provenance.hpp"
+#include "settled_cases.hpp"
 #include "trajectory_export.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/io/output_file.hpp>
@@ -103,7 +104,7 @@ FclibFile subdomain_file(const FclibExport& what, const Simulation& before, cons
 }  // namespace
 
 int export_fclib(const FclibExport& what, const Context& context) {
-  require_distinct(what.trajectory, what.output);
+  require_no_input({what.output}, {what.trajectory});
   require_hdf5_name(what.output);
   const TrajectoryHeader header = read_trajectory_header(what.trajectory);
   const Simulation before = rebuilt_simulation(what.trajectory, header, state_before(what).state);

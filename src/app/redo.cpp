@@ -44,7 +44,8 @@ SweepParameters only(const SweepParameters& sweep, Index number) {
 
 }  // namespace
 
-Index redo_unproved(const Model& model, const StudyTable& work, const std::string& path) {
+Redone redo_unproved(const Model& model, const StudyTable& work, const std::string& path,
+                     Interruption& interruption) {
   const std::string text = read_text(path);
   CsvReader reader(text, path);
   const Table layout{sweep_columns(work.sweep.spectral), {}};
@@ -52,13 +53,16 @@ Index redo_unproved(const Model& model, const StudyTable& work, const std::strin
   if (std::string met; (met = text.substr(0, text.find('\n'))) != header)
     throw Error(fmt::format("{}:1: expected the columns {}, met {}", path, header, met));
   const std::size_t converged = layout.column("converged");
+  const bool certify = work.sweep.spectral.certify;
+  const std::size_t certified = certify ? layout.column("certified") : 0;
   const Row head = case_cells(model, select(model, work.sweep.contacts), work.sweep.contacts);
   const Index total = point_count(work.sweep);
   OutputFile file(path, true);
   file.line(header);
   Progress progress("redo", 0);
-  const Monitor monitor = progress.monitor();
-  Index number = 0, unproved = 0;
+  const Monitor monitor = interruption.watch(progress.monitor());
+  Redone redone;
+  Index number = 0;
   while (reader.next()) {
     const std::string where = fmt::format("{}:{}", path, reader.line());
     if (number >= total)
@@ -68,10 +72,15 @@ Index redo_unproved(const Model& model, const StudyTable& work, const std::strin
     require_row_of(head, work, number, values, where);
     std::string line;
     for (const std::string& value : values) line += (line.empty() ? "" : ",") + value;
-    const bool uncertified = work.sweep.spectral.certify && values[layout.column("certified")] != "true";
-    if (values[converged] != "true" || uncertified)
+    const bool unproved = values[converged] != "true" || (certify && values[certified] != "true");
+    if (unproved && interruption.stopped()) ++redone.left;
+    if (unproved && !interruption.stopped())
       sweep(model, only(work.sweep, number), [&](const Row& row) {
-        unproved += std::get<bool>(row[converged]) ? 0 : 1;
+        ++redone.rows;
+        if (!std::get<bool>(row[converged]))
+          ++redone.not_converged;
+        else if (certify && !std::get<bool>(row[certified]))
+          ++redone.not_certified;
         line = csv_line(row);
       });
     file.line(line);
@@ -81,7 +90,7 @@ Index redo_unproved(const Model& model, const StudyTable& work, const std::strin
     throw Error(fmt::format("{}: expected {} rows of this sweep, met {}; --resume completes it", path, total,
                             number));
   file.finish();
-  return unproved;
+  return redone;
 }
 
 }  // namespace nscdd::app

@@ -8,6 +8,7 @@
 #include <nscdd/core/version.hpp>
 #include <nscdd/io/config.hpp>
 #include <nscdd/io/csv.hpp>
+#include <nscdd/io/output_file.hpp>
 #include <nscdd/io/packing_file.hpp>
 #include <nscdd/study/run_simulation.hpp>
 
@@ -107,15 +108,48 @@ std::string canonical(const std::string& path) {
   return fs::weakly_canonical(fs::absolute(path), ignored).string();
 }
 
-// `open`: the case files that are being read, from the one asked for inwards.
-Case read_nested(const std::string& path, std::vector<std::string> open);
-
-SettledPacking settle(const std::string& name, const fs::path& folder, const std::vector<std::string>& open) {
+// The case file named as settled in a case file of that folder.
+std::string find_settled(const std::string& name, const fs::path& folder) {
   std::error_code ignored;
   const fs::path beside = fs::path(name).is_absolute() ? fs::path(name) : folder / name;
   const std::string path = fs::is_regular_file(beside, ignored) ? beside.string() : find_case(name);
   if (fs::path(path).extension() != ".toml")
     throw Error(fmt::format("{}: expected a case file (.toml) to settle, met another", path));
+  return path;
+}
+
+// Where nothing is settled: two grains stand for the packing.
+SettledPacking stand_in(const std::string& name) {
+  SettledPacking settled;
+  settled.from = name;
+  settled.packing = {{0, 2}, {0, 0}, {1, 1}, {1, 1}};
+  return settled;
+}
+
+// Adds the files behind a case that was read from `path`, those of the case it is settled from included.
+void add_files(const Case& one, const fs::path& path, std::vector<fs::path>& files) {
+  files.push_back(path);
+  const fs::path folder = path.parent_path();
+  if (const auto* file = std::get_if<PackingFile>(&one.packing)) files.push_back(folder / file->path);
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing)) files.push_back(folder / file->path);
+  if (!std::holds_alternative<SettledPacking>(one.packing)) return;
+  read_case(path.string(), [&](const std::string& name) {
+    const fs::path inner = find_settled(name, folder);
+    std::error_code ignored;
+    const bool known = std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
+      return fs::equivalent(file, inner, ignored);
+    });
+    if (!known)  // a case that is settled from itself is refused when it is settled
+      add_files(read_unsettled_case_file(inner.string()), inner, files);
+    return stand_in(name);
+  });
+}
+
+// `open`: the case files that are being read, from the one asked for inwards.
+Case read_nested(const std::string& path, std::vector<std::string> open);
+
+SettledPacking settle(const std::string& name, const fs::path& folder, const std::vector<std::string>& open) {
+  const std::string path = find_settled(name, folder);
   const Case one = read_nested(path, open);
   if (!one.dynamics)
     throw Error(
@@ -171,13 +205,22 @@ std::optional<fs::path> cache_folder() {
 
 Case read_case_file(const std::string& path) { return read_nested(path, {}); }
 
-Case read_unsettled_case_file(const std::string& path) {
-  return read_case(path, [](const std::string& name) {
-    SettledPacking settled;
-    settled.from = name;
-    settled.packing = {{0, 2}, {0, 0}, {1, 1}, {1, 1}};
-    return settled;
-  });
+Case read_unsettled_case_file(const std::string& path) { return read_case(path, stand_in); }
+
+std::vector<fs::path> files_behind(const Case& one, const std::string& path) {
+  if (fs::path(path).extension() != ".toml") return {path};
+  std::vector<fs::path> files;
+  add_files(one, path, files);
+  return files;
+}
+
+void require_no_input(const std::vector<std::string>& outputs, const std::vector<fs::path>& inputs) {
+  std::error_code ignored;
+  for (const std::string& output : outputs)
+    for (const fs::path& input : inputs)
+      if (!output.empty() && !is_stream(output) && fs::equivalent(output, input, ignored))
+        throw Error(fmt::format("{}: expected another file than the input {}, which would be lost", output,
+                                input.string()));
 }
 
 }  // namespace nscdd::app

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace nscdd::app {
 
@@ -17,6 +18,15 @@ Case read_case_file(const std::string& path);
 /// The same without settling anything, for a case that is judged by its text or will not be used: two grains
 /// stand for the packing.
 Case read_unsettled_case_file(const std::string& path);
+
+/// Every file that a case read from `path` (a case file, a packing file or a contact problem) comes from:
+/// that one, its packing or contact problem, and those of the case it is settled from, at any depth.
+std::vector<std::filesystem::path> files_behind(const Case& one, const std::string& path);
+
+/// Throws Error where an output (empty: none) is one of these files, under whatever name: it would be lost,
+/// and --force does not ask for that.
+void require_no_input(const std::vector<std::string>& outputs,
+                      const std::vector<std::filesystem::path>& inputs);
 
 /// Folder of the cache: $NSCDD_CACHE, else $XDG_CACHE_HOME/nscdd, else ~/.cache/nscdd; none without a home.
 std::optional<std::filesystem::path> cache_folder();

@@ -45,7 +45,8 @@ void apply(const Options& options, Case& one) {
 
 Case resolve(const Options& options) {
   std::optional<Case> generator = bare_generator(options.spec);
-  if (!generator) return read_any_case(options.spec, [&](Case& one) { apply(options, one); });
+  if (!generator)
+    return read_any_case(options.spec, {options.output}, [&](Case& one) { apply(options, one); });
   apply(options, *generator);
   return *std::move(generator);
 }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -68,7 +69,10 @@ void print_geometry(const Inspection& found) {
   fmt::print("  in the middle      {:.6g} (in that box at half width and half height)\n",
              found.solid_fraction.middle);
   fmt::print("rattlers             {} (fewer than 2 contacts, without other rattlers)\n", found.rattlers);
-  fmt::print("  coordination number without them  {:.6g}\n\n", found.coordination_without_rattlers);
+  fmt::print("  coordination number without them  {}\n\n",
+             std::isnan(found.coordination_without_rattlers)
+                 ? "- (every grain is one)"
+                 : fmt::format("{:.6g}", found.coordination_without_rattlers));
   Index most = 1;
   for (const SizeClass& one : found.sizes) most = std::max(most, one.grains);
   fmt::print("{:<25}{:>9}\n", "radius, m", "grains");
@@ -80,7 +84,7 @@ void print_geometry(const Inspection& found) {
 int run(const Options& options) {
   if (options.histogram == "-")
     throw Error("--histogram: expected a file name, met -; standard output is for the report");
-  const Case one = options.one.resolve();
+  const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, size_columns());
   Model model;

@@ -132,10 +132,12 @@ int run(const Options& options) {
     throw Error(fmt::format(
         "--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output));
   const ModeParameters wanted = parameters(options);
-  const Case one = options.one.resolve();
+  const std::string impulses_name = options.output + "-impulses.csv";
+  const std::string velocities_name = options.output + "-velocities.csv";
+  const Case one = options.one.resolve({impulses_name, velocities_name});
   // Both are opened before the work, and named after it: a run that fails leaves neither.
-  CsvWriter impulses(options.output + "-impulses.csv", options.force, mode_impulse_columns());
-  CsvWriter velocities(options.output + "-velocities.csv", options.force, mode_velocity_columns());
+  CsvWriter impulses(impulses_name, options.force, mode_impulse_columns());
+  CsvWriter velocities(velocities_name, options.force, mode_velocity_columns());
   const ThreadLimit limit(options.threads);
   const Model model = build(one);
   require_geometry(model, "modes");

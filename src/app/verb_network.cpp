@@ -23,7 +23,7 @@ struct Options {
 };
 
 int run(const Options& options) {
-  const Model model = build(options.one.resolve());
+  const Model model = build(options.one.resolve({options.csv, options.grains}));
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   const ContactSet contacts = contact_set(options.contacts).value_or(ContactSet::active);
   options.memory.require(estimated_link_bytes(model, contacts), model.name,

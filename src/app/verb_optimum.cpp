@@ -44,7 +44,7 @@ StudyTable table_of(const Options& options) {
   work.sweep.epsilon = parse_epsilon(options.epsilon);
   work.sweep.contacts = options.spectral.contact_set();
   work.sweep.spectral = options.spectral.spectral();
-  work.cases = {options.one.resolve()};
+  work.cases = {options.one.resolve({options.csv})};
   return work;
 }
 

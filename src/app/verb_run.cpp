@@ -142,12 +142,33 @@ bool is_complete(const Study& study, const Outputs& outputs) {
   return all;
 }
 
-Outputs prepare(const Study& study, const Options& options) {
+Outputs outputs_of(const Study& study, const Options& options) {
   const fs::path folder = fs::path(options.output) / study.name;
-  std::error_code status;
-  fs::create_directories(folder, status);
-  if (status) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), status.message()));
   return {folder, folder / (study.name + ".h5")};
+}
+
+Outputs prepare(const Study& study, const Options& options) {
+  Outputs outputs = outputs_of(study, options);
+  std::error_code status;
+  fs::create_directories(outputs.folder, status);
+  if (status) throw Error(fmt::format("{}: cannot be made: {}", outputs.folder.string(), status.message()));
+  return outputs;
+}
+
+// What can be refused before anything is settled: what the study says, and results in the place of what they
+// come from.
+void check_study(const std::string& folder, const Options& options) {
+  const Study study = read_study(folder, options.large, false);
+  const Outputs outputs = outputs_of(study, options);
+  std::vector<fs::path> inputs{fs::path(folder) / "study.toml"};
+  std::vector<std::string> names{outputs.hdf5.string()};
+  for (std::size_t i = 0; i < study.tables.size(); ++i) {
+    names.push_back(outputs.table(study.tables[i]));
+    inputs.push_back(fs::path(folder) / baseline_name(study, i));
+    for (const Case& one : study.tables[i].cases)
+      for (const fs::path& input : files_behind(one, one.source)) inputs.push_back(input);
+  }
+  require_no_input(names, inputs);
 }
 
 // Where a study that is complete is to be resumed.
@@ -166,7 +187,7 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
-  read_study(folder, options.large, false);  // what it refuses is refused before anything is settled
+  check_study(folder, options);
   Study study = read_study(folder, options.large, true);
   if (!options.large) leave_out_large(study);
   if (options.check) require_baselines(study, folder);

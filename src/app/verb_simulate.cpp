@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "case_options.hpp"
-#include "data_files.hpp"
 #include "interruption.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
@@ -16,7 +15,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -148,23 +146,6 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
   return 1;
 }
 
-// --force replaces results, not what they are made from.
-void require_no_input(const Options& options, const Case& one) {
-  namespace fs = std::filesystem;
-  const fs::path source = find_case(options.name);
-  std::vector<fs::path> inputs{source};
-  if (const auto* file = std::get_if<PackingFile>(&one.packing)) {
-    inputs.push_back(file->path);
-    inputs.push_back(source.parent_path() / file->path);
-  }
-  std::error_code ignored;
-  for (const std::string& output : {options.output, options.convergence})
-    for (const fs::path& input : inputs)
-      if (!output.empty() && fs::equivalent(output, input, ignored))
-        throw Error(fmt::format("{}: expected another file than the input {}, which would be lost", output,
-                                input.string()));
-}
-
 // Before anything is written.
 void check_partition(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
@@ -175,9 +156,8 @@ void check_partition(const Simulation& simulation) {
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
-  const Case one = read_any_case(options.name, [&](Case& read) {
+  const Case one = read_any_case(options.name, {options.output, options.convergence}, [&](Case& read) {
     apply(options, read);
-    require_no_input(options, read);
     if (options.restart) check_restart(options, read);
   });
   Simulation simulation = simulation_of(one);

@@ -2,6 +2,7 @@
 #include "interruption.hpp"
 #include "progress.hpp"
 #include "provenance.hpp"
+#include "settled_cases.hpp"
 #include "verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
@@ -113,8 +114,7 @@ void check_options(const Options& options) {
   if (options.convergence == "-")
     throw Error("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty()) require_hdf5_name(options.output);
-  for (const std::string& name : {options.convergence, options.output})
-    if (!name.empty()) require_distinct(options.file, name);
+  require_no_input({options.convergence, options.output}, {options.file});
   if (!options.convergence.empty() && !options.output.empty())
     require_distinct(options.convergence, options.output);
 }

@@ -42,6 +42,13 @@ SweepParameters parameters(const Options& options) {
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   result.contacts = options.spectral.contact_set();
   result.spectral = options.spectral.spectral();
+  if (result.spectral.certify || result.spectral.eigenvalues > 1)
+    for (const auto& sweeps : result.gauss_seidel_sweeps)
+      if (sweeps)
+        throw Error(
+            fmt::format("--gauss-seidel-sweeps: expected inf with --certify or --eigenvalues (an inexact "
+                        "Stage 1 has no symmetric pencil), met {}",
+                        *sweeps));
   return result;
 }
 
@@ -58,6 +65,18 @@ void explain(const Unproved& rows) {
                     "was proved; try "
                     "--solver dense, or a small epsilon > 0 in place of 0",
                     rows.rigid));
+}
+
+// What --redo came to, and its exit code.
+int explain(const Redone& redone, const std::string& path) {
+  if (redone.not_converged > 0) note(fmt::format("{} row(s) still did not converge", redone.not_converged));
+  if (redone.not_certified > 0)
+    note(fmt::format("{} row(s) converged but are still not certified: see the column 'certified'",
+                     redone.not_certified));
+  if (redone.left == 0) return 0;
+  note(fmt::format("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", path,
+                   redone.rows, redone.left));
+  return interrupted_exit_code;
 }
 
 // The rows of the sweep, those found included; `sink` takes them all.
@@ -96,7 +115,7 @@ int run(const Options& options) {
   StudyTable work;
   work.name = "sweep";
   work.sweep = parameters(options);
-  work.cases = {options.one.resolve()};
+  work.cases = {options.one.resolve({options.csv, options.hdf5})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.resume))
     throw Error("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
@@ -109,9 +128,8 @@ int run(const Options& options) {
         model.name, model.partition.subdomains));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.redo) {
-    const Index unproved = redo_unproved(model, work, options.csv);
-    if (unproved > 0) note(fmt::format("{} row(s) still did not converge", unproved));
-    return 0;
+    Interruption interruption;
+    return explain(redo_unproved(model, work, options.csv, interruption), options.csv);
   }
   Table table{sweep_columns(work.sweep.spectral), {}};
   Interruption interruption;  // from here on there is something to be left in good order

@@ -47,7 +47,11 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
 
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, SpectralMemory* memory) {
   const Index n = b.rows();
-  if (n == 0) return {};
+  if (n == 0) {
+    SpectralRadius empty;
+    empty.certified = options.certify;  // no eigenvalue can be missed
+    return empty;
+  }
   SpectralMemory local;
   SpectralRadius plain;
   if (options.solver == SpectralSolver::dense || n < arpack_smallest_size ||

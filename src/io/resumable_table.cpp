@@ -75,9 +75,18 @@ KeptRows usable_rows(const std::string& text, const RecordFile& record, const St
   return kept;
 }
 
+// A record that was cut short tells no more than none.
+RecordFile usable_record(const std::string& name, const std::string& rows) {
+  try {
+    return parse_record(read_text(name), name);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: cannot be resumed: {}; --force starts again", rows, error.what()));
+  }
+}
+
 RecordFile matching_record(const std::string& path, const std::string& rows, const StudyTable& work) {
   const std::string name = record_path(path).string();
-  const RecordFile record = parse_record(read_text(name), name);
+  const RecordFile record = usable_record(name, rows);
   const std::string found = difference(record.work, work_record(work));
   if (!found.empty())
     throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));

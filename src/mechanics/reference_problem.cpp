@@ -71,7 +71,8 @@ void require_arriving_velocity(const ReferenceProblem& problem) {
   if (problem.arriving_velocity.size() == 0 || problem.arriving_velocity.isZero(0))
     throw Error(
         "active contacts: expected a prescribed velocity (a [[prescribed]] or [loads] table in the case, "
-        "--prescribed GRAIN:VX:VY or --set loads.compression=CX,CY), met none");
+        "--prescribed GRAIN:VX:VY or --set loads.compression=CX,CY) that moves a grain, met none: nothing is "
+        "given, or what is given vanishes, as loads do at the centre of mass");
 }
 
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact) {

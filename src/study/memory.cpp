@@ -27,11 +27,14 @@ constexpr double inexact_dense_limit = 2500;  // up to which ARPACK may fall bac
 // Subdomains and undivided packing at eta and at epsilon, and one more while a flexibility changes.
 constexpr double factors = 5;
 constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
-// Fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16 parts, which it
-// meets within 10 %: entries of the factor over n log2 n; how many times more with a finite eta, whose saddle
-// point holds the packing twice; bytes per unknown for matrices and their assembly, and the same ratio of
-// these.
-constexpr double shift_fill = 6.9, shift_fill_finite = 5, shift_bytes = 1400, shift_bytes_finite = 1.5;
+// Fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16 parts, and never
+// below it on lattices cut down to a few grains per subdomain, where it is up to 1.7 times as much. With s
+// rows of the saddle point, b = s / unknowns of the undivided packing (its rows of a grain are eliminated
+// together, so that an entry of a factor of the packing becomes b^2): entries of the factor over s b log2 s,
+// and a little more with a finite eta; bytes per grain unknown for matrices and their assembly, and how many
+// times more with a finite eta.
+constexpr double shift_fill = 6.9, shift_fill_finite = 1.2, shift_bytes = 1400, shift_bytes_finite = 1.5;
+constexpr double program_bytes = 3e7;  // the program and its libraries, which small packings are less than
 // In the rigid limit the contact impulses are unknowns of their own (measured on a deposit of 10^5 disks in
 // 2 x 2 parts: 1.54 GB for 0.55), and so are they for the ranks: bytes per unknown, from a lattice of 10^4
 // disks in 16 strips, 0.22 GB in all.
@@ -87,6 +90,17 @@ bool has_rigid_limit(const SweepParameters& parameters) {
   return std::find(parameters.epsilon.begin(), parameters.epsilon.end(), 0.0) != parameters.epsilon.end();
 }
 
+// Of shift-invert for epsilon > 0.
+double shifted_need(const Model& model, bool finite_eta) {
+  const double unknowns = numbers_of(model);
+  const double rows =
+      std::max((finite_eta ? 2 : 1) * unknowns + static_cast<double>(model.parts.interface_size()), 2.0);
+  const double rows_per_unknown = rows / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
+  const double entries =
+      shift_fill * (finite_eta ? shift_fill_finite : 1) * rows * rows_per_unknown * std::log2(rows);
+  return bytes_per_number * entries + shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
+}
+
 double exact_need(const Model& model, const SweepParameters& parameters) {
   const SpectralOptions& options = parameters.spectral;
   const Index size = model.parts.interface_size();
@@ -99,13 +113,11 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
   if (options.solver != SpectralSolver::arpack) {
     const bool finite = std::any_of(parameters.eta.begin(), parameters.eta.end(),
                                     [](double eta) { return std::isfinite(eta); });
-    const double shifted =
-        bytes_per_number * shift_fill * (finite ? shift_fill_finite : 1) * unknowns * std::log2(unknowns) +
-        shift_bytes * (finite ? shift_bytes_finite : 1) * unknowns;
-    if (!rigid) return shifted;
+    const double shifted = shifted_need(model, finite);
+    if (!rigid) return program_bytes + shifted;
     const bool dense_too = options.solver == SpectralSolver::automatic && size <= rigid_dense_limit;
-    return std::max(rigid_shift * shifted + rigid_ranks * unknowns,
-                    dense_too ? bytes_per_number * rigid_dense_matrices * square(n) : 0);
+    return program_bytes + std::max(rigid_shift * shifted + rigid_ranks * unknowns,
+                                    dense_too ? bytes_per_number * rigid_dense_matrices * square(n) : 0);
   }
   const double kernel = rigid && n <= rigid_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
   return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +

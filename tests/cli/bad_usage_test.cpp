@@ -104,6 +104,24 @@ TEST_CASE("usage: an unknown solver or contact set or tolerance") {
     check_option("--residual-tolerance", value, {"--residual-tolerance"});
 }
 
+TEST_CASE("usage: certificates and lists of eigenvalues are of an exact Stage 1") {
+  const Session session;
+  for (const std::string& option : Texts{"--certify", "--eigenvalues 3"})
+    for (const std::string& sweeps : Texts{"1", "inf,2"})
+      check_refused(session,
+                    "sweep disks8 --epsilon 1 --csv - --gauss-seidel-sweeps " + sweeps + " " + option,
+                    {"--gauss-seidel-sweeps: expected inf", "--certify"});
+}
+
+TEST_CASE("usage: a load that moves nothing is no missing load") {
+  const Session session;
+  session.file("one.csv", "x,y,radius\n0,0,1\n");
+  check_refused(session,
+                "sweep one.csv --subdomains 2x1 --epsilon 0 --contacts unilateral --csv - --set "
+                "loads.compression=1,1",
+                {"moves a grain", "what is given vanishes"});
+}
+
 TEST_CASE("usage: the active set without a prescribed velocity") {
   const Session session;
   session.file("mine.csv", row_of_three());

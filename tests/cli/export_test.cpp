@@ -270,7 +270,7 @@ TEST_CASE("export: bad input is refused, and nothing is written") {
   check_refused(session, "export run.h5 --fclib 1", {"-o FILE"});
   check_refused(session, "export run.h5 --fclib 1 -o -", {"-: expected the name of a file that ends in .h5"});
   check_refused(session, "export run.h5 --fclib 1 -o one.csv", {"one.csv", ".hdf5"});
-  check_refused(session, "export run.h5 --fclib 1 -o run.h5 --force", {"the same twice"});
+  check_refused(session, "export run.h5 --fclib 1 -o run.h5 --force", {"would be lost"});
   check_refused(session, "export run.h5 --fclib 1 -o old.hdf5", {"old.hdf5", "exists already"});
   check_refused(session, "export run.h5 --fclib 1 --subdomain 7 -o p.hdf5",
                 {"step 1: expected a subdomain that has contacts (0, 1), met 7"});

@@ -28,6 +28,21 @@ TEST_CASE("memory: what the rigid limit takes is within its estimate, and no ten
   CHECK(session.run(words(line + std::to_string(10 * taken))).exit_code == 0);
 }
 
+TEST_CASE(
+    "memory: where copies of grains abound the estimate is no less than what is taken, and not far more") {
+  const Session session;
+  for (const std::string parts : {"40x40", "20x20"}) {
+    CAPTURE(parts);
+    const std::string line = "sweep hexagonal --set packing.columns=45 --set packing.rows=45 --subdomains " +
+                             parts + " --epsilon 1 --solver shift-invert --csv - --memory-limit ";
+    const Outcome outcome = session.run(words(line + "4"));
+    REQUIRE(outcome.exit_code == 0);
+    const double taken = static_cast<double>(outcome.peak_memory) / (1 << 30);
+    check_refused(session, line + std::to_string(taken), {"--memory-limit"});
+    CHECK(session.run(words(line + std::to_string(2 * taken))).exit_code == 0);
+  }
+}
+
 TEST_CASE("memory: the limit of the user decides") {
   const Session session;
   check_refused(session, "sweep disks4 --epsilon 1 --csv - --memory-limit 1e-6", {"1e-06 GiB"});

@@ -108,6 +108,37 @@ TEST_CASE("output: --force replaces an existing file") {
   CHECK(content_of(session.folder.path()).size() == 2);
 }
 
+TEST_CASE("output: --force replaces no file that the work is made from") {
+  const Session session;
+  session.file("in.csv", row_of_three());
+  session.file("grid.toml", "[packing]\nfile = \"in.csv\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("study/study.toml", "[[table]]\nname = \"baseline\"\ncases = \"disks4\"\nepsilon = \"1\"\n");
+  session.file("study/baseline.csv", "precious");
+  session.file("slow-impulses.csv", row_of_three());
+  answer(session, "generate in.csv -o in.h5");
+  std::filesystem::create_hard_link(session.folder / "in.csv", session.folder / "linked.csv");
+  for (const std::string line :
+       {"sweep in.csv --epsilon 1 --csv ./in.csv", "sweep in.csv --epsilon 1 --csv linked.csv",
+        "sweep in.h5 --epsilon 1 --csv - --hdf5 in.h5", "sweep grid.toml --epsilon 1 --csv grid.toml",
+        "sweep grid.toml --epsilon 1 --csv in.csv", "network in.csv --csv in.csv",
+        "network in.csv --grains in.csv", "optimum in.csv --contacts all --csv in.csv",
+        "inspect in.csv --histogram in.csv", "generate in.csv -o in.csv", "generate grid.toml -o in.csv",
+        "modes slow-impulses.csv --epsilon 1 --output slow", "run study --output ."}) {
+    CAPTURE(line);
+    check_refused(session, line + " --force", {"expected another file than the input", "would be lost"});
+  }
+}
+
+TEST_CASE("output: --force replaces no file of the case that a packing is settled from, at any depth") {
+  const Session session;
+  session.file("grains.csv", row_of_three());
+  session.file("first.toml", "[packing]\nfile = \"grains.csv\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("second.toml", "[packing]\nsettled = \"first.toml\"\n[partition]\ngrid = [1, 1]\n");
+  session.file("third.toml", "[packing]\nsettled = \"second.toml\"\n[partition]\ngrid = [1, 1]\n");
+  for (const std::string input : {"grains.csv", "first.toml", "second.toml", "third.toml"})
+    check_refused(session, "sweep third.toml --epsilon 1 --force --csv " + input, {input, "would be lost"});
+}
+
 TEST_CASE("output: what was there survives a run with --force that fails") {
   const Session session;
   session.file("old", "precious");

@@ -169,7 +169,9 @@ TEST_CASE("resume: other work is refused, naming what differs, and nothing is to
   session.file("long.csv.record", replaced(record, "Eigen 3", "Eigen 2"));
   refused(work, {"code version differs", "Eigen 2"});
   session.file("long.csv.record", "nonsense");
-  refused(work, {"long.csv.record:1"});
+  refused(work, {"long.csv.record:1", "--force starts again"});
+  session.file("long.csv.record", "");
+  refused(work, {"long.csv.record", "--force starts again"});
   fs::remove(session.folder / "long.csv.record");
   refused(work, {"long.csv.record", "--force"});
 }

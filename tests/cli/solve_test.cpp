@@ -112,7 +112,7 @@ TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
   session.file("outside.hdf5", outside.bytes());
   check_refused(session, "solve p.hdf5 -o old.hdf5", {"old.hdf5", "exists already"});
   check_refused(session, "solve p.hdf5 --convergence old.csv", {"old.csv", "exists already"});
-  check_refused(session, "solve p.hdf5 -o p.hdf5 --force", {"p.hdf5", "the same twice"});
+  check_refused(session, "solve p.hdf5 -o p.hdf5 --force", {"p.hdf5", "would be lost"});
   check_refused(session, "solve p.hdf5 --convergence x.h5 -o x.h5", {"the same twice"});
   check_refused(session, "solve p.hdf5 -o -", {"-: expected the name of a file that ends in .h5"});
   check_refused(session, "solve none.hdf5", {"none.hdf5"});

@@ -186,6 +186,13 @@ TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
   CHECK(words(entry(report, "1 ")).size() == 5);
 }
 
+TEST_CASE("inspect: a chain is made of rattlers, and no number is given without them") {
+  const Session session;
+  session.file("chain.csv", row_of_three());
+  CHECK(contains(answer(session, "inspect chain.csv"),
+                 "coordination number without them  - (every grain is one)"));
+}
+
 TEST_CASE("inspect: hyperstaticity of a lattice") {
   const Session session;
   const std::string report = answer(session, "inspect hexagonal");

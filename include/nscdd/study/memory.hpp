@@ -12,9 +12,12 @@ namespace nscdd {
 /// Stage 1:
 ///     model and Stage 1       model_bytes n + local modes of small subdomains, sum (d n_E)^2 8
 ///     dense pencil            dense_matrices n_Gamma^2 8 (rigid_dense_matrices where epsilon = 0 occurs)
+///     shift-invert            shift_fill s b log2(s) 8 + shift_bytes n + program_bytes; s = n + n_Gamma rows
+///                             of the saddle point (2 n + n_Gamma with a finite eta), b = s / unknowns of the
+///                             undivided packing
 ///     ARPACK                  factors factor_fill n log2(n) 8 + 8 (basis + 5) n_Gamma
 ///     inexact Stage 1, dense  inexact_matrices z^2 8
-/// and of the last three the largest that the options may choose.
+/// and of the last four the largest that the options may choose.
 /// Dense counts are exact but for lower-order terms; the fill is an estimate for planar networks (see
 /// memory.cpp).
 double estimated_bytes(const Model& model, const SweepParameters& parameters);
