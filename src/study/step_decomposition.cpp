@@ -164,11 +164,11 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
 }
 
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
-  if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
-    return simulation.state.eta;
   const Decomposition all = linear_parts(simulation, problem, partition);
-  const double best = optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)));
-  return std::max(best, stable_eta(all, simulation.dynamics.solver.interface_relaxation));
+  const double stable = stable_eta(all, simulation.dynamics.solver.interface_relaxation);
+  if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
+    return std::max(simulation.state.eta, stable);  // contacts have come since it was found
+  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem))), stable);
 }
 
 }  // namespace nscdd
