@@ -47,6 +47,11 @@ struct TimeStepping {
   }
 };
 
+/// Bodies whose gap at q_m is at most this part of the smaller radius touch, for a law that pulls: far more
+/// than rounding and unfinished iterations leave, or a rolling contact opens in a step, and far less than the
+/// alert distance, which must not be felt.
+inline constexpr double touching_gap = 1e-3;
+
 /// Geometry of a contact considered in a step.
 struct StepContact {
   Index a = 0, b = 0;              ///< disks a < b, or wall b = disks + w
@@ -60,6 +65,7 @@ struct StepContact {
 struct StepProblem {
   double friction = 0, boundary_friction = 0;  ///< between free disks; where one is driven
   bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
+  bool pulls = false;                          ///< the law pulls: contacts that touch have a pull
   double h = 0;                                ///< s
   std::vector<StepContact> geometry;           ///< ascending by (a, b)
   std::vector<DiskContact> contacts;           ///< the same contacts for the solver, impulses to start from
