@@ -257,12 +257,13 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   return energy;
 }
 
-Interpenetration interpenetration(const StepProblem& problem) {
+Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem) {
   Interpenetration result;
   Index overlaps = 0;
   for (const StepContact& c : problem.geometry) {
     if (c.gap >= 0) continue;
     result.maximum = std::max(result.maximum, -c.gap);
+    result.relative = std::max(result.relative, -c.gap / smaller_radius(system, c));
     result.mean -= c.gap;
     ++overlaps;
   }

@@ -79,6 +79,10 @@ struct StepProblem {
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
 
+/// Overlap that ends a run, and one that deserves attention, times the smaller radius. Overlaps are pushed
+/// apart within a step, which would make larger ones explode; beyond the radius they are forgotten.
+inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
+
 /// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
 void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest);
 
@@ -105,7 +109,8 @@ StepEnergy energy_of(const GranularSystem& system, const GranularState& state, c
 /// Overlaps of the contacts of a step at q_m, before it is solved.
 struct Interpenetration {
   double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 where none does
+  double relative = 0;           ///< the largest, times the smaller radius of the two bodies
 };
-Interpenetration interpenetration(const StepProblem& problem);
+Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem);
 
 }  // namespace nscdd
