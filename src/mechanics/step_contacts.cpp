@@ -2,7 +2,7 @@
 #include "step_contacts.hpp"
 
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/cell_grid.hpp>
+#include <nscdd/packing/disk_grid.hpp>
 
 #include <fmt/format.h>
 
@@ -46,14 +46,14 @@ std::vector<StepContact> sorted(const std::vector<StepContact>& contacts, Index 
 std::vector<StepContact> find_contacts(const GranularSystem& system, const Configuration& where,
                                        const std::vector<DiskVelocity>& free, const TimeStepping& scheme) {
   const Alert alert = alert_of(system, free, scheme);
-  const double largest = *std::max_element(system.radius.begin(), system.radius.end());
+  const double range = std::max(alert.distance, alert.reach);
   std::vector<StepContact> found;
   found.reserve(at(3 * system.disks()));
-  const CellGrid grid(where.x, where.y, 2 * largest + std::max(alert.distance, alert.reach));
+  const DiskGrid grid(where.x, where.y, system.radius, 1, range);
   grid.for_each_pair([&](Index a, Index b) {
     const double dx = where.x[at(b)] - where.x[at(a)], dy = where.y[at(b)] - where.y[at(a)];
     const double touch = system.radius[at(a)] + system.radius[at(b)];
-    const double near = touch + std::max(alert.distance, alert.reach);
+    const double near = touch + range;
     const double square = dx * dx + dy * dy;
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);
