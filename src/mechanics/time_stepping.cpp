@@ -170,7 +170,10 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   }
   check_moves(system, state, problem.free, h);
   const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
-  problem.geometry = find_contacts(system, where, problem.free, scheme);
+  // Bodies that hold each other are found however short the alert distance.
+  const double hold =
+      problem.pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
+  problem.geometry = find_contacts(system, where, problem.free, scheme, hold);
   // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
   if (interaction.restitution > 0)
     std::erase_if(problem.geometry,
