@@ -120,6 +120,7 @@ void RunSummary::add(const StepReport& report) {
     worst_step_ = report.step;
   }
   overlap_ = std::max(overlap_, report.overlap.maximum);
+  relative_overlap_ = std::max(relative_overlap_, report.overlap.relative);
   gluing_ = std::max(gluing_, report.last.gluing);
   gaining_steps_ += report.energy.dissipation < 0;
   gain_ += std::max(0.0, -report.energy.dissipation);
@@ -162,6 +163,12 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
 
 std::string RunSummary::warnings(const StepSolver& solver) const {
   std::string text;
+  if (relative_overlap_ > notable_overlap)
+    text += fmt::format(
+        "attention: bodies overlap by up to {:.3g} of the smaller radius: boundaries that leave no room, or "
+        "a "
+        "step or tolerance too coarse\n",
+        relative_overlap_);
   const auto converged = statuses_.find(to_string(SolverStatus::converged));
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
   if (open > 0 && solver.criterion != "none")

@@ -53,6 +53,7 @@ class RunSummary {
   Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0;
   std::map<std::string_view, Index> statuses_;
   double worst_ = 0, boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0, gluing_ = 0;
+  double relative_overlap_ = 0;                                // times the smaller radius
   double setup_seconds_ = 0, solve_seconds_ = 0, visits_ = 0;  // contacts x sweeps
   StepReport last_;
 };

@@ -31,26 +31,64 @@ struct Options {
   Context context;
 };
 
-// What is asked for on the command line must not be passed over in silence.
-void require_effects(const Options& options, const Dynamics& dynamics) {
-  const auto decomposed = [&](const std::string& option) {
-    if (dynamics.solver.algorithm == "nlgs")
-      throw Error(fmt::format(
-          "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
-          option));
+// A parameter that the command line gives, with the name it has there.
+struct Given {
+  std::string key, option;
+};
+
+// Those of options of their own, then those of --set.
+std::vector<Given> given_parameters(const Options& options) {
+  std::vector<Given> given;
+  const auto add = [&](const char* key, const char* option, bool is_given) {
+    if (is_given) given.push_back({key, option});
   };
-  if (options.eta) require_effect(dynamics, "solver.eta", "--eta");
-  if (!options.subdomains.empty()) decomposed("--subdomains");
+  const bool metis = options.subdomains.rfind("metis:", 0) == 0;
+  add(metis ? "partition.metis" : "partition.grid", "--subdomains", !options.subdomains.empty());
+  add("solver.algorithm", "--algorithm", options.algorithm.has_value());
+  add("solver.gauss_seidel_sweeps", "--gauss-seidel-sweeps", options.gauss_seidel_sweeps.has_value());
+  add("solver.eta", "--eta", options.eta.has_value());
+  add("solver.criterion", "--criterion", options.criterion.has_value());
+  add("solver.tolerance", "--tolerance", options.tolerance.has_value());
+  add("solver.maximum_iterations", "--iterations", options.iterations.has_value());
+  add("dynamics.steps", "--steps", options.steps.has_value());
   for (const std::string& setting : options.settings) {
     const std::string key = setting.substr(0, setting.find('='));
-    require_effect(dynamics, key, "--set " + key);
-    if (key.rfind("partition.", 0) == 0) decomposed("--set " + key);
+    given.push_back({key, "--set " + key});
   }
+  return given;
+}
+
+void require_once(const std::vector<Given>& given) {
+  for (std::size_t k = 0; k < given.size(); ++k)
+    for (std::size_t other = 0; other < k; ++other)
+      if (given[k].key == given[other].key)
+        throw Error(fmt::format("{}: expected {} once, met {} too", given[k].option, given[k].key,
+                                given[other].option));
+}
+
+// What is asked for on the command line must not be passed over in silence.
+void require_effect(const Given& given, const Case& one) {
+  const Dynamics& dynamics = *one.dynamics;
+  if (given.key.rfind("contacts.", 0) == 0)
+    throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone",
+                            given.option));
+  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == "nlgs")
+    throw Error(fmt::format(
+        "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
+        given.option));
+  nscdd::require_effect(dynamics, given.key, given.option);
+  Dynamics undivided = dynamics;  // one subdomain has no interface, as nlgs has none
+  undivided.solver.algorithm = "nlgs";
+  if (!has_effect(undivided, given.key) && subdomains(one.partition) == 1)
+    throw Error(fmt::format("{}: expected two subdomains or more with it, met one, which has no interface",
+                            given.option));
 }
 
 void apply(const Options& options, Case& one) {
   if (!one.dynamics)
     throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
+  const std::vector<Given> given = given_parameters(options);
+  require_once(given);
   if (!options.subdomains.empty()) one.partition = parse_subdomains(options.subdomains);
   apply_settings(one, options.settings);
   const auto set = [&](const char* key, const auto& value) {
@@ -67,7 +105,7 @@ void apply(const Options& options, Case& one) {
   set("solver.tolerance", options.tolerance);
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
-  require_effects(options, *one.dynamics);
+  for (const Given& parameter : given) require_effect(parameter, one);
   try {
     check_dynamics(one);
   } catch (const Error& error) {

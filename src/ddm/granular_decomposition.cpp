@@ -51,6 +51,7 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, const std::s
     rows.rows.push_back({a, b, c.normal_x, c.normal_y, c.bias_n});
     rows.impulses.push_back({c.impulse_n, c.impulse_t});
     if (problem.tangential_bias) rows.bias_t.push_back(c.bias_t);
+    if (problem.pulls) rows.pull.push_back(c.pull);
     subdomain.numbers[k] = numbers[at(visit[k])];
   }
   for (const Index i : subdomain.bodies) {

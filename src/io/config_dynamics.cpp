@@ -156,6 +156,7 @@ std::optional<Dynamics> read_dynamics(StrictTable& root) {
   check_eta(dynamics.solver.eta, solver.where("eta"));
   solver.finish();
   require_effects(interaction, dynamics, dynamics.interaction);
+  require_effects(time, dynamics, dynamics.time);
   require_effects(solver, dynamics, dynamics.solver);
   for (const StrictTable& boundary : root.tables("boundary")) {
     dynamics.boundaries.push_back(read_boundary(boundary));

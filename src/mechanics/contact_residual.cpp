@@ -13,15 +13,15 @@ double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
 constexpr double edge_tolerance = 1e-12;
 
 template <class Law>
-ContactStatus status_under(const Law& law, const DiskContact& c) {
+ContactStatus status_under(const Law&, const DiskContact& c) {
   if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status({c.impulse_n + law.pull(), c.impulse_t}, c.friction, edge_tolerance);
+  return contact_status({c.impulse_n + c.pull, c.impulse_t}, c.friction, edge_tolerance);
 }
 
 template <class Law>
 void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
   const LocalVector r{c.impulse_n, c.impulse_t};
-  const LocalVector next = law.impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
+  const LocalVector next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
   const LocalVector change = c.inverse_w.apply({next.n - r.n, next.t - r.t});
   const LocalVector here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
   sum.impulses += square(r);
@@ -33,9 +33,8 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
     sum.natural_map += square({next.n - r.n, next.t - r.t});
   } else {
     const LocalVector relative = relative_velocity(c, v);
-    sum.natural_map +=
-        square(natural_map({r.n + law.pull(), r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
-                           c.friction, c.inverse_w.inverse_n));
+    sum.natural_map += square(natural_map({r.n + c.pull, r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
+                                          c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
   ++sum.active;

@@ -23,7 +23,12 @@ SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> v
     if constexpr (tangential_bias) v_t += contacts.bias_t[k];
     const DiagonalDelassus w = disk_delassus(a, b);
     const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
-    LocalVector next = law.impulse({r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t}, w, frictions[driven]);
+    const LocalVector stop{r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t};
+    LocalVector next;
+    if constexpr (Law::pulls)
+      next = law_at(law, contacts.pull[k]).impulse(stop, w, frictions[driven]);
+    else
+      next = law.impulse(stop, w, frictions[driven]);
     if constexpr (relaxed) {
       next.n = r.n + relaxation * (next.n - r.n);
       next.t = r.t + relaxation * (next.t - r.t);
@@ -58,6 +63,7 @@ DiskContact ContactRows::contact(std::size_t k, std::span<const DiskVelocity> v)
   c.inverse_w = disk_delassus(a, b);
   c.bias_n = row.bias_n;
   c.bias_t = bias_t.empty() ? 0.0 : bias_t[k];
+  c.pull = pull.empty() ? 0.0 : pull[k];
   c.friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction;
   c.impulse_n = impulses[k].n;
   c.impulse_t = impulses[k].t;

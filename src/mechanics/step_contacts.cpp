@@ -2,7 +2,7 @@
 #include "step_contacts.hpp"
 
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/cell_grid.hpp>
+#include <nscdd/packing/disk_grid.hpp>
 
 #include <fmt/format.h>
 
@@ -18,12 +18,12 @@ struct Alert {
 };
 
 Alert alert_of(const GranularSystem& system, const std::vector<DiskVelocity>& free,
-               const TimeStepping& scheme) {
+               const TimeStepping& scheme, double least) {
   double fastest = 0;
   for (Index i = 0; i < system.disks(); ++i)
     fastest = std::max(fastest, std::hypot(free[at(i)].x, free[at(i)].y));
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
-  return {scheme.alert * smallest, 2 * fastest * scheme.step};
+  return {std::max(scheme.alert * smallest, least), 2 * fastest * scheme.step};
 }
 
 // Ascending by (a, b), given grouped in no order: counted by a, then sorted within a (few each).
@@ -44,16 +44,17 @@ std::vector<StepContact> sorted(const std::vector<StepContact>& contacts, Index 
 }  // namespace
 
 std::vector<StepContact> find_contacts(const GranularSystem& system, const Configuration& where,
-                                       const std::vector<DiskVelocity>& free, const TimeStepping& scheme) {
-  const Alert alert = alert_of(system, free, scheme);
-  const double largest = *std::max_element(system.radius.begin(), system.radius.end());
+                                       const std::vector<DiskVelocity>& free, const TimeStepping& scheme,
+                                       double least_alert) {
+  const Alert alert = alert_of(system, free, scheme, least_alert);
+  const double range = std::max(alert.distance, alert.reach);
   std::vector<StepContact> found;
   found.reserve(at(3 * system.disks()));
-  const CellGrid grid(where.x, where.y, 2 * largest + std::max(alert.distance, alert.reach));
+  const DiskGrid grid(where.x, where.y, system.radius, 1, range);
   grid.for_each_pair([&](Index a, Index b) {
     const double dx = where.x[at(b)] - where.x[at(a)], dy = where.y[at(b)] - where.y[at(a)];
     const double touch = system.radius[at(a)] + system.radius[at(b)];
-    const double near = touch + std::max(alert.distance, alert.reach);
+    const double near = touch + range;
     const double square = dx * dx + dy * dy;
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);

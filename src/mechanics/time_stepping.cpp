@@ -96,6 +96,15 @@ void add_wall_bodies(StepProblem& problem, const GranularSystem& system, const C
   }
 }
 
+double smaller_radius(const GranularSystem& system, const StepContact& c) {
+  const double a = system.radius[at(c.a)];
+  return c.b < system.disks() ? std::min(a, system.radius[at(c.b)]) : a;
+}
+
+bool touches(const GranularSystem& system, const StepContact& c) {
+  return c.gap <= touching_gap * smaller_radius(system, c);
+}
+
 DiskContact solver_contact(const StepContact& c, Index second, const StepProblem& problem,
                            const Interaction& interaction, double correction) {
   DiskContact k;
@@ -134,10 +143,7 @@ void start_from(std::vector<DiskContact>& contacts, const std::vector<StepContac
 
 void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
   for (const StepContact& c : problem.geometry) {
-    const bool wall = c.b >= system.disks();
-    const double radius =
-        wall ? system.radius[at(c.a)] : std::min(system.radius[at(c.a)], system.radius[at(c.b)]);
-    if (c.gap < -largest * radius)
+    if (c.gap < -largest * smaller_radius(system, c))
       throw Error(fmt::format("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m",
                               body_name(system, c.a), body_name(system, c.b), largest, -c.gap));
   }
@@ -149,9 +155,11 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   const auto motions = boundary_velocities(system, state.time + h / 2);
   StepProblem problem;
   problem.h = h;
-  const bool has_friction = rubs(contact_law(interaction, h));
+  const ContactLaw law = contact_law(interaction, h);
+  const bool has_friction = rubs(law);
   problem.friction = has_friction ? interaction.friction : 0;
   problem.boundary_friction = has_friction ? interaction.friction_at_boundaries() : 0;
+  problem.pulls = pulls(law);
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.start = start_velocities(system, state, motions);
   problem.free = problem.start;
@@ -162,16 +170,21 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   }
   check_moves(system, state, problem.free, h);
   const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
-  problem.geometry = find_contacts(system, where, problem.free, scheme);
+  // Bodies that hold each other are found however short the alert distance.
+  const double hold =
+      problem.pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
+  problem.geometry = find_contacts(system, where, problem.free, scheme, hold);
   // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
   if (interaction.restitution > 0)
-    std::erase_if(problem.geometry, [](const StepContact& c) { return c.gap > 0; });
+    std::erase_if(problem.geometry,
+                  [&](const StepContact& c) { return c.gap > 0 && !(problem.pulls && touches(system, c)); });
   std::vector<Index> second(problem.geometry.size());
   add_wall_bodies(problem, system, where, motions, second);
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     problem.contacts.push_back(
         solver_contact(problem.geometry[k], second[k], problem, interaction, scheme.penetration_correction));
+    if (problem.pulls && touches(system, problem.geometry[k])) problem.contacts.back().pull = pull(law);
   }
   if (warm_start) start_from(problem.contacts, problem.geometry, state.impulses);
   return problem;
@@ -247,12 +260,13 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   return energy;
 }
 
-Interpenetration interpenetration(const StepProblem& problem) {
+Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem) {
   Interpenetration result;
   Index overlaps = 0;
   for (const StepContact& c : problem.geometry) {
     if (c.gap >= 0) continue;
     result.maximum = std::max(result.maximum, -c.gap);
+    result.relative = std::max(result.relative, -c.gap / smaller_radius(system, c));
     result.mean -= c.gap;
     ++overlaps;
   }

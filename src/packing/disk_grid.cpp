@@ -24,11 +24,12 @@ struct Disks {
 }  // namespace
 
 DiskGrid::DiskGrid(std::span<const double> x, std::span<const double> y, std::span<const double> radius,
-                   double stretch) {
+                   double stretch, double range) {
   if (radius.empty()) return;
   Disks rest;
   while (true) {
-    const double largest = *std::max_element(radius.begin(), radius.end()), reach = stretch * largest;
+    const double largest = *std::max_element(radius.begin(), radius.end()),
+                 reach = stretch * largest + range / 2;
     const auto coarse_one = [&](double r) { return 2 * r >= largest; };
     CellGrid grid(x, y, 2 * reach);
     if (grid.crowd() <= crowded || std::all_of(radius.begin(), radius.end(), coarse_one)) {

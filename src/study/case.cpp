@@ -194,10 +194,8 @@ void require_geometry(const Model& model, std::string_view what) {
 
 namespace {
 
-// What the first step would refuse is refused here, before anything is written. Overlaps are pushed apart
-// within a step: larger ones than these would explode.
+// What the first step would refuse is refused here, before anything is written.
 void check_first_step(const Simulation& simulation) {
-  constexpr double largest_overlap = 0.5;
   const Dynamics& dynamics = simulation.dynamics;
   const StepProblem first =
       prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);

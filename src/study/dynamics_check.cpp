@@ -14,24 +14,39 @@ namespace {
 struct Effect {
   std::string_view path, with, values;
 };
+constexpr std::string_view criteria = "zeta interface_change gluing natural_map quad_dv mean_dv_over_r";
 constexpr Effect effects[] = {
     {"interaction.friction", "interaction.law", "coulomb cohesive"},
     {"interaction.boundary_friction", "interaction.law", "coulomb cohesive"},
     {"interaction.cohesion", "interaction.law", "cohesive"},
     {"interaction.epsilon", "interaction.law", "linear_viscous"},
+    {"interaction.tangential_restitution", "interaction.law", "coulomb cohesive linear_viscous"},
+    {"dynamics.penetration_correction", "interaction.restitution", "0"},
+    {"solver.tolerance", "solver.criterion", criteria},
     {"solver.gluing_tolerance", "solver.algorithm", "generic enriched"},
+    {"solver.gluing_tolerance", "solver.criterion", criteria},
     {"solver.seed", "solver.order", "random"},
     {"solver.eta", "solver.algorithm", "enriched"},
     {"solver.network", "solver.algorithm", "enriched"},
+    {"solver.network", "solver.enrichment", "every_iteration first_iteration"},
     {"solver.enrichment", "solver.algorithm", "enriched"},
     {"solver.interface_method", "solver.algorithm", "generic enriched"},
     {"solver.interface_relaxation", "solver.algorithm", "generic enriched"},
+    {"solver.interface_relaxation", "solver.interface_method", "richardson"},
     {"solver.redecompose", "solver.algorithm", "generic enriched"},
 };
 
-const std::string& value_of(const Dynamics& dynamics, std::string_view path) {
-  if (path == "interaction.law") return dynamics.interaction.law;
-  return path == "solver.order" ? dynamics.solver.order : dynamics.solver.algorithm;
+std::string value_of(const Dynamics& dynamics, std::string_view path) {
+  const Interaction& interaction = dynamics.interaction;
+  const StepSolver& solver = dynamics.solver;
+  if (path == "interaction.law") return interaction.law;
+  if (path == "interaction.restitution")
+    return interaction.restitution > 0 ? field_text(interaction.restitution) : "0";
+  if (path == "solver.order") return solver.order;
+  if (path == "solver.criterion") return solver.criterion;
+  if (path == "solver.enrichment") return solver.enrichment;
+  if (path == "solver.interface_method") return solver.interface_method;
+  return solver.algorithm;
 }
 
 bool is_among(std::string_view word, std::string_view words) {
@@ -43,7 +58,15 @@ bool is_among(std::string_view word, std::string_view words) {
   return false;
 }
 
-// What the parameter lacks; none where nothing.
+// "a, b or c".
+std::string any_of(std::string_view words) {
+  std::string text;
+  for (const char letter : words) text += letter == ' ' ? ", " : std::string(1, letter);
+  if (const auto last = text.rfind(", "); last != std::string::npos) text.replace(last, 2, " or ");
+  return text;
+}
+
+// What the parameter lacks; none where nothing. The first of what it needs comes first in the list.
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   for (const Effect& effect : effects)
     if (effect.path == path && !is_among(value_of(dynamics, effect.with), effect.values)) return &effect;
@@ -72,9 +95,7 @@ bool has_effect(const Dynamics& dynamics, std::string_view path) {
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where) {
   const Effect* missing = missing_for(dynamics, path);
   if (missing == nullptr) return;
-  std::string values(missing->values);
-  if (const auto blank = values.find(' '); blank != std::string::npos) values.replace(blank, 1, " or ");
-  throw Error(fmt::format("{}: expected {} {} with it, met {}", where, missing->with, values,
+  throw Error(fmt::format("{}: expected {} {} with it, met {}", where, missing->with, any_of(missing->values),
                           value_of(dynamics, missing->with)));
 }
 

@@ -70,7 +70,7 @@ std::string_view to_string(BoundaryShape shape) {
 
 std::string to_toml(const Dynamics& dynamics) {
   std::string text = "\n[interaction]\n" + effective_lines(dynamics, "interaction", dynamics.interaction);
-  text += "\n[dynamics]\n" + field_lines(dynamics.time);
+  text += "\n[dynamics]\n" + effective_lines(dynamics, "dynamics", dynamics.time);
   text += "\n[solver]\n" + effective_lines(dynamics, "solver", dynamics.solver);
   for (const BoundarySpec& spec : dynamics.boundaries) text += "\n[[boundary]]\n" + boundary_lines(spec);
   return text;

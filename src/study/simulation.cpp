@@ -128,6 +128,7 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   const StepSolver& solver = dynamics.solver;
   StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
                                      solver.warm_start);
+  check_overlaps(simulation.system, problem, largest_overlap);
   Partition partition = partition_step(simulation, problem);
   const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
   GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
@@ -196,7 +197,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   step.interface_impulses = iteration.interface_impulses();
   report.step = simulation.state.step + 1;
   report.contacts = count(step.contacts);
-  report.overlap = interpenetration(step.problem);
+  report.overlap = interpenetration(simulation.system, step.problem);
   return step;
 }
 

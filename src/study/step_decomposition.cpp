@@ -164,11 +164,13 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
 }
 
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
-  if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
-    return simulation.state.eta;
   const Decomposition all = linear_parts(simulation, problem, partition);
-  const double best = optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem)));
-  return std::max(best, stable_eta(all, simulation.dynamics.solver.interface_relaxation));
+  const StepSolver& solver = simulation.dynamics.solver;
+  const bool relaxed = solver.interface_method == "richardson";  // conjugate gradients choose their own steps
+  const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0);
+  if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
+    return std::max(simulation.state.eta, stable);  // contacts have come since it was found
+  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem))), stable);
 }
 
 }  // namespace nscdd

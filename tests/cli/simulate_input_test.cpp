@@ -41,6 +41,22 @@ TEST_CASE("simulate: a value without effect is refused, not passed over") {
   refused("--set interaction.cohesion=5", {"--set interaction.cohesion", "cohesive", "met coulomb"});
   refused("--set interaction.boundary_friction=-0.5",
           {"interaction.boundary_friction: expected", ">= 0", "or -1", "met -0.5"});
+  refused("--set interaction.law=frictionless --set interaction.tangential_restitution=0.5",
+          {"--set interaction.tangential_restitution: expected interaction.law", "met frictionless"});
+  refused("--set interaction.restitution=0.5 --set dynamics.penetration_correction=0.5",
+          {"--set dynamics.penetration_correction: expected interaction.restitution 0 with it, met 0.5"});
+  refused("--criterion none --tolerance 1e-3", {"--tolerance: expected solver.criterion zeta", "met none"});
+  refused("--set solver.interface_method=conjugate_gradient --set solver.interface_relaxation=0.5",
+          {"--set solver.interface_relaxation: expected solver.interface_method richardson"});
+  refused("--algorithm enriched --set solver.enrichment=semi_implicit --set solver.network=all",
+          {"--set solver.network: expected solver.enrichment every_iteration or first_iteration"});
+  refused("--algorithm enriched --eta 2 --subdomains 1x1", {"--eta: expected two subdomains", "met one"});
+  refused("--set solver.redecompose=2 --set partition.grid=1,1", {"--set solver.redecompose", "met one"});
+  refused("--set contacts.tolerance=1e-3", {"--set contacts.tolerance", "linear study"});
+  refused("--steps 5 --set dynamics.steps=3",
+          {"--set dynamics.steps: expected dynamics.steps once, met --steps too"});
+  refused("--subdomains 1x2 --set partition.grid=3,1", {"--set partition.grid", "met --subdomains too"});
+  refused("--set solver.tolerance=1e-3 --set solver.tolerance=1e-2", {"--set solver.tolerance", "once"});
   // in any order, and beside what gives it an effect
   answer(session, "simulate shear.toml --steps 1 -o eta.h5 --set solver.eta=40 --algorithm enriched");
   answer(session,

@@ -66,6 +66,27 @@ struct OwnCache {
 
 }  // namespace
 
+TEST_CASE("simulate: overlaps above a tenth of a radius are noticed, above a half they end the run") {
+  const Session session;
+  session.file("one.csv", "x,y,radius\n0,0.5,0.5\n");
+  session.file("press.toml",
+               "[packing]\nfile = \"one.csv\"\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n"
+               "[dynamics]\nsteps = 40\n[solver]\nmaximum_iterations = 20\n"
+               "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n"
+               "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\nfrom = [1, 1]\nto = [0, 1]\n"
+               "centre = [0, 1]\nvelocity = [0, -0.5]\n");
+  CHECK_FALSE(contains(answer(session, "simulate press.toml --steps 5 -o little.h5"), "overlap by"));
+  CHECK(
+      contains(answer(session, "simulate press.toml -o some.h5"), "attention: bodies overlap by up to 0.1"));
+  const Outcome crushed = session.run(words("simulate press.toml --steps 400 -o crushed.h5"));
+  CHECK(crushed.exit_code == 1);
+  CHECK(contains(crushed.standard_error, "expected an overlap of at most 0.5 of the smaller radius"));
+  CHECK(contains(crushed.standard_error, "disk 0 and the wall of boundary '"));
+  const auto last = nscdd::read_last_step(path_of(session, "crushed.h5"));
+  CHECK(last.state.step > 40);
+  CHECK(last.state.step < 400);
+}
+
 TEST_CASE("simulate: says how the run went, one row per iteration") {
   const MovingSession session;
   const std::string text =

@@ -214,9 +214,60 @@ TEST_CASE("cohesion: a disk hangs from a ceiling iff its weight is at most the c
       CHECK(std::abs(simulation.state.velocity_y[0]) < 1e-13);
       CHECK(impulse_between(simulation.state, 0, 1).n == doctest::Approx(-mass * g * h).epsilon(1e-12));
     } else {
-      // As long as it is within the alert distance the bond pulls with all it has.
+      // As long as it touches, to a thousandth of its radius, the bond pulls with all it has.
       CHECK(simulation.state.velocity_y[0] == doctest::Approx(-(1 - 1 / share) * g * 3 * h).epsilon(1e-10));
     }
+  }
+}
+
+TEST_CASE(
+    "cohesion: bodies that do not touch do not attract each other, whatever alert and restitution say") {
+  for (const double gap : {0.02, 0.002, 0.0})
+    for (const double alert : {0.0, 0.01, 0.05, 0.2})
+      for (const double restitution : {0.0, 0.5}) {
+        CAPTURE(gap);
+        CAPTURE(alert);
+        CAPTURE(restitution);
+        Dynamics dynamics = tight();
+        dynamics.interaction.law = "cohesive";
+        dynamics.interaction.cohesion = 10;
+        dynamics.interaction.restitution = restitution;
+        dynamics.time.gravity = {0, 0};
+        dynamics.time.alert = alert;
+        Simulation simulation = simulation_of({{.x = 0}, {.x = 1 + gap}}, dynamics);
+        advance(simulation, 5);
+        CHECK(simulation.state.velocity_x[0] == 0);
+        CHECK(impulse_between(simulation.state, 0, 1).n == 0);
+        // Pulled apart by less than the cohesive force: they hold where they touch alone.
+        simulation.dynamics.time.gravity = {0, -1};
+        simulation.state.velocity_x[1] = 0.04;
+        advance(simulation);
+        // Without restitution the gap that opened up to q_m, 0.02 h, is closed again.
+        const double held = gap > 0 ? 0 : (0.04 + (restitution > 0 ? 0 : 0.02)) / 2;
+        CHECK(impulse_between(simulation.state, 0, 1).n == doctest::Approx(-held).epsilon(1e-12));
+        CHECK(simulation.state.velocity_x[0] == doctest::Approx(held).epsilon(1e-12));
+      }
+}
+
+TEST_CASE("cohesion: a touching contact holds until it is pulled apart, then for good") {
+  // A disk that hangs from a ceiling at half the cohesive force; gravity doubles, and more, for a while.
+  for (const double restitution : {0.0, 0.5}) {
+    CAPTURE(restitution);
+    Dynamics dynamics = tight();
+    dynamics.interaction.law = "cohesive";
+    dynamics.interaction.cohesion = 2 * g;
+    dynamics.interaction.restitution = restitution;
+    dynamics.boundaries = {wall("ceiling", {1, 0}, {0, 0})};
+    Simulation simulation = simulation_of({{.y = -0.5}}, dynamics);
+    advance(simulation, 200);
+    CHECK(std::abs(simulation.state.y[0] + 0.5) < 1e-12);
+    simulation.dynamics.time.gravity = {0, -3 * g};
+    advance(simulation, 4);
+    CHECK(-simulation.state.y[0] - 0.5 > touching_gap * 0.5);
+    const double before = simulation.state.velocity_y[0];
+    simulation.dynamics.time.gravity = {0, -g};
+    advance(simulation, 3);
+    CHECK(simulation.state.velocity_y[0] == doctest::Approx(before - 3 * g * 0.005).epsilon(1e-12));
   }
 }
 

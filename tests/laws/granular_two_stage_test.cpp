@@ -109,8 +109,8 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskCon
     const double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim) + c.bias_t;
     const LocalVector stop{c.impulse_n - c.inverse_w.inverse_n * v_n,
                            c.impulse_t - c.inverse_w.inverse_t * v_t};
-    LocalVector r =
-        std::visit([&](const auto& one) { return one.impulse(stop, c.inverse_w, c.friction); }, law);
+    LocalVector r = std::visit(
+        [&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
     if (relaxation != 1)
       r = {c.impulse_n + relaxation * (r.n - c.impulse_n), c.impulse_t + relaxation * (r.t - c.impulse_t)};
     apply_impulse(c, {r.n - c.impulse_n, r.t - c.impulse_t}, v);

@@ -2,11 +2,13 @@
 // The flexibility from which Stage 2 is stable whatever the contacts do, and runs with eta = "optimal" on it.
 #include "../support/granular.hpp"
 #include "../support/problems.hpp"
+#include <nscdd/ddm/granular_decomposition.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/study/optimum.hpp>
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <random>
 
 using namespace nscdd;
@@ -77,4 +79,32 @@ TEST_CASE("runs with eta = optimal converge, about as fast as the generic algori
     }
     CHECK(iterations[1] <= 1.1 * static_cast<double>(iterations[0]));
   }
+}
+
+TEST_CASE("eta = optimal kept between two decompositions is raised for the contacts that come") {
+  Simulation simulation = sheared_box("enriched", "optimal", 1);
+  simulation.dynamics.solver.redecompose = 1000;
+  for (std::size_t i = 0; i < simulation.state.y.size(); ++i) {  // a loose heap that falls together
+    simulation.state.y[i] *= 1.05;
+    simulation.state.velocity_y[i] = -simulation.state.y[i];
+  }
+  advance(simulation);
+  constexpr double kept = 0.04;  // 1/kg, stable for the contacts of the first steps
+  simulation.state.eta = kept;
+  int raised = 0, as_kept = 0;
+  for (int step = 1; step < 10; ++step) {
+    CAPTURE(step);
+    SolvedStep solved = solve_step(simulation);
+    const double stable = stable_eta(decompose(reference_problem(solved.problem, simulation.system.disks()),
+                                               partition_of_columns(solved.partition)));
+    CHECK(solved.report.eta == doctest::Approx(std::max(kept, stable)).epsilon(2e-3));
+    raised += solved.report.eta > kept;
+    as_kept += solved.report.eta == kept;
+    REQUIRE(solved.report.status == SolverStatus::converged);
+    take_step(simulation, std::move(solved));
+    CHECK(simulation.state.decomposed_at == 0);
+    CHECK(simulation.state.eta == kept);
+  }
+  CHECK(raised > 0);
+  CHECK(as_kept > 0);
 }

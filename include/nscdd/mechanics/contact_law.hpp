@@ -22,8 +22,9 @@ namespace nscdd {
 ///       impulse, which is how statuses and residuals are told
 ///   rubs
 ///       whether a contact has a tangential impulse
-///   pull()
-///       largest pulling impulse, N s
+///   pulls, pull()
+///       whether touching bodies hold each other, and the largest impulse with which they do, N s; a law that
+///       pulls is made from that impulse
 using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
 
 inline bool opens(const ContactLaw& law) {
@@ -31,6 +32,22 @@ inline bool opens(const ContactLaw& law) {
 }
 inline bool rubs(const ContactLaw& law) {
   return std::visit([](const auto& one) { return one.rubs; }, law);
+}
+
+inline bool pulls(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.pulls; }, law);
+}
+inline double pull(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.pull(); }, law);
+}
+
+/// The law as it holds at a contact that pulls with at most `pull`, N s: 0 where the bodies do not touch.
+template <class Law>
+Law law_at(const Law& law, double pull) {
+  if constexpr (Law::pulls)
+    return Law{pull};
+  else
+    return law;
 }
 
 /// How a contact stands under Coulomb's law (or a cohesive one, impulses shifted). An impulse within

@@ -12,7 +12,7 @@ namespace nscdd {
 
 /// Contacts as a sweep reads them. At 10^5 grains a sweep is bound by memory: so what never changes lies
 /// apart from the impulses, and what the velocities know already (masses, hence W) or the law (friction) is
-/// not stored: 32 bytes read and 16 read and written per contact, where DiskContact has 80.
+/// not stored: 32 bytes read and 16 read and written per contact, where DiskContact has 88.
 struct ContactRows {
   struct Row {
     std::int32_t a = 0, b = 0;  ///< positions in the array of velocities
@@ -22,6 +22,7 @@ struct ContactRows {
   std::vector<Row> rows;
   std::vector<LocalVector> impulses;  ///< r, N s
   std::vector<double> bias_t;         ///< m/s; empty without tangential restitution
+  std::vector<double> pull;           ///< N s; empty but for a law that pulls
   double friction = 0;                ///< between free disks
   double boundary_friction = 0;       ///< where one of both is driven
 

@@ -36,6 +36,7 @@ struct DiskContact {
   DiagonalDelassus inverse_w;         ///< kg
   double bias_n = 0, bias_t = 0;      ///< m/s, what the law adds to v: gap / h, restitution
   double friction = 0;
+  double pull = 0;                      ///< largest pulling impulse, N s; 0 but for a law that pulls
   double impulse_n = 0, impulse_t = 0;  ///< r, N s
 };
 

@@ -93,7 +93,7 @@ struct Interaction {
     visit("tangential_restitution", self.tangential_restitution,
           Field{.description = "coefficient of tangential restitution", .minimum = 0, .maximum = 1});
     visit("cohesion", self.cohesion,
-          Field{.description = "largest pulling force of a contact within the alert distance, law cohesive",
+          Field{.description = "largest pulling force of a contact that touches, law cohesive",
                 .unit = "N",
                 .minimum = 0,
                 .maximum = 1e100});

@@ -47,6 +47,11 @@ struct TimeStepping {
   }
 };
 
+/// Bodies whose gap at q_m is at most this part of the smaller radius touch, for a law that pulls: far more
+/// than rounding and unfinished iterations leave, or a rolling contact opens in a step, and far less than the
+/// alert distance, which must not be felt.
+inline constexpr double touching_gap = 1e-3;
+
 /// Geometry of a contact considered in a step.
 struct StepContact {
   Index a = 0, b = 0;              ///< disks a < b, or wall b = disks + w
@@ -60,6 +65,7 @@ struct StepContact {
 struct StepProblem {
   double friction = 0, boundary_friction = 0;  ///< between free disks; where one is driven
   bool tangential_bias = false;                ///< contacts have a bias_t (tangential restitution)
+  bool pulls = false;                          ///< the law pulls: contacts that touch have a pull
   double h = 0;                                ///< s
   std::vector<StepContact> geometry;           ///< ascending by (a, b)
   std::vector<DiskContact> contacts;           ///< the same contacts for the solver, impulses to start from
@@ -72,6 +78,10 @@ struct StepProblem {
 /// step or has a velocity that is no number, and naming both disks of a pair with one centre.
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
+
+/// Overlap that ends a run, and one that deserves attention, times the smaller radius. Overlaps are pushed
+/// apart within a step, which would make larger ones explode; beyond the radius they are forgotten.
+inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
 
 /// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
 void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest);
@@ -99,7 +109,8 @@ StepEnergy energy_of(const GranularSystem& system, const GranularState& state, c
 /// Overlaps of the contacts of a step at q_m, before it is solved.
 struct Interpenetration {
   double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 where none does
+  double relative = 0;           ///< the largest, times the smaller radius of the two bodies
 };
-Interpenetration interpenetration(const StepProblem& problem);
+Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem);
 
 }  // namespace nscdd

@@ -15,12 +15,12 @@ namespace nscdd {
 /// of them, and so on. Each disk meets those of its own grid and of the coarser ones.
 class DiskGrid {
  public:
-  /// x, y: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1.
+  /// x, y: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
   DiskGrid(std::span<const double> x, std::span<const double> y, std::span<const double> radius,
-           double stretch = 1);
+           double stretch = 1, double range = 0);
 
   /// Calls visit(i, j), i < j, once for every pair whose centres are no farther apart than
-  /// stretch (radius_i + radius_j), and once for some that are.
+  /// stretch (radius_i + radius_j) + range, and once for some that are.
   template <class Visit>
   void for_each_pair(Visit&& visit) const {
     if (levels_.size() == 1) return levels_.front().grid.for_each_pair(visit);
@@ -45,7 +45,7 @@ class DiskGrid {
   struct Level {
     std::vector<Index> disks;  // ascending; not needed, and empty, where one level holds all
     std::vector<double> x, y;
-    double largest;  // radius, stretched
+    double largest;  // radius, stretched, and half the range
     CellGrid grid;
   };
   std::vector<Level> levels_;  // coarsest first

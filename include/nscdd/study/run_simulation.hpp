@@ -16,7 +16,8 @@ enum class RunEnd {
   completed,   ///< TimeStepping::steps are done
   at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, and not ever rising
   stopped,     ///< the monitor asked for it
-  broke_down,  ///< a step could not be prepared, diverged, or gave values that are no numbers
+  broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values that are no
+               ///< numbers
 };
 std::string_view to_string(RunEnd end);
 

@@ -74,7 +74,8 @@ class IterationWatch {
   Index best_iteration_ = 0;
 };
 
-/// The next step of a simulation, ready to be iterated.
+/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step, and naming both bodies
+/// where two overlap by more than `largest_overlap`.
 struct PreparedStep {
   StepProblem problem;
   Partition partition;                        ///< of its contacts

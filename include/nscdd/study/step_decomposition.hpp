@@ -11,8 +11,9 @@ Partition partition_step(const Simulation& simulation, const StepProblem& proble
 bool decomposes_afresh(const Simulation& simulation, Index step);
 
 /// The flexibility of smallest predicted radius (see optimal_eta) for the network that 100 sweeps of the
-/// undecomposed step find, but none below stable_eta; sought anew with every decomposition. Networks change
-/// from iteration to iteration: the best of one may diverge on those before it.
+/// undecomposed step find, sought anew with every decomposition and kept in between, but none below
+/// stable_eta of the contacts of this step. Networks change from iteration to iteration: the best of one may
+/// diverge on those before it.
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
 
 /// X_eta of the linear Stage 2 of a step, on the contacts its network has: all considered, or (`network`

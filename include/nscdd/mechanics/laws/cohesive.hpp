@@ -7,12 +7,14 @@
 
 namespace nscdd {
 
-/// Coulomb's law of grains that stick together: the contact pulls with up to `cohesion` before it opens,
-///     0 <= v_n,  0 <= r_n + cohesion,  v_n (r_n + cohesion) = 0,  |r_t| <= friction (r_n + cohesion).
-/// The example of adding a law: Coulomb's, at a shifted impulse.
+/// Coulomb's law of grains that stick together: a contact that touches pulls with up to `cohesion` before it
+/// opens,
+///     0 <= v_n,  0 <= r_n + cohesion,  v_n (r_n + cohesion) = 0,  |r_t| <= friction (r_n + cohesion);
+/// one that does not has cohesion 0 (see `touching_gap`). The example of adding a law: Coulomb's, at a
+/// shifted impulse.
 struct Cohesive {
   static constexpr std::string_view name = "cohesive";
-  static constexpr bool opens = true, rubs = true;
+  static constexpr bool opens = true, rubs = true, pulls = true;
   double cohesion = 0;  ///< largest pulling impulse, N s: the force times the time step
 
   static Cohesive of(const auto& interaction, double h) { return {h * interaction.cohesion}; }

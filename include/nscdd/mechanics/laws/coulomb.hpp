@@ -13,7 +13,7 @@ namespace nscdd {
 /// |r_t| <= friction r_n, opposite to v_t where equal.
 struct Coulomb {
   static constexpr std::string_view name = "coulomb";
-  static constexpr bool opens = true, rubs = true;
+  static constexpr bool opens = true, rubs = true, pulls = false;
 
   static Coulomb of(const auto& /*interaction*/, double /*h*/) { return {}; }
   double pull() const { return 0; }

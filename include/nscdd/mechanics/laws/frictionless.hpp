@@ -11,7 +11,7 @@ namespace nscdd {
 /// Signorini's unilateral law at velocity level without friction:  0 <= v_n, 0 <= r_n, v_n r_n = 0, r_t = 0.
 struct Frictionless {
   static constexpr std::string_view name = "frictionless";
-  static constexpr bool opens = true, rubs = false;
+  static constexpr bool opens = true, rubs = false, pulls = false;
 
   static Frictionless of(const auto& /*interaction*/, double /*h*/) { return {}; }
   double pull() const { return 0; }

@@ -11,7 +11,7 @@ namespace nscdd {
 /// epsilon is a flexibility, 1/kg (inverse of an integral viscosity, the paper's 1/k).
 struct LinearViscous {
   static constexpr std::string_view name = "linear_viscous";
-  static constexpr bool opens = false, rubs = true;
+  static constexpr bool opens = false, rubs = true, pulls = false;
   double epsilon = 1.0;
 
   static LinearViscous of(const auto& interaction, double /*h*/) { return {interaction.epsilon}; }
