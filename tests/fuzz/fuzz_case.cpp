@@ -33,12 +33,6 @@ Index grains(const Generator& generator) {
   return lattice.columns * lattice.rows;  // both at most 10^5
 }
 
-Index subdomains(const Partitioner& partitioner) {
-  if (const auto* metis = std::get_if<MetisPartitioner>(&partitioner)) return metis->metis;
-  const auto& grid = std::get<GridPartitioner>(partitioner).grid;
-  return grid[0] * grid[1];  // both at most 10^5
-}
-
 void require_sound(const Model& model) {
   const Index n = model.packing.size(), contacts = model.network.size();
   require(n >= 1, "a packing has a grain");
