@@ -63,7 +63,7 @@ def nonsmooth_panels(results, radii, etas):
         against_grains(etas, rows, style.column(rows, "best_eta"), linestyle=ENRICHED_LINE, **open_marker(look))
         against_grains(etas, rows, style.column(rows, "convergent_from"), color=look["color"],
                        linestyle=(0, (1, 1.3)))
-    etas.set(ylim=(0, 3.3), ylabel=rf"$\eta$ ${style.FLEXIBILITY}$")
+    etas.set(ylim=(0, 3.9), ylabel=rf"$\eta$ ${style.FLEXIBILITY}$")
 
 
 def draw(results, output, formats):
