@@ -77,10 +77,9 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   std::error_code status;
   if (path.empty() || is_stream(path)) return;
   if (grows(path)) {
-    require_writable(path, false, true);
     const std::string name = partial_path(path).string(), text = read_text(name);
-    if (!text.empty()) bytes_of_run(text, run, name);
-    return;
+    const bool own = !text.empty() && bytes_of_run(text, run, name) > 0;
+    return require_writable(path, own, true);  // a table beside the run's own is one that it replaces
   }
   if (!fs::exists(path, status)) return require_writable(path, false);
   const std::string text = read_text(path);  // of a run that came to its end
@@ -94,7 +93,7 @@ ConvergenceTable::ConvergenceTable(const std::string& path, bool force, const st
   if (path.empty()) return;
   std::optional<std::uintmax_t> kept;
   if (run) kept = reopened(path, *run);
-  csv_.emplace(path, force, iteration_columns(), kept);
+  csv_.emplace(path, force || kept.value_or(0) > 0, iteration_columns(), kept);
 }
 
 IterationSink ConvergenceTable::sink() {

@@ -99,6 +99,20 @@ TEST_CASE("simulate: a restart does not go on with a table that lacks steps, or 
                 {"other.csv: expected the ", " rows of step 1 of the run in run.h5, met 3"});
 }
 
+TEST_CASE("simulate: a run that replaces another and is killed goes on with its own table") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 4 -o whole.h5 --convergence whole.csv");
+  answer(session, "simulate shear.toml --steps 2 -o run.h5 --convergence run.csv");
+  fs::rename(session.folder / "run.csv", session.folder / "run.csv.partial");  // as a kill leaves it
+  session.file("run.csv", "step,iteration\n1,1\n");                            // that --force was to replace
+  answer(session, "simulate shear.toml --steps 4 --restart -o run.h5 --convergence run.csv");
+  CHECK_FALSE(fs::exists(session.folder / "run.csv.partial"));
+  const CsvTable whole = read_table(session.read("whole.csv")), table = read_table(session.read("run.csv"));
+  REQUIRE(table.rows.size() == whole.rows.size());
+  for (std::size_t row = 0; row < whole.rows.size(); ++row)
+    CHECK(table.text(row, "zeta") == whole.text(row, "zeta"));
+}
+
 TEST_CASE("simulate: names that the trajectory takes while it is written are no names for its table") {
   const MovingSession session;
   fs::create_directory(session.folder / "store");
