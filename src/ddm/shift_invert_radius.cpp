@@ -14,7 +14,6 @@ namespace {
 // limit then count as zero that are below the first of two shifts with none between them.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
-constexpr double rigid_zero_at_most = 1e-4;
 // Ends of the spectrum of (S, P), lambda = 1 - mu.
 struct Ends {
   PencilEnd smallest, largest;
@@ -224,14 +223,14 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
   return count == again ? count : std::nullopt;
 }
 
-// Whether a shift with `kernel` eigenvalues below it is found. Where eta is small, P is small on the kernel,
-// and rounding blurs its zeros the more: on to larger shifts, which prove as much.
-bool confirms(const ShiftedPencilFamily& family, double eta, Index kernel, Index& factorisations) {
-  for (double shift = rigid_zero_again; shift <= rigid_zero_at_most; shift *= 10) {
-    ++factorisations;
-    const ShiftedPencil pencil = family.at(0, eta, shift);
-    if (pencil.reliable() && pencil.below() == kernel) return true;
-  }
+// Whether the first shift that can be relied on, next to 0 but beyond the blur of the zeros, has `kernel`
+// eigenvalues below it. One further out would take small eigenvalues for zeros.
+bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel,
+              Index& factorisations) {
+  const double zero = std::max(rigid_zero_again, 10 * point.rounding);
+  for (const double shift : {zero, 10 * zero, 100 * zero})
+    if (const auto counted = counted_below(family, point.eta, shift, factorisations))
+      return *counted == kernel;
   return false;
 }
 
@@ -260,7 +259,7 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->kernel = b.system.nullity();
     limit->confirmed = false;
   }
-  if (!limit->confirmed) limit->confirmed = confirms(family, point.eta, *limit->kernel, factorisations);
+  if (!limit->confirmed) limit->confirmed = confirms(family, point, *limit->kernel, factorisations);
   if (!limit->confirmed) return unproved_rigid(*limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
