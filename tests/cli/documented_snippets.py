@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every ```python block of a Markdown file, as a reader would who copies it.
+"""Runs every ```python block of the Markdown files given, as a reader would who copies it.
 
-usage: documented_snippets.py FILE.md
+usage: documented_snippets.py FILE.md...
 
 Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
 results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
 run.h5 (three steps of nscdd simulate settle-1k).
-Fails where a block raises,
-and where there is no block at all. The program is $NSCDD_PROGRAM, the source tree $NSCDD_SOURCE.
+A block that raises is a failure, and so is a call that finds no block in any file. The program is $NSCDD_PROGRAM, the
+source tree $NSCDD_SOURCE.
 """
 import os
 import re
@@ -25,7 +25,7 @@ PREPARATION = [
 TIME_LIMIT = 120  # seconds per command: against a hang, not a measurement
 
 
-def blocks(text):
+def blocks(text, document):
     """(line number, code) of every fenced block marked python; fences may be indented, as in a list."""
     found, start, indent, lines = [], None, "", []
     for number, line in enumerate(text.splitlines(), 1):
@@ -39,7 +39,7 @@ def blocks(text):
         else:
             lines.append(line[len(indent):] if line.startswith(indent) else line)
     if start is not None:
-        sys.exit(f"a python block that starts at line {start} has no end")
+        sys.exit(f"{document}: a python block that starts at line {start} has no end")
     return found
 
 
@@ -66,21 +66,22 @@ def run_block(folder, document, line, code):
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: documented_snippets.py FILE.md")
+    if len(sys.argv) < 2:
+        sys.exit("usage: documented_snippets.py FILE.md...")
     for name in ("NSCDD_PROGRAM", "NSCDD_SOURCE"):
         if name not in os.environ:
             sys.exit(f"documented_snippets.py: the environment has no {name}")
-    document = sys.argv[1]
-    with open(document, encoding="utf-8") as stream:
-        found = blocks(stream.read())
+    found = []
+    for document in sys.argv[1:]:
+        with open(document, encoding="utf-8") as stream:
+            found += [(document, line, code) for line, code in blocks(stream.read(), document)]
     if not found:
-        sys.exit(f"{document}: expected a python block, met none")
+        sys.exit(f"expected a python block in {', '.join(sys.argv[1:])}, met none")
     with tempfile.TemporaryDirectory() as folder:
         prepare(folder)
-        passed = [run_block(folder, document, line, code) for line, code in found]
+        passed = [run_block(folder, *block) for block in found]
     if not all(passed):
-        sys.exit(f"{document}: {passed.count(False)} of {len(passed)} python blocks failed")
+        sys.exit(f"{passed.count(False)} of {len(passed)} python blocks failed")
 
 
 if __name__ == "__main__":
