@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case_options.hpp"
+#include "app/case_options.hpp"
 
-#include "data_files.hpp"
-#include "settled_cases.hpp"
+#include "app/data_files.hpp"
+#include "app/settled_cases.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/fclib.hpp>
-#include <nscdd/io/packing_file.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/case_file.hpp>
+#include <nscdd/formats/fclib.hpp>
+#include <nscdd/formats/packing_file.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "data_files.hpp"
+#include "app/data_files.hpp"
 
 #include <nscdd/core/error.hpp>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "provenance.hpp"
-#include "settled_cases.hpp"
-#include "trajectory_export.hpp"
+#include "app/provenance.hpp"
+#include "app/settled_cases.hpp"
+#include "app/trajectory_export.hpp"
+#include "formats/step_fclib.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/output_file.hpp>
-#include <nscdd/io/step_fclib.hpp>
+#include <nscdd/files/output_file.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <fmt/format.h>

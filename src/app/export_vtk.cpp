@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "interruption.hpp"
-#include "progress.hpp"
-#include "trajectory_export.hpp"
+#include "app/interruption.hpp"
+#include "app/progress.hpp"
+#include "app/trajectory_export.hpp"
+#include "formats/vtk.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/io/output_file.hpp>
-#include <nscdd/io/trajectory.hpp>
-#include <nscdd/io/vtk.hpp>
+#include <nscdd/files/output_file.hpp>
+#include <nscdd/formats/trajectory.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "interruption.hpp"
+#include "app/interruption.hpp"
 
 #include <array>
 #include <csignal>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "progress.hpp"
-#include "verbs.hpp"
+#include "app/progress.hpp"
+#include "app/verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
 

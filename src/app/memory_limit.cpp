@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "memory_limit.hpp"
+#include "app/memory_limit.hpp"
 
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>

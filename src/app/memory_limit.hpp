@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/study/memory.hpp>
+#include "study/memory_estimate.hpp"
 
 #include <CLI/CLI.hpp>
 

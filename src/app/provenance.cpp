@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "provenance.hpp"
+#include "app/provenance.hpp"
 
 #include <nscdd/core/version.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "verbs.hpp"
-#include <nscdd/io/hdf5.hpp>
+#include "app/verbs.hpp"
+#include <nscdd/files/hdf5.hpp>
 #include <nscdd/study/case.hpp>
 
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "resume.hpp"
+#include "app/resume.hpp"
 
-#include "interruption.hpp"
-#include "progress.hpp"
+#include "app/interruption.hpp"
+#include "app/progress.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>

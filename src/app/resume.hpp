@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/io/resumable_table.hpp>
+#include "formats/resumable_table.hpp"
 
 #include <CLI/CLI.hpp>
 

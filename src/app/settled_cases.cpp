@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "settled_cases.hpp"
+#include "app/settled_cases.hpp"
 
-#include "data_files.hpp"
-#include "progress.hpp"
+#include "app/data_files.hpp"
+#include "app/progress.hpp"
+#include "core/fingerprint.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/core/fingerprint.hpp>
 #include <nscdd/core/version.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/output_file.hpp>
-#include <nscdd/io/packing_file.hpp>
-#include <nscdd/study/run_simulation.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/files/output_file.hpp>
+#include <nscdd/formats/case_file.hpp>
+#include <nscdd/formats/packing_file.hpp>
+#include <nscdd/simulation/run_simulation.hpp>
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulate_output.hpp"
+#include "app/simulate_output.hpp"
 
-#include "progress.hpp"
+#include "app/progress.hpp"
+#include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/simulation_tables.hpp>
 
 #include <fmt/format.h>
 

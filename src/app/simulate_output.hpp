@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/trajectory.hpp>
-#include <nscdd/study/run_simulation.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/trajectory.hpp>
+#include <nscdd/simulation/run_simulation.hpp>
 
 #include <map>
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sweep_options.hpp"
+#include "app/sweep_options.hpp"
 
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "trajectory_export.hpp"
+#include "app/trajectory_export.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 

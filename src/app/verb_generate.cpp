@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case_options.hpp"
-#include "progress.hpp"
-#include "provenance.hpp"
-#include "verbs.hpp"
+#include "app/case_options.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
+#include "app/verbs.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/packing_file.hpp>
+#include <nscdd/formats/packing_file.hpp>
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case_options.hpp"
-#include "memory_limit.hpp"
-#include "progress.hpp"
-#include "verbs.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
+#include "app/progress.hpp"
+#include "app/verbs.hpp"
+#include "study/network_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/csv.hpp>
+#include <nscdd/files/csv.hpp>
 #include <nscdd/study/inspection.hpp>
-#include <nscdd/study/network_tables.hpp>
 
 #include <fmt/format.h>
 

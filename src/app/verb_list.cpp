@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "data_files.hpp"
-#include "verbs.hpp"
+#include "app/data_files.hpp"
+#include "app/verbs.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/study/case.hpp>
 #include <nscdd/study/study.hpp>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case_options.hpp"
-#include "memory_limit.hpp"
-#include "progress.hpp"
-#include "sweep_options.hpp"
-#include "verbs.hpp"
+#include "app/case_options.hpp"
+#include "app/memory_limit.hpp"
+#include "app/progress.hpp"
+#include "app/sweep_options.hpp"
+#include "app/verbs.hpp"
+#include "linalg/threads.hpp"
+#include "study/mode_tables.hpp"
+#include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/linalg/threads.hpp>
-#include <nscdd/study/mode_tables.hpp>
-#include <nscdd/study/values.hpp>
+#include <nscdd/files/csv.hpp>
 
 #include <fmt/format.h>
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "data_files.hpp"
-#include "interruption.hpp"
-#include "memory_limit.hpp"
-#include "progress.hpp"
-#include "provenance.hpp"
-#include "resume.hpp"
-#include "settled_cases.hpp"
-#include "sweep_options.hpp"
-#include "verbs.hpp"
+#include "app/data_files.hpp"
+#include "app/interruption.hpp"
+#include "app/memory_limit.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
+#include "app/resume.hpp"
+#include "app/settled_cases.hpp"
+#include "app/sweep_options.hpp"
+#include "app/verbs.hpp"
+#include "formats/resumable_table.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/output_file.hpp>
-#include <nscdd/io/resumable_table.hpp>
-#include <nscdd/linalg/threads.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/files/output_file.hpp>
+#include <nscdd/formats/case_file.hpp>
 #include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>

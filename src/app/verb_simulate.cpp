@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case_options.hpp"
-#include "interruption.hpp"
-#include "progress.hpp"
-#include "provenance.hpp"
-#include "simulate_output.hpp"
-#include "sweep_options.hpp"
-#include "verbs.hpp"
+#include "app/case_options.hpp"
+#include "app/interruption.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
+#include "app/simulate_output.hpp"
+#include "app/sweep_options.hpp"
+#include "app/verbs.hpp"
+#include "linalg/threads.hpp"
+#include "simulation/step_decomposition.hpp"
+#include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
-#include <nscdd/io/output_file.hpp>
-#include <nscdd/linalg/threads.hpp>
-#include <nscdd/study/simulation_tables.hpp>
-#include <nscdd/study/step_decomposition.hpp>
+#include <nscdd/files/output_file.hpp>
 
 #include <fmt/format.h>
 

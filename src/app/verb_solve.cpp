@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "interruption.hpp"
-#include "progress.hpp"
-#include "provenance.hpp"
-#include "settled_cases.hpp"
-#include "verbs.hpp"
+#include "app/interruption.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
+#include "app/settled_cases.hpp"
+#include "app/verbs.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/fclib.hpp>
-#include <nscdd/io/output_file.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/files/output_file.hpp>
+#include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <fmt/format.h>

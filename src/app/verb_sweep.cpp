@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "case_options.hpp"
-#include "interruption.hpp"
-#include "memory_limit.hpp"
-#include "progress.hpp"
-#include "provenance.hpp"
-#include "redo.hpp"
-#include "resume.hpp"
-#include "sweep_options.hpp"
-#include "verbs.hpp"
+#include "app/case_options.hpp"
+#include "app/interruption.hpp"
+#include "app/memory_limit.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
+#include "app/repair_table.hpp"
+#include "app/resume.hpp"
+#include "app/sweep_options.hpp"
+#include "app/verbs.hpp"
+#include "formats/resumable_table.hpp"
+#include "linalg/threads.hpp"
+#include "study/values.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/hdf5.hpp>
-#include <nscdd/io/output_file.hpp>
-#include <nscdd/io/resumable_table.hpp>
-#include <nscdd/linalg/threads.hpp>
+#include <nscdd/files/hdf5.hpp>
+#include <nscdd/files/output_file.hpp>
 #include <nscdd/study/sweep.hpp>
-#include <nscdd/study/values.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/fingerprint.hpp>
+#include "core/fingerprint.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "spectrum_ends.hpp"
+#include "ddm/spectrum_ends.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -24,7 +24,7 @@ End rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
 
 }  // namespace
 
-SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, SpectralMemory& memory) {
+SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
   const Index n = b.rows();
   const bool rigid = b.system.eta() == 0;
   const Index unit_multiplicity = b.system.nullity();

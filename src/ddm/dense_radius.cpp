@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "spectrum_ends.hpp"
+#include "ddm/spectrum_ends.hpp"
 #include <nscdd/linalg/pencil.hpp>
 
 #include <Eigen/Cholesky>

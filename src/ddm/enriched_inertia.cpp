@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/range_projector.hpp"
+#include "linalg/sparse_cholesky.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/enriched_inertia.hpp>
-#include <nscdd/linalg/range_projector.hpp>
-#include <nscdd/linalg/sparse_cholesky.hpp>
-#include <nscdd/linalg/symmetric_factor.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/ddm/frozen_iteration.hpp>
-#include <nscdd/ddm/granular_interface.hpp>
+#include "ddm/frozen_iteration.hpp"
+
+#include "ddm/granular_interface.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/ddm/granular_interface.hpp>
+#include "ddm/granular_interface.hpp"
 
 namespace nscdd {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/ddm/granular_interface.hpp>
+#include "ddm/granular_interface.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/granular_two_stage.hpp>
-#include <nscdd/linalg/threads.hpp>
 
 #include <algorithm>
 #include <cmath>

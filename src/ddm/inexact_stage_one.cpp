@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/ddm/inexact_stage_one.hpp>
+#include "ddm/inexact_stage_one.hpp"
+
 #include <nscdd/linalg/linear_operator.hpp>
 
 #include <Eigen/Eigenvalues>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/range_projector.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/linalg/range_projector.hpp>
-#include <nscdd/linalg/threads.hpp>
 
 #include <algorithm>
 #include <cmath>

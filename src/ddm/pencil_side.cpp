@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "pencil_side.hpp"
+#include "ddm/pencil_side.hpp"
 
 namespace nscdd {
 

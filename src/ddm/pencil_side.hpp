@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/ddm/pencil_end.hpp>
+#include "ddm/pencil_end.hpp"
 
 #include <algorithm>
 #include <cmath>

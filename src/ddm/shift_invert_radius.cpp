@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "spectrum_ends.hpp"
-#include <nscdd/ddm/pencil_end.hpp>
-#include <nscdd/linalg/range_projector.hpp>
-#include <nscdd/linalg/threads.hpp>
+#include "ddm/pencil_end.hpp"
+#include "ddm/spectrum_ends.hpp"
+#include "linalg/range_projector.hpp"
+#include "linalg/threads.hpp"
 
 #include <algorithm>
 #include <array>
@@ -244,7 +244,7 @@ SpectralRadius unproved_rigid(Index kernel) {
 // number comes from ranks, which no small eigenvalue can blur; a shift next to 0 that counts another number
 // says that one of the two is wrong.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
-                            const EndOptions& end_options, SpectralMemory& memory) {
+                            const EndOptions& end_options, Continuation& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.parts() != &b.system.parts())
     limit.emplace(RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0),
@@ -285,7 +285,7 @@ SpectralRadius no_error_left(Index size, Index wanted) {
 }  // namespace
 
 SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options,
-                                   SpectralMemory& memory) {
+                                   Continuation& memory) {
   const double epsilon = b.system.eta();
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
     return no_error_left(b.rows(), options.eigenvalues);

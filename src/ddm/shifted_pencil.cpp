@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/ldlt/symmetric_factor.hpp"
 #include <nscdd/ddm/shifted_pencil.hpp>
-#include <nscdd/linalg/symmetric_factor.hpp>
 
 #include <cmath>
 #include <mutex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "spectrum_ends.hpp"
+#include "ddm/spectrum_ends.hpp"
 
 namespace nscdd {
 
@@ -45,14 +45,14 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
   return result;
 }
 
-SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, SpectralMemory* memory) {
+SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, Continuation* memory) {
   const Index n = b.rows();
   if (n == 0) {
     SpectralRadius empty;
     empty.certified = options.certify;  // no eigenvalue can be missed
     return empty;
   }
-  SpectralMemory local;
+  Continuation local;
   SpectralRadius plain;
   if (options.solver == SpectralSolver::dense || n < arpack_smallest_size ||
       (options.solver == SpectralSolver::automatic && n <= options.dense_limit)) {

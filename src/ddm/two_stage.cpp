@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/sparse_cholesky.hpp"
+#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/two_stage.hpp>
-#include <nscdd/linalg/sparse_cholesky.hpp>
-#include <nscdd/mechanics/gauss_seidel.hpp>
 
 #include <Eigen/QR>
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/cone_projection.hpp>
-#include <nscdd/linalg/sparse_cholesky.hpp>
+#include "linalg/cone_projection.hpp"
+
+#include "linalg/sparse_cholesky.hpp"
 
 #include <algorithm>
 #include <cmath>

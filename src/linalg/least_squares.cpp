@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "saddle_point.hpp"
-#include <nscdd/linalg/least_squares.hpp>
+#include "linalg/least_squares.hpp"
+
+#include "linalg/ldlt/saddle_point.hpp"
 
 #include <Eigen/IterativeLinearSolvers>
 #include <lapacke.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/linear_fit.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/linear_fit.hpp>
 
 #include <fmt/format.h>
 #include <gsl/gsl_fit.h>

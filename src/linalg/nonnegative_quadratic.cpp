@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/nonnegative_quadratic.hpp>
+#include "linalg/nonnegative_quadratic.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/one_metis.hpp>
+#include "linalg/one_metis.hpp"
 
 namespace nscdd {
 

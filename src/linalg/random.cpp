@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/random.hpp>
+#include "linalg/random.hpp"
 
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>

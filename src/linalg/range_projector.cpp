@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "saddle_point.hpp"
-#include <nscdd/linalg/range_projector.hpp>
+#include "linalg/range_projector.hpp"
+
+#include "linalg/ldlt/saddle_point.hpp"
 
 #include <Eigen/Eigenvalues>
 

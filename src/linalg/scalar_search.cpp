@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/scalar_search.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/scalar_search.hpp>
 
 #include <fmt/format.h>
 #include <gsl/gsl_errno.h>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/shift_invert_lanczos.hpp"
+
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/linalg/shift_invert_lanczos.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>

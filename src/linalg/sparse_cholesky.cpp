@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/sparse_cholesky.hpp"
+
+#include "linalg/one_metis.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/one_metis.hpp>
-#include <nscdd/linalg/sparse_cholesky.hpp>
 
 #include <cholmod.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/threads.hpp>
+#include "linalg/threads.hpp"
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>

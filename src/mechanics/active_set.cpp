@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/least_squares.hpp>
-#include <nscdd/linalg/range_projector.hpp>
+#include "linalg/least_squares.hpp"
+#include "linalg/range_projector.hpp"
 #include <nscdd/mechanics/active_set.hpp>
 
 namespace nscdd {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/contact_order.hpp>
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/sparse_cholesky.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/sparse_cholesky.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <Eigen/Cholesky>

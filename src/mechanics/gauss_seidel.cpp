@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/mechanics/gauss_seidel.hpp>
+#include "mechanics/gauss_seidel.hpp"
 
 namespace nscdd {
 

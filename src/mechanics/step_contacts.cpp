@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "step_contacts.hpp"
+#include "mechanics/step_contacts.hpp"
 
+#include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/disk_grid.hpp>
 
 #include <fmt/format.h>
 

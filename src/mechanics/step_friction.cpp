@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/mechanics/step_friction.hpp>
+#include "mechanics/step_friction.hpp"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "step_contacts.hpp"
+#include "mechanics/step_contacts.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/time_stepping.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/cone_projection.hpp>
-#include <nscdd/linalg/nonnegative_quadratic.hpp>
+#include "linalg/cone_projection.hpp"
+#include "linalg/nonnegative_quadratic.hpp"
 #include <nscdd/mechanics/unilateral.hpp>
 
 #include <algorithm>

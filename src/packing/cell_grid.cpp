@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/packing/cell_grid.hpp>
+#include "packing/cell_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

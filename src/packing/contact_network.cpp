@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/packing/contact_network.hpp>
-#include <nscdd/packing/disk_grid.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/packing/disk_grid.hpp>
+#include "packing/disk_grid.hpp"
 
 #include <algorithm>
 

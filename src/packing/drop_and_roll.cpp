@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/packing/drop_and_roll.hpp>
+#include "packing/drop_and_roll.hpp"
 
 #include <algorithm>
 #include <cmath>

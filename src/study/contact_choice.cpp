@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/range_projector.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/mechanics/unilateral.hpp>
 #include <nscdd/study/contact_choice.hpp>

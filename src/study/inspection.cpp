@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/range_projector.hpp>
+#include "linalg/range_projector.hpp"
 #include <nscdd/study/inspection.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/step_decomposition.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/lead_in.hpp>
-#include <nscdd/study/step_decomposition.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/study/mode_tables.hpp>
+#include "study/mode_tables.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/enriched_inertia.hpp>
-#include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/modes.hpp>
 #include <nscdd/study/sweep.hpp>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/study/moving_tables.hpp>
-#include <nscdd/study/predicted_observed.hpp>
-#include <nscdd/study/simulation_tables.hpp>
+#include "study/moving_tables.hpp"
+
+#include "study/predicted_observed.hpp"
+#include "study/simulation_tables.hpp"
 
 #include <algorithm>
 #include <cmath>

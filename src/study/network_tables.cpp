@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/network_tables.hpp"
+
 #include <nscdd/packing/statistics.hpp>
-#include <nscdd/study/network_tables.hpp>
 
 namespace nscdd {
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/linalg/linear_fit.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/study/observed_rate.hpp>
+#include "study/observed_rate.hpp"
+
+#include "linalg/linear_fit.hpp"
+#include "linalg/random.hpp"
 
 #include <algorithm>
 #include <cmath>

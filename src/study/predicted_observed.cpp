@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/predicted_observed.hpp"
+
+#include "ddm/frozen_iteration.hpp"
+#include "linalg/linear_fit.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/frozen_iteration.hpp>
-#include <nscdd/linalg/linear_fit.hpp>
-#include <nscdd/study/predicted_observed.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/study/simulation_tables.hpp>
+#include "study/simulation_tables.hpp"
 
 #include <cmath>
 

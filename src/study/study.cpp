@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/moving_tables.hpp"
+#include "study/network_tables.hpp"
+#include "study/observed_rate.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/study/moving_tables.hpp>
-#include <nscdd/study/network_tables.hpp>
-#include <nscdd/study/observed_rate.hpp>
 #include <nscdd/study/optimum.hpp>
 #include <nscdd/study/study.hpp>
 

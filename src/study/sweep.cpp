@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/inexact_stage_one.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/inexact_stage_one.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>
@@ -82,7 +82,7 @@ class Spectra {
 
   OperatorStore preconditioners_, systems_;
   SpectralOptions options_;
-  SpectralMemory memory_;
+  Continuation memory_;
   SpectralRadius current_;
   Index number_ = -1;
 };

@@ -2,8 +2,8 @@
 // nscdd export: trajectories for ParaView, steps as contact problems that solve to what the run found.
 #include "../support/moving_case.hpp"
 #include "session.hpp"
-#include <nscdd/io/fclib.hpp>
-#include <nscdd/io/trajectory.hpp>
+#include <nscdd/formats/fclib.hpp>
+#include <nscdd/formats/trajectory.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <doctest/doctest.h>

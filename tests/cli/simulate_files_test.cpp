@@ -2,7 +2,7 @@
 // nscdd simulate: links to a trajectory, names beside it, the table that a restart goes on with.
 #include "../support/moving_case.hpp"
 #include "session.hpp"
-#include <nscdd/io/trajectory.hpp>
+#include <nscdd/formats/trajectory.hpp>
 
 #include <doctest/doctest.h>
 

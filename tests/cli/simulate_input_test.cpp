@@ -3,7 +3,7 @@
 #include "../support/moving_case.hpp"
 #include "session.hpp"
 #include <nscdd/core/version.hpp>
-#include <nscdd/io/trajectory.hpp>
+#include <nscdd/formats/trajectory.hpp>
 
 #include <doctest/doctest.h>
 

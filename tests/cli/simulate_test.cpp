@@ -3,8 +3,8 @@
 #include "../support/moving_case.hpp"
 #include "session.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/trajectory.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/trajectory.hpp>
 
 #include <doctest/doctest.h>
 

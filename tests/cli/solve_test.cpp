@@ -3,7 +3,7 @@
 #include "../support/fclib_files.hpp"
 #include "../support/problems.hpp"
 #include "session.hpp"
-#include <nscdd/io/fclib.hpp>
+#include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <doctest/doctest.h>

@@ -2,7 +2,7 @@
 // Any text is a case or an Error; a case survives being written and read back, and builds or is an Error.
 #include "require.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
+#include <nscdd/formats/case_file.hpp>
 #include <nscdd/study/case.hpp>
 
 #include <cstddef>

@@ -3,7 +3,7 @@
 // finds.
 #include "require.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/packing_file.hpp>
+#include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/contact_network.hpp>
 
 #include <algorithm>

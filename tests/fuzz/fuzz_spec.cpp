@@ -2,9 +2,9 @@
 // Any text is a list of values or an Error; what is returned keeps to the bounds of the quantity.
 // The first character of an input chooses the parser, the rest is the SPEC.
 #include "require.hpp"
+#include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/study/values.hpp>
 
 #include <algorithm>
 #include <array>

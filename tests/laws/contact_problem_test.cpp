@@ -4,12 +4,12 @@
 #include "../support/fclib_files.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
+#include "study/network_tables.hpp"
+#include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
+#include <nscdd/formats/case_file.hpp>
 #include <nscdd/study/inspection.hpp>
-#include <nscdd/study/network_tables.hpp>
 #include <nscdd/study/sweep.hpp>
-#include <nscdd/study/work_record.hpp>
 
 #include <doctest/doctest.h>
 
@@ -214,7 +214,7 @@ TEST_CASE("rows of a contact problem are gone on with for the same content alone
   StudyTable other = table;
   auto& file = std::get<ContactProblemFile>(other.cases[0].packing);
   file.path = "elsewhere/lattice.hdf5";
-  CHECK(difference(work_record(table), work_record(other)).empty());
+  CHECK(difference(work_identity(table), work_identity(other)).empty());
   file.problem.h.coeffRef(0, 0) *= 1 + 1e-15;
-  CHECK(difference(work_record(table), work_record(other)).find("the case differs") == 0);
+  CHECK(difference(work_identity(table), work_identity(other)).find("the case differs") == 0);
 }

@@ -3,12 +3,12 @@
 // frozen_contraction say it is: against the spectral code where nothing slides, against the run itself where
 // contacts do.
 #include "../support/granular.hpp"
+#include "ddm/frozen_iteration.hpp"
+#include "simulation/step_decomposition.hpp"
+#include "study/predicted_observed.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/ddm/frozen_iteration.hpp>
 #include <nscdd/linalg/linear_operator.hpp>
-#include <nscdd/study/predicted_observed.hpp>
-#include <nscdd/study/step_decomposition.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,9 +4,9 @@
 // be that of the last step.
 #include "../support/granular.hpp"
 #include "../support/granular_solution.hpp"
-#include <nscdd/linalg/random.hpp>
+#include "linalg/random.hpp"
+#include "simulation/step_decomposition.hpp"
 #include <nscdd/packing/generator.hpp>
-#include <nscdd/study/step_decomposition.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,10 +2,10 @@
 // With the linear law the granular iteration is the one of the spectral analysis: the same map of F_Gamma,
 // the same iterates where Stage 1 is inexact, and the rate that the spectrum foretells.
 #include "../support/granular.hpp"
+#include "ddm/inexact_stage_one.hpp"
+#include "simulation/step_decomposition.hpp"
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/ddm/inexact_stage_one.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/study/step_decomposition.hpp>
 
 #include <doctest/doctest.h>
 

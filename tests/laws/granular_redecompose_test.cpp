@@ -2,7 +2,7 @@
 // solver.redecompose = k: a partition kept for k steps moves everything as a fresh one does, and takes in the
 // contacts that appear meanwhile.
 #include "../support/granular.hpp"
-#include <nscdd/study/step_decomposition.hpp>
+#include "simulation/step_decomposition.hpp"
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 // subdomains comes to the same velocities, whatever the variant, and no bit depends on threads.
 #include "../support/granular.hpp"
 #include "../support/granular_solution.hpp"
-#include <nscdd/linalg/threads.hpp>
+#include "linalg/threads.hpp"
 
 #include <doctest/doctest.h>
 

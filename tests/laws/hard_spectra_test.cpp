@@ -4,11 +4,11 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include <nscdd/ddm/pencil_end.hpp>
+#include "ddm/pencil_end.hpp"
+#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/random.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/linalg/symmetric_factor.hpp>
-#include <nscdd/linalg/threads.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

@@ -2,8 +2,8 @@
 // What must not change a spectrum: where the packing lies, how things are numbered, how copies are glued.
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>

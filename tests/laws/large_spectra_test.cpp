@@ -3,10 +3,10 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/random.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/linalg/symmetric_factor.hpp>
-#include <nscdd/linalg/threads.hpp>
 
 #include <doctest/doctest.h>
 
@@ -116,7 +116,7 @@ TEST_CASE("800 to 2 000 interface unknowns: shift-invert and ARPACK against the 
         with_unequal_masses(random_lattice(32, 50, 40, {8, 8}), 9)}) {
     CAPTURE(one.name);
     const InterfaceFamily family(build(one).parts);
-    SpectralMemory memory;
+    Continuation memory;
     for (const auto& [epsilon, eta] : {std::pair{0.01, infinity}, {1.0, 0.2}}) {
       const Contraction b{family.at(eta), family.at(epsilon)};
       CAPTURE(b.rows());

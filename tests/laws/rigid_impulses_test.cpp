@@ -3,11 +3,11 @@
 // tests.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
+#include "linalg/range_projector.hpp"
+#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/linalg/range_projector.hpp>
 #include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/mechanics/gauss_seidel.hpp>
 #include <nscdd/mechanics/laws/linear_viscous.hpp>
 
 #include <doctest/doctest.h>

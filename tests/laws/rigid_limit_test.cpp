@@ -4,9 +4,9 @@
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "linalg/random.hpp"
+#include "linalg/range_projector.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/linalg/range_projector.hpp>
 
 #include <doctest/doctest.h>
 
@@ -30,7 +30,7 @@ Index eigenvalues_above(const Dense& symmetric, double bound) {
   return (symmetric_eigenvalues(symmetric).array() > bound).count();
 }
 
-SpectralRadius shift_inverted(const Contraction& b, SpectralMemory* memory = nullptr) {
+SpectralRadius shift_inverted(const Contraction& b, Continuation* memory = nullptr) {
   return spectral_radius(b, {.solver = SpectralSolver::shift_invert}, memory);
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
         with_unequal_masses(hexagons(24, 30, {4, 2}), 3), deposit(900, {3, 3})}) {
     CAPTURE(one.name);
     const InterfaceFamily family(build(one).parts);
-    SpectralMemory memory;
+    Continuation memory;
     for (const double eta : {0.1, infinity}) {
       CAPTURE(eta);
       const Contraction b{family.at(eta), family.at(0)};
@@ -76,7 +76,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
 
 TEST_CASE("rigid limit along eta: what does not depend on it is found once, and the points help each other") {
   const InterfaceFamily family(build(hexagons(24, 24, {4, 1})).parts);
-  SpectralMemory memory;
+  Continuation memory;
   Index warm = 0, cold = 0;
   for (double eta = 0.05; eta < 0.5; eta *= 1.3) {
     CAPTURE(eta);
@@ -94,7 +94,7 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
 TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of the others") {
   const InterfaceFamily family(build(hexagons(384, 12, {32, 1})).parts);
   const auto at = [&](double eta) { return Contraction{family.at(eta), family.at(0)}; };
-  SpectralMemory memory;
+  Continuation memory;
   const SpectralRadius hardest = shift_inverted(at(1e-9), &memory);
   CHECK_FALSE(hardest.converged);
   CHECK(hardest.unit_multiplicity == 465);

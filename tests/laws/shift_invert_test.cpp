@@ -2,8 +2,8 @@
 // Shift-invert against all eigenvalues of the dense pencil: ends, certificates, multiplicities.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/random.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dense against sparse subdomains, dense pencils against ARPACK, matrices against applications.
 #include "../support/problems.hpp"
-#include <nscdd/ddm/inexact_stage_one.hpp>
+#include "ddm/inexact_stage_one.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/linalg/linear_operator.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>

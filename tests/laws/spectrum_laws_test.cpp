@@ -2,8 +2,8 @@
 // Laws of the contraction operator, stated once and run on every problem.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/study/inspection.hpp>
 #include <nscdd/study/optimum.hpp>

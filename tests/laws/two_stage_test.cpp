@@ -3,13 +3,13 @@
 #include "../support/dense.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
-#include <nscdd/ddm/inexact_stage_one.hpp>
+#include "ddm/inexact_stage_one.hpp"
+#include "linalg/random.hpp"
+#include "study/observed_rate.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/ddm/two_stage.hpp>
 #include <nscdd/linalg/linear_operator.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/study/observed_rate.hpp>
 
 #include <doctest/doctest.h>
 

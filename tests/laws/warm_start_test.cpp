@@ -72,7 +72,7 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
     for (const std::vector<Point>& path : every_path()) {
       const bool certify = !certified_before;
       certified_before = certify;
-      SpectralMemory memory, matrix_free_memory;
+      Continuation memory, matrix_free_memory;
       for (const auto& [epsilon, eta] : path) {
         CAPTURE(epsilon);
         CAPTURE(eta);
@@ -115,7 +115,7 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
        std::vector<Point>{{0.03, infinity}, {2.0, infinity}, {0.03, 0.4}, {2.0, 0.4}, {0.2, 8.0}}) {
     CAPTURE(epsilon);
     CAPTURE(eta);
-    SpectralMemory memory;
+    Continuation memory;
     spectral_radius({family.at(eta), family.at(epsilon)}, shift_invert, &memory);
     const PencilMemory::Visited& met = memory.flexible.visited.back();
     const auto check = [&](const SpectralRadius& before, const SpectralRadius& after, double smallest,
@@ -140,7 +140,7 @@ TEST_CASE("ARPACK warm-started agrees with ARPACK from its fixed vector, with le
        {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
     CAPTURE(one.name);
     const InterfaceFamily family(build(one).parts);
-    SpectralMemory memory;
+    Continuation memory;
     for (double exponent = -2; exponent <= 1; exponent += 0.1) {
       const Contraction b{family.at(infinity), family.at(std::pow(10, exponent))};
       const SpectralRadius warm = spectral_radius(b, {.solver = SpectralSolver::arpack}, &memory);
@@ -164,7 +164,7 @@ TEST_CASE("ARPACK: an end that was not found leaves the start of the next point 
   SpectralOptions hopeless = options;  // one restart of few vectors
   hopeless.arpack.basis = 5;
   hopeless.arpack.maximum_restarts = 1;
-  SpectralMemory memory;
+  Continuation memory;
   REQUIRE(spectral_radius(at(0.1), options, &memory).converged);
   const MatrixFreeMemory before = memory.matrix_free;
   REQUIRE(before.smallest.size() == family.at(0.1).rows());
@@ -174,7 +174,7 @@ TEST_CASE("ARPACK: an end that was not found leaves the start of the next point 
   // What failed is as if it had not been tried.
   CHECK(memory.matrix_free.smallest == before.smallest);
   CHECK(memory.matrix_free.largest == before.largest);
-  SpectralMemory straight;
+  Continuation straight;
   straight.matrix_free = before;
   const SpectralRadius after = spectral_radius(at(0.11), options, &memory);
   const SpectralRadius expected = spectral_radius(at(0.11), options, &straight);
@@ -187,7 +187,7 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
   Case one = lattice_in_grid(10000, {1, 1});
   one.partition = MetisPartitioner{.metis = 16};
   const InterfaceFamily family(build(one).parts);
-  SpectralMemory memory, matrix_free_memory;
+  Continuation memory, matrix_free_memory;
   for (const double exponent : {0.0, 1.0, 2.0, 3.0, 4.0}) {
     const double epsilon = 0.04 * std::pow(25.0, exponent / 7);
     CAPTURE(epsilon);
@@ -206,7 +206,7 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
 
 TEST_CASE("warm starts save work along a fine sweep") {
   const InterfaceFamily family(build(lattice_in_grid(400, {8, 1})).parts);
-  SpectralMemory memory;
+  Continuation memory;
   Index warm = 0, cold = 0;
   for (double exponent = -2; exponent <= 0; exponent += 0.1) {
     const Contraction b{family.at(infinity), family.at(std::pow(10, exponent))};
@@ -217,7 +217,7 @@ TEST_CASE("warm starts save work along a fine sweep") {
 }
 
 TEST_CASE("a memory used for another packing, or another set of contacts, is not believed") {
-  SpectralMemory memory;
+  Continuation memory;
   for (const Case& one :
        {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), random_lattice(22, 9, 8, {3, 2})}) {
     const Model model = build(one);

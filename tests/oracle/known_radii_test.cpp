@@ -3,7 +3,7 @@
 #include "../support/problems.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/io/csv.hpp>
+#include <nscdd/files/csv.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>

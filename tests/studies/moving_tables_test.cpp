@@ -2,11 +2,11 @@
 // Tables of cases that move: how they get to the step they look at, whole runs, and what a comparison sees.
 #include "../support/moving_case.hpp"
 #include "../support/studies.hpp"
+#include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/study/run_simulation.hpp>
-#include <nscdd/study/work_record.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/case_file.hpp>
+#include <nscdd/simulation/run_simulation.hpp>
 
 #include <doctest/doctest.h>
 
@@ -113,8 +113,8 @@ TEST_CASE("lead_in: refused where it is none, and where a run has no other") {
 }
 
 TEST_CASE("resume: other steps or another lead-in are other work") {
-  const auto record = [](const std::string& more) { return work_record(table_of("configuration", more)); };
-  const WorkRecord one = record("steps = [3]\n");
+  const auto record = [](const std::string& more) { return work_identity(table_of("configuration", more)); };
+  const WorkIdentity one = record("steps = [3]\n");
   CHECK(difference(one, record("steps = [3]\n")) == "");
   CHECK(difference(one, record("steps = [4]\n")) != "");
   CHECK(difference(one, record("steps = [3]\nlead_in = \"own\"\n")) != "");

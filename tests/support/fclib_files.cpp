@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fclib_files.hpp"
 
-#include <nscdd/linalg/random.hpp>
+#include "linalg/random.hpp"
 
 #include <hdf5.h>
 

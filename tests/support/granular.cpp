@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "granular.hpp"
 
-#include <nscdd/linalg/random.hpp>
+#include "linalg/random.hpp"
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "problems.hpp"
 
-#include <nscdd/linalg/random.hpp>
+#include "linalg/random.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "spectra.hpp"
 
+#include "linalg/random.hpp"
 #include "problems.hpp"
-#include <nscdd/linalg/random.hpp>
 
 #include <cmath>
 

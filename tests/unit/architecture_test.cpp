@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The layers of the library: a file includes its own layer or a lower one, never a higher one.
-#include <nscdd/io/csv.hpp>
+#include <nscdd/files/csv.hpp>
 
 #include <doctest/doctest.h>
 
@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> layers{"core", "linalg", "packing", "mechanics", "ddm", "study", "io", "app"};
+const std::vector<std::string> layers{"core", "files",      "linalg", "packing", "mechanics",
+                                      "ddm",  "simulation", "study",  "formats", "app"};
 
 std::ptrdiff_t layer_of(const std::string& folder) {
   return std::find(layers.begin(), layers.end(), folder) - layers.begin();
@@ -45,14 +46,14 @@ TEST_CASE("no file includes a higher layer, and below app nothing prints") {
       const auto own = layer_of(top_folder(file, root));
       REQUIRE(own < static_cast<std::ptrdiff_t>(layers.size()));
       const std::string text = nscdd::read_text(file.string());
-      const std::string marker = "#include <nscdd/";
-      for (std::size_t at = text.find(marker); at != std::string::npos; at = text.find(marker, at + 1)) {
-        const std::size_t start = at + marker.size();
-        const std::string included = text.substr(start, text.find('/', start) - start);
-        CAPTURE(included);
-        CHECK(layer_of(included) <= own);
-        ++includes;
-      }
+      for (const std::string marker : {"#include <nscdd/", "#include \""})
+        for (std::size_t at = text.find(marker); at != std::string::npos; at = text.find(marker, at + 1)) {
+          const std::size_t start = at + marker.size();
+          const std::string included = text.substr(start, text.find('/', start) - start);
+          CAPTURE(included);
+          CHECK(layer_of(included) <= own);
+          ++includes;
+        }
       if (own < layer_of("app"))
         for (const char* printing : {"fmt::print", "std::cout", "std::cerr", "printf("})
           CHECK(text.find(printing) == std::string::npos);

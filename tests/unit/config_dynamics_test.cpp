@@ -2,7 +2,7 @@
 // The sections of a case file that make it move.
 #include "../support/moving_case.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
+#include <nscdd/formats/case_file.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/ddm/two_stage.hpp>
-#include <nscdd/linalg/random.hpp>
 
 #include <doctest/doctest.h>
 

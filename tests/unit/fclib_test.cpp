@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/fclib_files.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/fclib.hpp>
+#include <nscdd/formats/fclib.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/matrices.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/contact_law.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 #include <nscdd/mechanics/unilateral.hpp>

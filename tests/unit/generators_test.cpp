@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Generators of packings: exact tangencies, sizes as they should be distributed, equal seeds equal bytes.
+#include "linalg/random.hpp"
+#include "packing/drop_and_roll.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/packing/contact_network.hpp>
-#include <nscdd/packing/drop_and_roll.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/statistics.hpp>
 

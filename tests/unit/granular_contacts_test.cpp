@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which contacts a step considers, where boundaries are and how they move, what is refused.
 #include "../support/granular.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,9 +2,9 @@
 #include "../support/moving_case.hpp"
 #include "../support/problems.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/packing_file.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/case_file.hpp>
+#include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>
 

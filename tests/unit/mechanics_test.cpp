@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
+#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
 #include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/mechanics/gauss_seidel.hpp>
 #include <nscdd/mechanics/laws/linear_viscous.hpp>
 
 #include <doctest/doctest.h>

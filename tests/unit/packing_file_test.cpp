@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packings in files: every double comes back bit for bit, and files that hold no packing are refused.
 #include "../support/run_program.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/packing_file.hpp>
-#include <nscdd/linalg/random.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/problems.hpp"
+#include "linalg/random.hpp"
+#include "packing/cell_grid.hpp"
+#include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/packing/cell_grid.hpp>
 #include <nscdd/packing/contact_network.hpp>
-#include <nscdd/packing/disk_grid.hpp>
 #include <nscdd/packing/generator.hpp>
 
 #include <doctest/doctest.h>

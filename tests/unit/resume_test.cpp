@@ -2,11 +2,11 @@
 // What resuming rests on: rows known by number, records that tell work apart, cells that read back to the
 // bit.
 #include "../support/problems.hpp"
+#include "core/fingerprint.hpp"
+#include "formats/record_file.hpp"
+#include "study/memory_estimate.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/core/fingerprint.hpp>
 #include <nscdd/core/version.hpp>
-#include <nscdd/io/record_file.hpp>
-#include <nscdd/study/memory.hpp>
 
 #include <doctest/doctest.h>
 
@@ -110,11 +110,11 @@ TEST_CASE("study tables: the monitor counts rows and stops between any two") {
 
 TEST_CASE("work records: equal for equal work, different for anything that rows depend on") {
   const StudyTable table = two_variations();
-  CHECK(difference(work_record(table), work_record(table)) == "");
+  CHECK(difference(work_identity(table), work_identity(table)) == "");
   const auto changed = [&](auto&& change) {
     StudyTable other = table;
     change(other);
-    return difference(work_record(table), work_record(other));
+    return difference(work_identity(table), work_identity(other));
   };
   CHECK(changed([](StudyTable& t) { t.name = "other name"; }) == "");
   CHECK(changed([](StudyTable& t) { t.cases[1].masses = {MassModel::density, 2.0}; }).find("case") < 10);
@@ -145,7 +145,7 @@ TEST_CASE("work records: active and unilateral contacts are different work") {
   StudyTable active = two_variations(), unilateral = active;
   active.sweep.contacts = ContactSet::active;
   unilateral.sweep.contacts = ContactSet::unilateral;
-  CHECK(difference(work_record(active), work_record(unilateral)).find("choice of options") !=
+  CHECK(difference(work_identity(active), work_identity(unilateral)).find("choice of options") !=
         std::string::npos);
 }
 
@@ -155,13 +155,13 @@ TEST_CASE("work records: the last of many values counts, and the content of a pa
   table.sweep.epsilon.assign(1000, 1.0);
   StudyTable other = table;
   other.sweep.epsilon[500] = std::nextafter(1.0, 2.0);
-  CHECK(difference(work_record(table), work_record(other)) != "");
+  CHECK(difference(work_identity(table), work_identity(other)) != "");
   table.cases = {testing::random_lattice(1, 4, 4, {2, 1})};
   other = table;
   std::get<PackingFile>(other.cases[0].packing).path = "elsewhere/made in a test";
-  CHECK(difference(work_record(table), work_record(other)) == "");
+  CHECK(difference(work_identity(table), work_identity(other)) == "");
   std::get<PackingFile>(other.cases[0].packing).packing.mass[3] *= 1 + 1e-15;
-  CHECK(difference(work_record(table), work_record(other)) != "");
+  CHECK(difference(work_identity(table), work_identity(other)) != "");
 }
 
 TEST_CASE("record files: read back to what was written, whatever it holds") {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a run of steps ends.
+#include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/run_simulation.hpp>
-#include <nscdd/study/simulation_tables.hpp>
+#include <nscdd/simulation/run_simulation.hpp>
 
 #include <doctest/doctest.h>
 

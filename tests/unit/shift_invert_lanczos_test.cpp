@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shift-inverted Lanczos on pencils whose eigenvalues are known.
+#include "linalg/shift_invert_lanczos.hpp"
+
 #include "../support/matrices.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/arpack.hpp>
 #include <nscdd/linalg/pencil.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/linalg/shift_invert_lanczos.hpp>
 
 #include <doctest/doctest.h>
 

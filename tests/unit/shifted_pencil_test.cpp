@@ -2,8 +2,8 @@
 // The shifted pencil against dense algebra: eigenvalue counts by inertia, and solves.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "linalg/random.hpp"
 #include <nscdd/ddm/shifted_pencil.hpp>
-#include <nscdd/linalg/random.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Solid fraction, rattlers and size classes of packings small enough to know by hand.
 #include "../support/problems.hpp"
-#include <nscdd/linalg/random.hpp>
+#include "linalg/random.hpp"
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/statistics.hpp>
 #include <nscdd/study/inspection.hpp>

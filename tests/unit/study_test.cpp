@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/problems.hpp"
+#include "study/network_tables.hpp"
+#include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/inspection.hpp>
-#include <nscdd/study/network_tables.hpp>
 #include <nscdd/study/optimum.hpp>
 #include <nscdd/study/study.hpp>
 #include <nscdd/study/sweep.hpp>
-#include <nscdd/study/values.hpp>
 
 #include <doctest/doctest.h>
 

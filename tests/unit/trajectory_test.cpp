@@ -2,12 +2,12 @@
 // Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
+#include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/io/config.hpp>
-#include <nscdd/io/csv.hpp>
-#include <nscdd/io/trajectory.hpp>
-#include <nscdd/study/run_simulation.hpp>
-#include <nscdd/study/simulation_tables.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/case_file.hpp>
+#include <nscdd/formats/trajectory.hpp>
+#include <nscdd/simulation/run_simulation.hpp>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>

@@ -107,7 +107,7 @@ struct MatrixFreeMemory {
   Vector smallest, largest;
 };
 
-struct SpectralMemory {
+struct Continuation {
   PencilMemory flexible, rigid;  ///< of epsilon > 0, and of the rigid limit
   MatrixFreeMemory matrix_free;
   std::optional<RigidLimit> limit;
@@ -123,7 +123,7 @@ struct SpectralMemory {
 /// finds the unit eigenspace densely (not converged above 4 000 unknowns). What they could not reach is
 /// reported with converged = false.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
-                               SpectralMemory* memory = nullptr);
+                               Continuation* memory = nullptr);
 
 /// The same spectrum under another relaxation omega: eigenvalues 1 - omega (1 - mu) for the mu of `plain`
 /// (omega = 1), unit eigenvalues of the rigid limit excepted.

@@ -10,7 +10,7 @@
 #include <nscdd/packing/contact_network.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/packing.hpp>
-#include <nscdd/study/dynamics.hpp>
+#include <nscdd/simulation/dynamics.hpp>
 
 #include <optional>
 #include <string>

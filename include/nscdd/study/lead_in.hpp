@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/simulation/simulation.hpp>
 #include <nscdd/study/case.hpp>
-#include <nscdd/study/simulation.hpp>
 
 #include <map>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/one_metis.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
-#include <nscdd/linalg/one_metis.hpp>
 
 #include <fmt/format.h>
 #include <metis.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/random.hpp"
+#include "packing/drop_and_roll.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/random.hpp>
-#include <nscdd/packing/drop_and_roll.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
 
 #include <fmt/format.h>

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/files/hdf5.hpp>
+#include <nscdd/mechanics/friction_problem.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace nscdd {
+
+/// Impulses and velocities as a file of FCLIB keeps them.
+struct FclibSolution {
+  Vector v;  ///< velocities of the bodies, global problems only
+  Vector u;  ///< relative velocities of the contacts, 2c entries
+  Vector r;  ///< impulses of the contacts, 2c entries
+};
+
+/// Texts of a file, each present or not.
+struct FclibInfo {
+  std::optional<std::string> title, description, math_info;
+};
+
+/// A file of the Friction Contact Library (FCLIB, https://frictionalcontactlibrary.github.io), by which
+/// Siconos, LMGC90 and others exchange frictional contact problems.
+struct FclibFile {
+  std::variant<LocalFrictionProblem, GlobalFrictionProblem> problem;
+  FclibInfo info;
+  std::optional<FclibSolution> solution;
+  std::vector<FclibSolution> guesses;
+
+  Index contacts() const;
+};
+
+/// Whether an HDF5 file given by its bytes has one of the groups that FCLIB keeps problems in. Throws Error
+/// naming `name` for bytes that are no HDF5 file.
+bool holds_fclib(std::string_view bytes, const std::string& name);
+
+/// Reads a plane problem, local or global, matrices by columns, by rows or as triplets. Triplets are (row,
+/// column) = (p, i) as FCLIB documents them; where these do not fit the matrix but (i, p) do, they are those
+/// of CSparse, which Siconos writes. Numbers are as in the file; `check` has been passed.
+/// Throws Error "name: group/dataset: expected ..., met ..." for bytes that are no HDF5 file or a damaged
+/// one, for no problem or several, for what is not supported (three dimensions, rolling friction, equality
+/// constraints G, couplings V and R), and for missing members, wrong lengths, indices out of range.
+FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
+
+/// Reads a file. Throws Error likewise.
+FclibFile read_fclib(const std::string& path);
+
+/// Reads a file that must hold a global problem. Throws Error likewise, and for a local one.
+GlobalFrictionProblem read_global_problem(const std::string& path);
+
+/// The bytes of a file that reads back to `file` bit for bit: matrices by columns, 32-bit integers, which
+/// FCLIB and Siconos read. The provenance goes into the group of that name, which they leave alone.
+std::string to_hdf5(const FclibFile& file, const Provenance& provenance = {});
+
+}  // namespace nscdd

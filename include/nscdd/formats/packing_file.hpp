@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/files/hdf5.hpp>
+#include <nscdd/files/output_file.hpp>
+#include <nscdd/packing/packing.hpp>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace nscdd {
+
+/// How a packing is kept in a file.
+enum class PackingFormat { csv, hdf5 };
+
+/// By the ending of a file name: .csv, .h5 or .hdf5; empty for any other.
+std::optional<PackingFormat> packing_format(const std::string& path);
+
+/// Packing from CSV text with columns x, y, radius (m) and optionally mass (kg), in any order.
+/// Throws Error "name:line: ..." for a missing, unknown or repeated column, a value that is no number, not
+/// finite, or not positive where it must be, and for a file without grains.
+Packing parse_packing(std::string_view text, const std::string& name);
+
+/// Packing from the bytes of an HDF5 file: datasets x, y, radius and optionally mass of the group `packing`.
+/// Throws Error "name: packing/dataset: ..." likewise, and for datasets of different lengths.
+Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
+
+/// Either from a file, by the ending of its name; CSV where it has another.
+Packing read_packing(const std::string& path);
+
+/// Writes a packing so that it reads back bit for bit: shortest decimals that do, or the numbers themselves.
+/// The provenance goes into the group of that name, or into remarks ('#') at the top of CSV.
+void write_packing(OutputFile& file, PackingFormat format, const Packing& packing,
+                   const Provenance& provenance);
+
+}  // namespace nscdd

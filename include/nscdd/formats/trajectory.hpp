@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/table.hpp>
+#include <nscdd/files/hdf5.hpp>
+#include <nscdd/simulation/simulation.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nscdd {
+
+/// What a trajectory says of the run it holds, the same from its first step to its last.
+struct TrajectoryHeader {
+  std::string case_text;  ///< the resolved case, as a case file
+  std::string build;      ///< build_fingerprint() of the program that wrote it
+  Provenance provenance;
+  GranularSystem system;
+};
+
+/// A contact as a step left it.
+struct TrajectoryContact {
+  StepContact geometry;
+  LocalVector impulse;  ///< N s
+  ContactStatus status = ContactStatus::open;
+  Index subdomain = 0;
+};
+
+/// A step as a trajectory keeps it: the state behind it, and the contacts that led there (none at time 0).
+struct TrajectoryStep {
+  GranularState state;
+  std::vector<TrajectoryContact> contacts;  ///< ascending by (a, b), those without an impulse included
+};
+
+/// The step that led from `solved` to the state of `after`.
+TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
+
+/// Names that a writer of the trajectory `path` makes, replaces and removes: FILE.next, FILE.previous and
+/// FILE.lock, FILE being `path` or what it leads to as a symbolic link.
+std::vector<std::string> names_beside(const std::string& path);
+
+/// Writes the trajectory of a run as HDF5, layout in docs/formats.md: /provenance, /case, /system,
+/// /steps/NNNNNN, /last (the newest step, whatever is kept of the others) and /summary, a row per step. The
+/// file holds whole steps at every moment and can be read while the run goes on, however the program ends: it
+/// is one of two copies that take turns. Throws Error where the system refuses (no room left, no permission)
+/// and where another run writes the same file.
+class TrajectoryWriter {
+ public:
+  /// A new trajectory that begins with `first`; a file of that name is replaced.
+  TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
+                   const std::vector<Column>& summary_columns);
+
+  /// Takes a trajectory there is, to go on with it: nobody else can from now on, nothing is changed yet.
+  TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
+  ~TrajectoryWriter();
+  TrajectoryWriter(const TrajectoryWriter&) = delete;
+  TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
+
+  /// First of all for a trajectory there is: `case_text` replaces its own, for it may ask for more steps, and
+  /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
+  void go_on(const std::string& case_text, const std::string& restart);
+
+  /// Adds a step: to /last and /summary, and to /steps where `keep`.
+  void append(TrajectoryStep step, const Row& summary, bool keep);
+
+  /// Says in the attribute `ended` how the run ended.
+  void end(const std::string& how);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Reading. Every function throws Error naming the file for one that is no trajectory or is damaged.
+TrajectoryHeader read_trajectory_header(const std::string& path);
+
+/// Numbers of the steps kept in /steps, ascending.
+std::vector<Index> trajectory_steps(const std::string& path);
+
+/// A kept step. Throws Error naming the steps there are for another.
+TrajectoryStep read_trajectory_step(const std::string& path, Index step);
+
+/// The newest step: what a run goes on from.
+TrajectoryStep read_last_step(const std::string& path);
+
+/// A step that is kept in /steps or is the newest, none where it is neither.
+std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step);
+
+/// The simulation a trajectory holds, in a state of it: system and boundaries as in the file, laws and solver
+/// from its case text. Packing files and settled cases that it began from are not looked for. Throws Error
+/// where case text, system and state do not fit together.
+Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state);
+
+/// Throws Error naming the file, and the disk or boundary, where system and state read from it do not fit
+/// together or a position or velocity is no number.
+void require_fit(const std::string& path, const Simulation& simulation);
+
+/// How the run ended, as its attribute `ended` says.
+std::string read_end(const std::string& path);
+
+/// A column of numbers of /summary, one per step from 1.
+std::vector<double> read_summary(const std::string& path, const std::string& column);
+
+}  // namespace nscdd

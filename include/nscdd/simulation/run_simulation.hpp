@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/simulation/simulation.hpp>
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// Why a run of a simulation ended.
+enum class RunEnd {
+  completed,   ///< TimeStepping::steps are done
+  at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, and not ever rising
+  stopped,     ///< the monitor asked for it
+  broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values that are no
+               ///< numbers
+};
+std::string_view to_string(RunEnd end);
+
+/// Steps in a row that grains must be slow for, so that no turning point of their motion passes for rest.
+inline constexpr Index rest_steps = 10;
+
+struct RunOutcome {
+  RunEnd end = RunEnd::completed;
+  std::string reason;  ///< of a breakdown: step, and grain or contact
+};
+
+/// Called after each step taken, with the simulation behind it and the step as it was solved.
+using StepSink =
+    std::function<void(const Simulation& after, const SolvedStep& solved, const StepReport& report)>;
+
+/// What may follow a run; each may be empty.
+struct RunSinks {
+  IterationSink iteration;
+  StepSink step;
+  Monitor monitor;  ///< after each step, of steps done and asked for
+};
+
+/// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks
+/// down; then the simulation is left as the last good step made it. `speeds_before`: mean_speed after each
+/// step of a run that goes on. Throws Error where the very first step of all cannot be prepared: that is bad
+/// input.
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks,
+                          const std::vector<double>& speeds_before = {});
+
+/// Root of the mean square velocity of the free grains weighted by mass, spin included, m/s:
+/// sqrt(2 E / m), E their kinetic energy and m their mass.
+double mean_speed(const GranularSystem& system, double kinetic_energy);
+
+}  // namespace nscdd

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/range_projector.hpp"
+#include <nscdd/ddm/granular_decomposition.hpp>
+#include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/linalg/arpack.hpp>
+#include <nscdd/mechanics/contact_law.hpp>
+
+#include <complex>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace nscdd {
+
+/// Algorithm 1 near a solution: the statuses of the contacts are frozen (open: no impulse; stick: v = 0;
+/// slide with v_t of sign s: v_n = 0 and the impulse along n - s friction t), which leaves a linear iteration
+/// for the error of the velocities. `apply` is one iteration of the algorithm itself without loads on y =
+/// M^1/2 V of all subdomains (three entries per free body), so its spectral radius is the rate with which
+/// that run must converge as long as statuses stay.
+///
+/// Errors lie in the range of M^-1/2 [G, A^T] (what impulses can cause); velocities that no impulse causes
+/// (mechanisms) would show as eigenvalues 1 that no run meets, hence every image is projected on that range.
+/// As n_GS grows the radius tends to that of frozen_contraction.
+class FrozenIteration {
+ public:
+  /// `parts`: the decomposition of the step (its velocities and impulses are not used); `statuses`: of the
+  /// contacts of the step problem; `sweeps`: n_GS; `enriched`: X_eta, none for the generic algorithm.
+  FrozenIteration(GranularDecomposition parts, const std::vector<ContactStatus>& statuses, Index sweeps,
+                  std::optional<InterfaceOperator> enriched, double relaxation = 1);
+  Index rows() const { return size_; }
+  Index cols() const { return size_; }
+  Vector apply(const Vector& y) const;
+  Vector project(const Vector& y) const { return range_->apply(y); }
+
+ private:
+  GranularDecomposition parts_;
+  GranularDecomposition copies_;  // the same without contacts: what an application changes
+  std::vector<std::vector<ContactStatus>> statuses_;  // per subdomain, in the order of its sweep
+  Index sweeps_;
+  std::optional<InterfaceOperator> enriched_;
+  double relaxation_;
+  Index size_ = 0;
+  std::shared_ptr<const RangeProjector> range_;
+};
+
+/// The contraction of the interface with an exact Stage 1 at frozen statuses, n_Gamma x n_Gamma, dense:
+///     B = I - omega P^-1 sum_E A_E (I - Pi_E) M_E^-1 A_E^T,   Pi_E = M_E^-1 G_E (N_E^T M_E^-1 G_E)^+ N_E^T
+/// (theory section 9): G the directions of the impulses, N those in which contacts keep v = 0. Symmetric up
+/// to P where nothing slides.
+Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
+                          const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
+
+/// Largest modulus among the eigenvalues of a frozen map that are not 1 (within 1e-9).
+struct FrozenRadius {
+  double value = 0;
+  std::complex<double> dominant;
+  Index unit_multiplicity = 0;  ///< eigenvalues within 1e-9 of 1: impulses that the networks carry either way
+  double residual = 0;
+  bool converged = true;
+};
+FrozenRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options = {});
+FrozenRadius frozen_radius(const Matrix& contraction);
+
+}  // namespace nscdd

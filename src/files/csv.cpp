@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/files/csv.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace nscdd {
+namespace {
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+bool same_value(const Cell& cell, const std::string& expected, double tolerance, bool relative) {
+  const std::string text = to_text(cell);
+  if (text == expected) return true;
+  if (!std::holds_alternative<double>(cell)) return false;
+  const double a = std::get<double>(cell);
+  double b = 0;
+  try {
+    b = parse_number(expected, "");
+  } catch (const Error&) {
+    return false;
+  }
+  const double scale = relative ? std::abs(b) : std::max(1.0, std::abs(b));
+  return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * scale;
+}
+
+// The values of one line; those in quotes that are not as they stand in the text are kept in `quoted`.
+template <class Where>
+void split_values(std::string_view line, const Where& where, std::vector<std::string_view>& values,
+                  std::vector<std::pair<std::size_t, std::string>>& quoted) {
+  values.clear();
+  quoted.clear();
+  for (std::size_t i = 0;; ++i) {
+    std::size_t start = i;
+    while (start < line.size() && (line[start] == ' ' || line[start] == '\t')) ++start;
+    if (start < line.size() && line[start] == '"') {
+      std::string value;
+      for (i = start + 1;; ++i) {
+        if (i >= line.size())
+          throw Error(fmt::format("{}: expected a closing quote, met the end of the line", where()));
+        if (line[i] == '"') {
+          if (i + 1 >= line.size() || line[i + 1] != '"') break;
+          ++i;  // a doubled quote is one
+        }
+        value += line[i];
+      }
+      ++i;
+      const std::size_t comma = std::min(line.find(',', i), line.size());
+      if (!trimmed(line.substr(i, comma - i)).empty())
+        throw Error(fmt::format("{}: expected a comma after a closing quote, met '{}'", where(),
+                                line.substr(i, comma - i)));
+      quoted.emplace_back(values.size(), std::move(value));
+      values.emplace_back();
+      i = comma;
+    } else {
+      const std::size_t comma = std::min(line.find(',', i), line.size());
+      values.push_back(trimmed(line.substr(i, comma - i)));
+      i = comma;
+    }
+    if (i >= line.size()) break;
+  }
+  // Only now: views of texts would not survive the growth of their list.
+  for (const auto& [column, text] : quoted) values[column] = text;
+}
+
+}  // namespace
+
+std::vector<std::string> csv_values(std::string_view line, const std::string& where) {
+  std::vector<std::string_view> values;
+  std::vector<std::pair<std::size_t, std::string>> quoted;
+  split_values(
+      line, [&] { return where; }, values, quoted);
+  return {values.begin(), values.end()};
+}
+
+std::string csv_header(const std::vector<Column>& columns) {
+  std::string header;
+  for (const Column& column : columns) header += (header.empty() ? "" : ",") + quoted(column.name);
+  return header;
+}
+
+CsvWriter::CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
+                     std::optional<std::uintmax_t> kept_bytes)
+    : file_(path, force, kept_bytes) {
+  if (kept_bytes.value_or(0) == 0) header_ = csv_header(columns);
+}
+
+void CsvWriter::write_header() {
+  if (header_.empty()) return;
+  file_.line(header_);
+  header_.clear();
+}
+
+void CsvWriter::finish() {
+  write_header();
+  file_.finish();
+}
+
+void CsvWriter::leave() { file_.leave(); }
+
+void CsvWriter::write(const Row& row) {
+  write_header();
+  std::string line;
+  for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + quoted(to_text(row[i]));
+  file_.line(line);
+}
+
+CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
+  if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
+  if (!next_line()) throw Error(fmt::format("{}: expected a line of column names, met an empty file", name_));
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (values_[i].empty())
+      throw Error(fmt::format("{}: expected a name for column {}, met none", where(), i + 1));
+    if (std::find(columns_.begin(), columns_.end(), values_[i]) != columns_.end())
+      throw Error(fmt::format("{}: column '{}' is named twice", where(), values_[i]));
+    columns_.emplace_back(values_[i]);
+  }
+}
+
+bool CsvReader::next() {
+  if (!next_line()) return false;
+  if (values_.size() != columns_.size())
+    throw Error(fmt::format("{}: expected {} values as in the first line, met {}", where(), columns_.size(),
+                            values_.size()));
+  return true;
+}
+
+// To the next line that is not left out, split into values.
+bool CsvReader::next_line() {
+  while (!rest_.empty()) {
+    ++line_;
+    const auto end = std::min(rest_.find('\n'), rest_.size());
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#') continue;
+    split(line);
+    return true;
+  }
+  return false;
+}
+
+void CsvReader::split(std::string_view line) {
+  split_values(
+      line, [this] { return where(); }, values_, quoted_);
+}
+
+std::string CsvReader::where() const { return fmt::format("{}:{}", name_, line_); }
+
+CsvText parse_csv(std::string_view text, const std::string& name) {
+  CsvReader reader(text, name);
+  CsvText csv{.columns = reader.columns(), .header_line = reader.line(), .rows = {}, .lines = {}};
+  while (reader.next()) {
+    std::vector<std::string> row;
+    for (std::size_t j = 0; j < csv.columns.size(); ++j) row.emplace_back(reader.value(j));
+    csv.rows.push_back(std::move(row));
+    csv.lines.push_back(reader.line());
+  }
+  return csv;
+}
+
+std::string read_text(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw Error(fmt::format("{}: no such file", path));
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw Error(fmt::format("{}: expected a file, met a folder or a device", path));
+  std::ifstream stream(path, std::ios::binary);
+  std::string text, block(1 << 20, '\0');
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
+    text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
+  if (!stream.is_open() || stream.bad()) throw Error(fmt::format("{}: cannot be read", path));
+  return text;
+}
+
+Table untyped_table(const CsvText& csv) {
+  Table table;
+  for (const std::string& name : csv.columns) table.columns.push_back({name, "", ""});
+  for (const auto& values : csv.rows) {
+    Row row;
+    for (const std::string& value : values) {
+      try {
+        row.emplace_back(parse_number(value, ""));
+      } catch (const Error&) {
+        row.emplace_back(value);
+      }
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string compare(const Table& table, const CsvText& expected, double tolerance,
+                    const std::map<std::string, double>& column_tolerance, bool relative) {
+  constexpr std::array<std::string_view, 5> not_compared{"applications", "iterations", "spectra", "residual",
+                                                         "difference"};
+  std::vector<std::string> names;
+  for (const Column& column : table.columns) names.push_back(column.name);
+  if (names != expected.columns) return "the columns differ";
+  if (table.rows.size() != expected.rows.size())
+    return fmt::format("expected {} rows, met {}", expected.rows.size(), table.rows.size());
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    for (std::size_t j = 0; j < names.size(); ++j) {
+      if (std::find(not_compared.begin(), not_compared.end(), names[j]) != not_compared.end()) continue;
+      const auto own = column_tolerance.find(names[j]);
+      if (!same_value(table.rows[i][j], expected.rows[i][j],
+                      own == column_tolerance.end() ? tolerance : own->second, relative))
+        return fmt::format("row {}, column {}: expected {}, met {}", i + 1, names[j], expected.rows[i][j],
+                           to_text(table.rows[i][j]));
+    }
+  return "";
+}
+
+}  // namespace nscdd

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "files/strict_toml.hpp"
+#include <nscdd/simulation/dynamics.hpp>
+
+#include <optional>
+
+namespace nscdd {
+
+/// The sections [dynamics], [interaction], [solver] and [[boundary]] of a case file; none where there is no
+/// [dynamics], and then none of the others may be there.
+std::optional<Dynamics> read_dynamics(StrictTable& root);
+
+}  // namespace nscdd

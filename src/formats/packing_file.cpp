@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/formats/packing_file.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+
+namespace nscdd {
+namespace {
+
+struct PackingColumn {
+  std::string_view name;
+  std::vector<double> Packing::*values;
+  Field field;
+  bool required;
+};
+
+const std::array<PackingColumn, 4>& packing_columns() {
+  static const std::array<PackingColumn, 4> columns{{
+      {"x",
+       &Packing::x,
+       {.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100},
+       true},
+      {"y",
+       &Packing::y,
+       {.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100},
+       true},
+      {"radius",
+       &Packing::radius,
+       {.description = "radius", .unit = "m", .minimum = 0, .minimum_excluded = true, .maximum = 1e100},
+       true},
+      {"mass",
+       &Packing::mass,
+       {.description = "mass", .unit = "kg", .minimum = 0, .minimum_excluded = true, .maximum = 1e100},
+       false},
+  }};
+  return columns;
+}
+
+const PackingColumn* find_column(std::string_view name) {
+  for (const PackingColumn& known : packing_columns())
+    if (known.name == name) return &known;
+  return nullptr;
+}
+
+// Throws unless every required column is among those met; `where` says what should have it.
+void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where,
+                     std::string_view kind) {
+  for (const PackingColumn& known : packing_columns())
+    if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
+      throw Error(fmt::format("{}: expected a {} '{}', met none", where, kind, known.name));
+}
+
+bool in_bounds(double value, const Field& field) {
+  const bool low = field.minimum_excluded ? value <= field.minimum : value < field.minimum;
+  return std::isfinite(value) && !low && value <= field.maximum;
+}
+
+// Most numbers are fine, and need no text that says where they stand.
+double read_value(const CsvReader& reader, std::size_t column, const PackingColumn& meaning,
+                  const std::string& name) {
+  const std::string_view text = reader.value(column);
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status == std::errc() && end == text.data() + text.size() && in_bounds(value, meaning.field))
+    return value;
+  const std::string where = fmt::format("{}:{}: {}", name, reader.line(), meaning.name);
+  value = parse_number(text, where);
+  check_bounds(value, meaning.field, where);
+  return value;
+}
+
+std::vector<const PackingColumn*> columns_of(const Packing& packing) {
+  std::vector<const PackingColumn*> columns;
+  for (const PackingColumn& column : packing_columns())
+    if (column.required || !packing.mass.empty()) columns.push_back(&column);
+  return columns;
+}
+
+// Remarks, one line each: a line feed in a command line must not end one.
+std::string remarks(const Provenance& provenance) {
+  std::string text;
+  for (const auto& [name, content] : provenance) {
+    text += fmt::format("# {}:{}", name, content.find('\n') == std::string::npos ? " " : "\n#   ");
+    for (const char c : content.substr(0, content.find_last_not_of('\n') + 1))
+      text += c == '\n' ? std::string("\n#   ") : std::string(1, c);
+    text += '\n';
+  }
+  return text;
+}
+
+void write_csv(OutputFile& file, const Packing& packing, const Provenance& provenance) {
+  const auto columns = columns_of(packing);
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}", remarks(provenance));
+  for (const PackingColumn* column : columns)
+    fmt::format_to(out, "{}{}", column == columns[0] ? "" : ",", column->name);
+  text.push_back('\n');
+  for (std::size_t i = 0; i < packing.x.size(); ++i) {
+    for (const PackingColumn* column : columns)
+      fmt::format_to(out, "{}{}", column == columns[0] ? "" : ",", (packing.*(column->values))[i]);
+    text.push_back('\n');
+    if (text.size() < (1 << 20)) continue;
+    file.bytes({text.data(), text.size()});
+    text.clear();
+  }
+  file.bytes({text.data(), text.size()});
+}
+
+}  // namespace
+
+std::optional<PackingFormat> packing_format(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".csv") return PackingFormat::csv;
+  if (extension == ".h5" || extension == ".hdf5") return PackingFormat::hdf5;
+  return std::nullopt;
+}
+
+Packing parse_packing(std::string_view text, const std::string& name) {
+  CsvReader reader(text, name);
+  const std::string header = fmt::format("{}:{}", name, reader.line());
+  std::vector<const PackingColumn*> meaning;
+  for (const std::string& column : reader.columns()) {
+    meaning.push_back(find_column(column));
+    if (meaning.back() == nullptr)
+      throw Error(
+          fmt::format("{}: expected columns x, y, radius and optionally mass, met '{}'", header, column));
+  }
+  require_columns(meaning, header, "column");
+  Packing packing;
+  while (reader.next())
+    for (std::size_t j = 0; j < meaning.size(); ++j)
+      (packing.*(meaning[j]->values)).push_back(read_value(reader, j, *meaning[j], name));
+  if (packing.size() == 0) throw Error(fmt::format("{}: expected at least one grain, met none", name));
+  return packing;
+}
+
+Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
+  Packing packing;
+  std::vector<const PackingColumn*> met;
+  for (auto& [dataset, values] : numbers_from_hdf5(bytes, name, "packing")) {
+    const std::string where = fmt::format("{}: packing/{}", name, dataset);
+    met.push_back(find_column(dataset));
+    if (met.back() == nullptr)
+      throw Error(
+          fmt::format("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!in_bounds(values[i], met.back()->field))
+        check_bounds(values[i], met.back()->field, fmt::format("{}: grain {}", where, i));
+    packing.*(met.back()->values) = values;
+  }
+  require_columns(met, name + ": packing", "dataset");
+  for (const PackingColumn* column : met)
+    if (count(packing.*(column->values)) != packing.size())
+      throw Error(fmt::format("{}: packing/{}: expected {} numbers as in x, met {}", name, column->name,
+                              packing.size(), count(packing.*(column->values))));
+  if (packing.size() == 0) throw Error(fmt::format("{}: expected at least one grain, met none", name));
+  return packing;
+}
+
+Packing read_packing(const std::string& path) {
+  const std::string content = read_text(path);
+  return packing_format(path) == PackingFormat::hdf5 ? packing_from_hdf5(content, path)
+                                                     : parse_packing(content, path);
+}
+
+void write_packing(OutputFile& file, PackingFormat format, const Packing& packing,
+                   const Provenance& provenance) {
+  if (format == PackingFormat::csv) return write_csv(file, packing, provenance);
+  std::vector<NumberColumn> columns;
+  for (const PackingColumn* column : columns_of(packing))
+    columns.push_back(
+        {{std::string(column->name), std::string(column->field.unit), std::string(column->field.description)},
+         packing.*(column->values)});
+  file.bytes(to_hdf5(provenance, "packing", columns));
+}
+
+}  // namespace nscdd

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/resumable_table.hpp"
+
+#include "core/fingerprint.hpp"
+#include <nscdd/core/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace nscdd {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+// Calls f(line, number from 1) for every line that ends; returns the bytes they take.
+template <class Function>
+std::size_t for_each_line(std::string_view text, Function&& f) {
+  std::size_t start = 0;
+  Index number = 0;
+  for (auto end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', start)) {
+    if (!f(text.substr(start, end - start), ++number)) return start;
+    start = end + 1;
+  }
+  return start;
+}
+
+Index line_count(std::string_view text) { return std::count(text.begin(), text.end(), '\n'); }
+
+Row parse_row(std::string_view line, const std::vector<std::string>& types, const std::string& where) {
+  const std::vector<std::string> values = csv_values(line, where);
+  if (values.size() != types.size())
+    throw Error(fmt::format("{}: expected {} values, met {}", where, types.size(), values.size()));
+  Row row;
+  for (std::size_t i = 0; i < values.size(); ++i) row.push_back(parse_cell(values[i], types[i], where));
+  return row;
+}
+
+void check_known_cells(const StudyTable& work, const Table& layout, const Row& row, Index number,
+                       const std::string& where) {
+  for (const auto& [column, expected] : known_cells(work, number)) {
+    const Cell& met = row[layout.column(column)];
+    if (to_text(met) != to_text(expected))
+      throw Error(fmt::format("{}: {}: expected {}, met {}", where, column, to_text(expected), to_text(met)));
+  }
+}
+
+// The rows of `text` that can be kept. A last line that the end of its run cut short is left out: without a
+// line feed, or with too few values.
+KeptRows usable_rows(const std::string& text, const RecordFile& record, const StudyTable& work,
+                     const std::string& name) {
+  KeptRows kept{"", record.types, 0, false};
+  const Table layout{study_columns(work), {}};
+  const std::string header = csv_header(layout.columns);
+  const Index lines = line_count(text);
+  const std::size_t bytes = for_each_line(text, [&](std::string_view line, Index number) {
+    const std::string where = fmt::format("{}:{}", name, number);
+    if (number == 1) {
+      if (line != header)
+        throw Error(fmt::format("{}: expected the columns {}, met {}", where, header, line));
+      return true;
+    }
+    if (number == lines && csv_values(line, where).size() < layout.columns.size()) return false;
+    if (const auto total = row_count(work); total && kept.rows >= *total)
+      throw Error(fmt::format("{}: expected {} rows at the most, met another", where, *total));
+    check_known_cells(work, layout, parse_row(line, record.types, where), kept.rows, where);
+    ++kept.rows;
+    return true;
+  });
+  kept.text = text.substr(0, bytes);
+  return kept;
+}
+
+// A record that was cut short tells no more than none.
+RecordFile usable_record(const std::string& name, const std::string& rows) {
+  try {
+    return parse_record(read_text(name), name);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: cannot be resumed: {}; --force starts again", rows, error.what()));
+  }
+}
+
+RecordFile matching_record(const std::string& path, const std::string& rows, const StudyTable& work) {
+  const std::string name = record_path(path).string();
+  const RecordFile record = usable_record(name, rows);
+  const std::string found = difference(record.work, work_identity(work));
+  if (!found.empty())
+    throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));
+  return record;
+}
+
+KeptRows partial_rows(const std::string& path, const StudyTable& work) {
+  const std::string name = partial_path(path).string();
+  const std::string text = read_text(name);
+  if (line_count(text) < 2) return {};  // no row was finished
+  if (!is_there(record_path(path)))
+    throw Error(
+        fmt::format("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
+                    record_path(path).string()));
+  const RecordFile record = matching_record(path, name, work);
+  if (!row_count(work)) return {};
+  return usable_rows(text, record, work, name);
+}
+
+// A finished table that still has its record is part of work that was interrupted later on.
+KeptRows finished_rows(const std::string& path, const StudyTable& work, bool force) {
+  if (is_there(record_path(path))) {
+    const RecordFile record = matching_record(path, path, work);
+    const std::string text = read_text(path);
+    if (record.finished == fingerprint(text)) {
+      KeptRows kept = usable_rows(text, record, work, path);
+      kept.finished = true;
+      return kept;
+    }
+  }
+  if (force) return {};
+  throw Error(
+      fmt::format("{}: exists already, and nothing proves that it comes from this work; choose another "
+                  "name, or --force to replace it",
+                  path));
+}
+
+}  // namespace
+
+bool is_complete(const std::string& path) {
+  return !is_stream(path) && is_there(path) && !is_there(partial_path(path)) && !is_there(record_path(path));
+}
+
+void remove_record(const std::string& path) {
+  std::error_code ignored;
+  if (!is_stream(path)) fs::remove(record_path(path), ignored);
+}
+
+KeptRows kept_rows(const std::string& path, const StudyTable& work, Reopening how) {
+  if (is_stream(path)) {
+    if (how.resume)
+      throw Error(fmt::format("--resume: expected a table in a file, met '{}', which keeps nothing", path));
+    return {};
+  }
+  const bool partial = is_there(partial_path(path));
+  if (how.resume) {
+    if (!partial && is_there(path)) return finished_rows(path, work, how.force);
+    require_writable(path, how.force, true);
+    return partial ? partial_rows(path, work) : KeptRows{};
+  }
+  if (partial && !how.force && !is_there(path))
+    throw Error(
+        fmt::format("{}: holds {} row(s) of an interrupted run; --resume continues it, --force starts again",
+                    partial_path(path).string(),
+                    std::max<Index>(line_count(read_text(partial_path(path).string())) - 1, 0)));
+  require_writable(path, how.force);
+  return {};
+}
+
+ResumableTable::ResumableTable(std::string path, const StudyTable& work, Reopening how)
+    : path_(std::move(path)),
+      work_(work_identity(work)),
+      stream_(is_stream(path_)),
+      found_(kept_rows(path_, work, how)),
+      types_(found_.types) {
+  if (found_.finished) return;
+  std::optional<std::uintmax_t> kept_bytes;
+  if (how.resume) kept_bytes = found_.text.size();
+  csv_.emplace(path_, how.force, study_columns(work), kept_bytes);
+  if (stream_ || found_.rows > 0) return;
+  remove_record(path_);  // of rows that are no more
+  record_is_ours_ = true;
+}
+
+ResumableTable::~ResumableTable() {
+  if (csv_ && record_is_ours_) remove_record(path_);
+}
+
+void ResumableTable::replay(const RowSink& sink) const {
+  for_each_line(found_.text, [&](std::string_view line, Index number) {
+    if (number > 1) sink(parse_row(line, found_.types, fmt::format("{}:{}", path_, number)));
+    return true;
+  });
+}
+
+void ResumableTable::write_record(const std::string& finished) const {
+  OutputFile file(record_path(path_).string(), true);
+  file.bytes(to_toml(RecordFile{work_, types_, finished}));
+  file.finish();
+}
+
+void ResumableTable::write(const Row& row) {
+  if (!stream_ && types_.empty()) {
+    types_ = cell_types(row);
+    write_record("");
+  }
+  csv_->write(row);
+  ++written_;
+}
+
+void ResumableTable::finish() {
+  if (!csv_) return;
+  csv_->write_header();
+  if (!stream_) write_record(fingerprint(read_text(partial_path(path_).string())));
+  csv_->finish();
+  csv_.reset();
+}
+
+void ResumableTable::leave() {
+  if (!csv_) return;
+  csv_->leave();
+  csv_.reset();
+}
+
+}  // namespace nscdd

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "formats/record_file.hpp"
+#include <nscdd/core/table.hpp>
+#include <nscdd/files/csv.hpp>
+#include <nscdd/study/study.hpp>
+
+#include <optional>
+#include <string>
+
+namespace nscdd {
+
+/// What may be done with files that are there already.
+struct Reopening {
+  bool resume = false;  ///< go on with the rows of an interrupted run
+  bool force = false;   ///< replace a finished table; without `resume` a partial one, too
+};
+
+/// Rows that an earlier run of the same work left.
+struct KeptRows {
+  std::string text;                ///< the line of names and whole rows, as in the file
+  std::vector<std::string> types;  ///< of the columns
+  Index rows = 0;
+  bool finished = false;  ///< the whole table, under its own name
+};
+
+/// What a run of `work` finds under `path`: nothing, or rows to go on with. Rows are kept only where the
+/// record beside them equals that of `work` and every cell known beforehand is as expected; an incomplete
+/// last line is left out; tables whose rows are not known beforehand (links, grains) start again unless they
+/// are finished. Throws Error, nothing touched, where files may not be reopened that way or come from other
+/// work.
+KeptRows kept_rows(const std::string& path, const StudyTable& work, Reopening how);
+
+/// Whether the table is there, finished, with neither a partial file nor a record left beside it.
+bool is_complete(const std::string& path);
+
+/// Removes the record of a finished table: nothing is left to be resumed.
+void remove_record(const std::string& path);
+
+/// A CSV table that outlives its run. FILE.partial grows row by row beside FILE.record; both stay when the
+/// run is killed or left, FILE.partial becomes FILE when it is complete, and FILE.record, which then proves
+/// what FILE comes from, goes when nothing waits for it any more. A run that fails by an exception removes
+/// what it wrote unless there were rows before it. Streams ("-", devices, pipes) have neither and cannot be
+/// resumed.
+class ResumableTable {
+ public:
+  ResumableTable(std::string path, const StudyTable& work, Reopening how);
+  ~ResumableTable();
+  ResumableTable(const ResumableTable&) = delete;
+  ResumableTable& operator=(const ResumableTable&) = delete;
+
+  Index kept() const { return found_.rows; }  ///< rows there were before this run
+  Index rows() const { return found_.rows + written_; }
+  void replay(const RowSink& sink) const;            ///< hands over the rows there were
+  bool finished() const { return found_.finished; }  ///< before this run
+  bool resumable() const { return !stream_; }
+
+  void write(const Row& row);
+  void finish();  ///< FILE is complete; its record stays until `remove_record`
+  void leave();   ///< stopped: FILE.partial and FILE.record stay
+
+ private:
+  void write_record(const std::string& finished) const;
+  std::string path_;
+  WorkIdentity work_;
+  bool stream_;
+  KeptRows found_;
+  Index written_ = 0;
+  std::vector<std::string> types_;
+  std::optional<CsvWriter> csv_;  ///< none where the table was finished before
+  bool record_is_ours_ = false;   ///< written for rows of this run alone, which go with them
+};
+
+}  // namespace nscdd

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/step_fclib.hpp"
+
+#include "mechanics/step_friction.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/granular_decomposition.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+namespace nscdd {
+namespace {
+
+void require_coulomb(const Interaction& interaction) {
+  if (interaction.law != Coulomb::name && interaction.law != Frictionless::name)
+    throw Error(fmt::format("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}",
+                            interaction.law));
+}
+
+// The step as it was prepared in the run, but for impulses to start from.
+StepProblem next_problem(const Simulation& before) {
+  require_coulomb(before.dynamics.interaction);
+  return prepare_step(before.system, before.state, before.dynamics.interaction, before.dynamics.time, false);
+}
+
+void require_same_contacts(const StepProblem& problem, const TrajectoryStep& after) {
+  const auto same = [](const StepContact& found, const TrajectoryContact& kept) {
+    return found.a == kept.geometry.a && found.b == kept.geometry.b;
+  };
+  if (!std::equal(problem.geometry.begin(), problem.geometry.end(), after.contacts.begin(),
+                  after.contacts.end(), same))
+    throw Error(fmt::format(
+        "step {}: expected the {} contacts that the run found, met others ({}) from the state before: the "
+        "trajectory is damaged or was written by a program that finds them otherwise",
+        after.state.step, after.contacts.size(), problem.geometry.size()));
+}
+
+Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contacts) {
+  Vector r(2 * count(contacts));
+  for (Index k = 0; k < count(contacts); ++k) {
+    const LocalVector impulse = step.contacts[at(contacts[at(k)])].impulse;
+    r.segment(2 * k, 2) << impulse.n, impulse.t;
+  }
+  return r;
+}
+
+Vector velocities_of_free(const GranularSystem& system, const GranularState& state) {
+  std::vector<double> v;
+  for (Index i = 0; i < system.disks(); ++i)
+    if (system.free(i))
+      v.insert(v.end(), {state.velocity_x[at(i)], state.velocity_y[at(i)], state.spin[at(i)]});
+  return Vector::Map(v.data(), count(v));
+}
+
+FclibSolution solution_of(const GlobalFrictionProblem& problem, const Vector& v, const Vector& r) {
+  return {v, problem.h.transpose() * v + problem.w, r};
+}
+
+Partition partition_of(const TrajectoryStep& step) {
+  Partition partition{.subdomains = 1, .subdomain_of_contact = {}};
+  for (const TrajectoryContact& contact : step.contacts) {
+    partition.subdomain_of_contact.push_back(contact.subdomain);
+    partition.subdomains = std::max(partition.subdomains, contact.subdomain + 1);
+  }
+  return partition;
+}
+
+void require_contacts(const Partition& partition, Index subdomain, Index step) {
+  const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
+  if (all.count(subdomain) == 0)
+    throw Error(fmt::format("step {}: expected a subdomain that has contacts ({}), met {}", step,
+                            all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain));
+}
+
+// Bodies by their numbers, which readers expect, not in the order of a sweep.
+GranularSubdomain with_ascending_bodies(const GranularSubdomain& part) {
+  std::vector<std::size_t> order(part.bodies.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t i, std::size_t j) { return part.bodies[i] < part.bodies[j]; });
+  GranularSubdomain result = part;
+  std::vector<std::int32_t> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    result.bodies[k] = part.bodies[order[k]];
+    result.velocities[k] = part.velocities[order[k]];
+    place[order[k]] = static_cast<std::int32_t>(k);
+  }
+  for (ContactRows::Row& row : result.contacts.rows) {
+    row.a = place[at(row.a)];
+    row.b = place[at(row.b)];
+  }
+  return result;
+}
+
+// - A_E^T F, rim impulses as moments: the rim moves by R times the spin.
+void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdomain& part,
+                            const std::vector<double>& radius, const std::vector<RememberedGluing>& gluing,
+                            Index subdomain) {
+  Index row = 0;
+  for (std::size_t i = 0; i < part.bodies.size(); ++i) {
+    if (part.velocities[i].inverse_mass == 0) continue;
+    const Index grain = part.bodies[i];
+    const auto one = std::lower_bound(gluing.begin(), gluing.end(), std::pair(grain, subdomain),
+                                      [](const RememberedGluing& g, const std::pair<Index, Index>& key) {
+                                        return std::pair(g.grain, g.subdomain) < key;
+                                      });
+    if (one != gluing.end() && one->grain == grain && one->subdomain == subdomain)
+      problem.f.segment<3>(row) -= Eigen::Vector3d(one->x, one->y, radius[at(grain)] * one->rim);
+    row += 3;
+  }
+}
+
+}  // namespace
+
+FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
+  const StepProblem step = next_problem(before);
+  GlobalFrictionProblem problem = friction_problem(step.free, step.contacts, before.system.radius);
+  FclibFile file;
+  if (after != nullptr) {
+    require_same_contacts(step, *after);
+    std::vector<Index> all(step.contacts.size());
+    for (Index k = 0; k < count(all); ++k) all[at(k)] = k;
+    file.solution =
+        solution_of(problem, velocities_of_free(before.system, after->state), impulses_of(*after, all));
+  }
+  file.problem = std::move(problem);
+  return file;
+}
+
+FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& after, Index subdomain) {
+  const StepProblem step = next_problem(before);
+  require_same_contacts(step, after);
+  const Partition partition = partition_of(after);
+  require_contacts(partition, subdomain, after.state.step);
+  const GranularDecomposition parts = decompose(step, partition, "natural", 0);
+  const GranularSubdomain part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
+  std::vector<DiskContact> contacts;
+  for (std::size_t k = 0; k < part.contacts.size(); ++k)
+    contacts.push_back(part.contacts.contact(k, part.velocities));
+  const std::vector<double>& of_disk = before.system.radius;
+  std::vector<double> radius;
+  for (const Index body : part.bodies) radius.push_back(body < before.system.disks() ? of_disk[at(body)] : 0);
+  GlobalFrictionProblem problem = friction_problem(part.velocities, contacts, radius);
+  add_interface_impulses(problem, part, of_disk, after.state.gluing, subdomain);
+  FclibFile file;
+  const Vector r = impulses_of(after, part.numbers);
+  file.solution = solution_of(problem, body_velocities(problem, r), r);
+  file.problem = std::move(problem);
+  return file;
+}
+
+FclibFile local_form(FclibFile file) {
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) {
+    LocalFrictionProblem local = reduce(*global);
+    file.problem = std::move(local);
+  }
+  if (file.solution) file.solution->v = {};
+  return file;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/strict_toml.hpp"
+#include "study/predicted_observed.hpp"
+#include "study/values.hpp"
+#include <nscdd/formats/case_file.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+std::string plain(const toml::node& node, const StrictTable& section, std::string_view key) {
+  if (node.is_string()) return **node.as_string();
+  if (node.is_integer()) return fmt::format("{}", **node.as_integer());
+  if (node.is_floating_point()) return fmt::format("{}", **node.as_floating_point());
+  section.fail(&node, key, "a number or a text", StrictTable::describe(node));
+}
+
+// A list written as one SPEC text, one number, or an array of either.
+std::vector<std::string> list(StrictTable& section, std::string_view key) {
+  const toml::node* found = section.node(key);
+  std::vector<std::string> items;
+  if (found == nullptr) return items;
+  if (const toml::array* array = found->as_array()) {
+    for (const toml::node& element : *array) items.push_back(plain(element, section, key));
+    if (items.empty()) section.fail(found, key, "at least one value", "an empty array");
+  } else {
+    items.push_back(plain(*found, section, key));
+  }
+  return items;
+}
+
+// The SPEC of a sweep parameter handed to its parser; errors name file and line.
+template <class Values, class Parser>
+void read_spec(StrictTable& section, std::string_view key, Values& values, Parser&& parse) {
+  const std::vector<std::string> items = list(section, key);
+  if (items.empty()) return;
+  std::string spec;
+  for (const std::string& item : items) spec += (spec.empty() ? "" : ",") + item;
+  try {
+    values = parse(spec);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", section.location(section.node(key)), error.what()));
+  }
+}
+
+Observable read_observable(StrictTable& section) {
+  std::string name{observables[0].first}, known;
+  section.read("observable", name);
+  for (std::size_t i = 0; i < observables.size(); ++i) {
+    if (observables[i].first == name) return static_cast<Observable>(i);
+    known += (known.empty() ? "" : ", ") + std::string(observables[i].first);
+  }
+  section.fail("observable", "one of " + known, "\"" + name + "\"");
+}
+
+// The parameters of the table `name`, each value tried on every case.
+std::vector<Variation> read_variations(StrictTable& table, std::string_view name,
+                                       const std::vector<Case>& cases) {
+  StrictTable section = table.section(name, false);
+  const toml::node* node = table.node(name);
+  std::vector<Variation> variations;
+  if (node == nullptr) return variations;
+  for (const auto& [key, value] : *node->as_table())
+    variations.push_back({std::string(key.str()), list(section, key.str())});
+  for (const Variation& variation : variations)
+    for (const std::string& value : variation.values)
+      for (Case one : cases) try {
+          override_case(one, variation.parameter, value);
+        } catch (const Error& error) {
+          throw Error(
+              fmt::format("{}: {}", section.location(section.node(variation.parameter)), error.what()));
+        }
+  return variations;
+}
+
+void read_vary(StrictTable& table, StudyTable& result) {
+  result.vary_together = read_variations(table, "vary_together", result.cases);
+  result.vary = read_variations(table, "vary", result.cases);
+  for (const Variation& variation : result.vary_together)
+    if (variation.values.size() != result.vary_together[0].values.size())
+      table.fail("vary_together",
+                 fmt::format("{} values of '{}', as of '{}'", result.vary_together[0].values.size(),
+                             variation.parameter, result.vary_together[0].parameter),
+                 fmt::format("{}", variation.values.size()));
+  for (const Variation& variation : result.vary)
+    for (const Variation& other : result.vary_together)
+      if (variation.parameter == other.parameter)
+        table.fail("vary", "parameters that are not in 'vary_together'", "'" + variation.parameter + "'");
+}
+
+void read_tolerances(StrictTable& table, StudyTable& result) {
+  const auto checked = [](StrictTable& section, std::string_view key, double& value) {
+    section.read(key, value);
+    check_bounds(value, Field{.description = "", .minimum = 0},
+                 fmt::format("{}: {}", section.location(section.node(key)), section.key_path(key)));
+  };
+  checked(table, "check_tolerance", result.check_tolerance);
+  StrictTable section = table.section("column_tolerance", false);
+  const toml::node* node = table.node("column_tolerance");
+  if (node == nullptr) return;
+  const std::vector<Column> columns = study_columns(result);
+  for (const auto& [key, value] : *node->as_table()) {
+    const std::string name(key.str());
+    if (std::none_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; }))
+      section.fail(&value, name, "a column of the table", "another name");
+    checked(section, name, result.column_tolerance[name]);
+  }
+}
+
+// Steps of cases that move: done (configuration, force_chains, runs), or examined, which counts from 1.
+void read_steps(StrictTable& section, StudyTable& table) {
+  const std::vector<std::string> items = list(section, "steps");
+  if (items.empty()) return;
+  const bool done = table.observable == Observable::configuration ||
+                    table.observable == Observable::force_chains || table.observable == Observable::runs;
+  table.steps.clear();
+  for (const std::string& item : items) {
+    table.steps.push_back(parse_integer(item, section.location(section.node("steps")) + ": steps"));
+    check_bounds(table.steps.back(), Field{.description = "", .minimum = done ? 0.0 : 1.0, .maximum = 1e9},
+                 section.location(section.node("steps")) + ": steps");
+  }
+}
+
+void read_lead_in(StrictTable& section, StudyTable& table) {
+  const bool always_own = table.observable == Observable::runs;
+  std::string name(to_string(always_own ? LeadInSolver::own : table.lead_in));
+  section.read("lead_in", name);
+  if (name != "own" && (always_own || name != "plain"))
+    section.fail("lead_in", always_own ? "\"own\", as runs always are" : "\"plain\" or \"own\"",
+                 "\"" + name + "\"");
+  table.lead_in = name == "own" ? LeadInSolver::own : LeadInSolver::plain;
+}
+
+// A key that the observable does not look at would be passed over.
+void require_uses(const StrictTable& section, Observable observable) {
+  using enum Observable;
+  const bool sweeps = observable == spectral_radius || observable == observed_rate;
+  const bool spectra = sweeps || observable == optimum;
+  const std::pair<const char*, bool> uses[] = {{"epsilon", spectra},
+                                               {"eta", sweeps},
+                                               {"relaxation", sweeps},
+                                               {"gauss_seidel_sweeps", sweeps},
+                                               {"contacts", spectra || observable == links},
+                                               {"solver", spectra},
+                                               {"certify", spectra},
+                                               {"seed", observable == observed_rate},
+                                               {"steps", moves(observable)},
+                                               {"lead_in", moves(observable)}};
+  for (const auto& [key, used] : uses)
+    if (!used && section.has(key))
+      section.fail(key, "an observable with it that uses it",
+                   fmt::format("\"{}\"", observables[static_cast<std::size_t>(observable)].first));
+}
+
+// What can be told of cases that move before they are settled and run.
+void check_moving(StrictTable& section, const StudyTable& table) {
+  if (!moves(table.observable)) return;
+  for (Index number = 0; number < varied_case_count(table); ++number) {
+    const Case one = varied_case(table, number).one;
+    try {
+      check_dynamics(one);
+      if (table.observable == Observable::predicted_observed)
+        require_comparable(*one.dynamics, one.partition);
+    } catch (const Error& error) {
+      throw Error(
+          fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
+    }
+  }
+}
+
+StudyTable read_table(StrictTable section, const CaseReader& read) {
+  StudyTable table;
+  section.read("name", table.name);
+  if (table.name.empty() ||
+      table.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
+    section.fail("name", "a name of lower-case letters, digits, '-' and '_'", "'" + table.name + "'");
+  if (table.name == "provenance")
+    section.fail("name", "a name other than that of the group of origins", "'provenance'");
+  table.observable = read_observable(section);
+  require_uses(section, table.observable);
+  section.read("large", table.large);
+  const std::vector<std::string> cases = list(section, "cases");
+  if (cases.empty()) section.fail("cases", "at least one case", "none");
+  for (const std::string& name : cases) try {
+      table.cases.push_back(read(name, table.large));
+    } catch (const Error& error) {
+      throw Error(
+          fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
+    }
+  read_vary(section, table);
+  check_moving(section, table);
+  read_spec(section, "epsilon", table.sweep.epsilon, parse_epsilon);
+  read_spec(section, "eta", table.sweep.eta, parse_eta);
+  read_spec(section, "relaxation", table.sweep.relaxation, parse_relaxation);
+  read_spec(section, "gauss_seidel_sweeps", table.sweep.gauss_seidel_sweeps, parse_sweeps);
+  std::string contacts = "all", solver = "auto";
+  section.read("contacts", contacts);
+  const std::optional<ContactSet> chosen = contact_set(contacts);
+  if (!chosen) section.fail("contacts", "\"all\", \"active\" or \"unilateral\"", "\"" + contacts + "\"");
+  table.sweep.contacts = *chosen;
+  section.read("solver", solver);
+  if (!spectral_solver(solver))
+    section.fail("solver", "\"auto\", \"dense\", \"arpack\" or \"shift-invert\"", "\"" + solver + "\"");
+  table.sweep.spectral.solver = *spectral_solver(solver);
+  section.read("certify", table.sweep.spectral.certify);
+  if (table.sweep.spectral.certify && table.sweep.spectral.solver == SpectralSolver::arpack)
+    section.fail("certify", "a solver other than \"arpack\", which proves nothing", "\"arpack\"");
+  Index seed = 1;
+  section.read("seed", seed);
+  if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));
+  table.seed = static_cast<std::uint64_t>(seed);
+  read_steps(section, table);
+  read_lead_in(section, table);
+  section.read("baseline", table.baseline);
+  section.read("check_relative", table.check_relative);
+  read_tolerances(section, table);
+  section.finish();
+  return table;
+}
+
+}  // namespace
+
+Study parse_study(std::string_view text, const std::string& file, const CaseReader& read) {
+  const toml::table document = parse_toml(text, file);
+  StrictTable root(document, file, "");
+  Study study;
+  study.name = std::filesystem::absolute(file).lexically_normal().parent_path().filename().string();
+  root.read("title", study.title);
+  for (const StrictTable& section : root.tables("table")) study.tables.push_back(read_table(section, read));
+  root.finish();
+  if (study.tables.empty()) throw Error(fmt::format("{}: expected at least one [[table]], met none", file));
+  if (study.tables[0].large)
+    throw Error(fmt::format("{}: expected a first table that is always run, met large = true", file));
+  for (const StudyTable& table : study.tables)
+    if (std::count_if(study.tables.begin(), study.tables.end(),
+                      [&](const StudyTable& other) { return other.name == table.name; }) > 1)
+      throw Error(fmt::format("{}: expected each table name once, met '{}' again", file, table.name));
+  return study;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/formats/case_file.hpp>
+#include <nscdd/formats/trajectory.hpp>
+
+#include <fmt/format.h>
+
+namespace nscdd {
+
+void require_fit(const std::string& path, const Simulation& simulation) {
+  try {
+    check(simulation.system, simulation.state);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
+  // The grains are those of the file, wherever they came from.
+  const Case one = parse_case(
+      header.case_text, path + ": case", [](const std::string&) { return Packing{}; },
+      [](const std::string& name) {
+        return SettledPacking{name, {}, {}};
+      });
+  if (!one.dynamics)
+    throw Error(fmt::format("{}: case: expected a section [dynamics], met a case without", path));
+  const auto& specs = one.dynamics->boundaries;
+  GranularSystem system = header.system;
+  if (system.boundaries.size() != specs.size())
+    throw Error(fmt::format("{}: expected the {} boundaries of its case, met {}", path, specs.size(),
+                            system.boundaries.size()));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    if (system.boundaries[k].name != specs[k].name)
+      throw Error(fmt::format("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name,
+                              system.boundaries[k].name));
+    system.boundaries[k].motion = specs[k].motion;
+  }
+  Simulation simulation{std::move(system), std::move(state), *one.dynamics, one.partition};
+  require_fit(path, simulation);
+  return simulation;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/ldlt/symmetric_fronts.hpp"
+#include "linalg/threads.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+constexpr Index block_columns = 128;  // of an update matrix, one task each
+
+Index negative_pivots(const Block& diagonal, const double* e) {
+  Index negative = 0;
+  for (Index k = 0; k < diagonal.rows(); ++k) {
+    if (k + 1 < diagonal.rows() && e[k] != 0) {  // Bunch-Kaufman takes 2 x 2 pivots of either sign only
+      const double a = diagonal(k, k) / e[k], c = diagonal(k + 1, k + 1) / e[k];
+      negative += a * c < 1 ? 1 : (diagonal(k, k) < 0 ? 2 : 0);
+      ++k;
+    } else {
+      negative += diagonal(k, k) < 0;
+    }
+  }
+  return negative;
+}
+
+// target -= left right^T on and below the diagonal of the target, by blocks of columns.
+void subtract_product(Block target, const Block& left, const Matrix& right) {
+  const Index blocks = (target.cols() + block_columns - 1) / block_columns;
+  const auto one = [&](Index b) {
+    const Index first = b * block_columns, width = std::min(block_columns, target.cols() - first);
+    const Index height = target.rows() - first;
+    target.block(first, first, height, width).noalias() -=
+        left.bottomRows(height) * right.middleRows(first, width).transpose();
+  };
+  if (blocks > 1) {
+    tbb::parallel_for(Index{0}, blocks, one);
+  } else if (blocks == 1) {  // most fronts are small
+    one(0);
+  }
+}
+
+// Elimination of fronts of one matrix, children before parents.
+class Elimination {
+ public:
+  // `below`: fronts eliminated before, whose updates stay.
+  Elimination(const FrontTree& tree, const SparseMatrix& lower, EliminatedFronts& result,
+              const EliminatedFronts* below)
+      : tree_(tree), values_(lower.valuePtr()), result_(result), below_(below) {}
+
+  void eliminate(Index s) const {
+    const Front& front = tree_.front(s);
+    FrontFactor& own = result_.factors[at(s)];
+    own.swaps.resize(at(front.pivots));
+    own.off = Vector::Zero(front.pivots);
+    Matrix& update = result_.updates[at(s)];
+    const Index below = front.update_rows();
+    update = Matrix::Zero(below, below);
+    Block columns(own.columns, front.rows, front.pivots, Eigen::OuterStride<>(front.rows));
+    columns.setZero();
+    assemble(s, columns, update);
+    Matrix multiples(front.rows, 0);  // L D of the panel at hand
+    Matrix below_multiples(below, front.pivots);
+    for (Index panel = 0, first = 0; panel < count(front.panels); ++panel) {
+      const Index width = front.panels[at(panel)] - first, rest = front.rows - first - width;
+      Block diagonal(&columns(first, first), width, width, Eigen::OuterStride<>(front.rows));
+      const auto n = static_cast<lapack_int>(width), stride = static_cast<lapack_int>(front.rows);
+      lapack_int* swaps = own.swaps.data() + first;
+      if (!factorise_panel(diagonal, n, stride, swaps, own.off.data() + first)) return;
+      Block left(columns.data() + first * front.rows + first + width, rest, width,
+                 Eigen::OuterStride<>(front.rows));
+      interchange(swaps, width, [&](Index i, Index j) {
+        if (i != j) left.col(i).swap(left.col(j));
+      });
+      diagonal.triangularView<Eigen::UnitLower>().transpose().template solveInPlace<Eigen::OnTheRight>(left);
+      multiples = left;  // L D
+      Matrix transposed = left.transpose();
+      solve_diagonal(diagonal, own.off.data() + first, transposed);
+      left = transposed.transpose();  // L
+      const Index columns_left = front.pivots - first - width;
+      if (columns_left > 0) {
+        Block target(&columns(first + width, first + width), rest, columns_left,
+                     Eigen::OuterStride<>(front.rows));
+        subtract_product(target, left, multiples.topRows(columns_left));
+      }
+      below_multiples.middleCols(first, width) = multiples.bottomRows(below);
+      first += width;
+    }
+    if (below > 0) {
+      const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
+      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left,
+                       below_multiples);
+    }
+  }
+
+ private:
+  bool factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps,
+                       double* off) const {
+    double query = 0;
+    LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, &query, -1);
+    Vector work(static_cast<Index>(query));
+    lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps,
+                                          work.data(), static_cast<lapack_int>(query));
+    if (info != 0 || !std::isfinite(diagonal(n - 1, n - 1))) {
+      result_.singular = true;
+      return false;
+    }
+    LAPACKE_dsyconv_work(LAPACK_COL_MAJOR, 'L', 'C', n, diagonal.data(), stride, swaps, off);
+    result_.negative += negative_pivots(diagonal, off);
+    return true;
+  }
+
+  // Entries of the matrix, then the updates of the children in their order.
+  void assemble(Index s, Block& columns, Matrix& update) const {
+    const Front& front = tree_.front(s);
+    const auto& entries = tree_.analysis->entries;
+    const Index last = s + 1 < tree_.size() ? tree_.front(s + 1).first_entry : count(entries);
+    for (Index k = front.first_entry; k < last; ++k) {
+      const FrontEntry& entry = entries[at(k)];
+      columns(entry.row, entry.column) += values_[entry.source];
+    }
+    for (const Index c : front.children) {
+      const Front& child = tree_.front(c);
+      const bool kept = child.on_border != front.on_border;
+      const Matrix& from = (kept ? *below_ : result_).updates[at(c)];
+      const int* place = tree_.analysis->place_in_parent.data() + child.first_row + child.pivots;
+      for (Index j = 0; j < from.cols(); ++j) {
+        const Index column = place[j];
+        double* to = column < front.pivots
+                         ? &columns(0, column)
+                         : update.data() + (column - front.pivots) * update.rows() - front.pivots;
+        const double* source = from.data() + j * from.rows();
+        for (Index i = j; i < from.rows(); ++i) to[place[i]] += source[i];
+      }
+      if (!kept) result_.updates[at(c)].resize(0, 0);
+    }
+  }
+
+  const FrontTree& tree_;
+  const double* values_;
+  EliminatedFronts& result_;
+  const EliminatedFronts* below_;
+};
+
+}  // namespace
+
+SymmetricInterior::Implementation::Implementation(std::shared_ptr<const FrontTree::Analysis> analysis,
+                                                  const SparseMatrix& lower)
+    : tree(std::move(analysis)), fronts(tree, false, LargeArray(tree.entries(false))) {
+  const Elimination elimination(tree, lower, fronts, nullptr);
+  const std::vector<Index>& roots = tree.analysis->interior_roots;
+  tbb::parallel_for(Index{0}, count(roots), [&](Index k) {
+    tree.up(roots[at(k)], false, [&](Index s) { elimination.eliminate(s); });
+  });
+}
+
+LargeArray SymmetricInterior::Implementation::memory() const {
+  const std::lock_guard lock(mutex_);
+  if (!left_) return LargeArray(tree.entries(true));
+  LargeArray memory = std::move(*left_);
+  left_.reset();
+  return memory;
+}
+
+void SymmetricInterior::Implementation::keep(LargeArray memory) const {
+  const std::lock_guard lock(mutex_);
+  left_ = std::move(memory);
+}
+
+SymmetricFactor::Implementation::Implementation(
+    std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts, const SparseMatrix& lower)
+    : interior(std::move(interior_fronts)), tree(interior->tree), border(tree, true, interior->memory()) {
+  const Elimination elimination(tree, lower, border, &interior->fronts);
+  tree.for_roots(true, [&](Index root) { tree.up(root, true, [&](Index s) { elimination.eliminate(s); }); });
+  border.updates.clear();
+}
+
+SymmetricInterior::SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
+  with_threads(
+      [&] { implementation_ = std::make_shared<const Implementation>(analysis.implementation_, lower); });
+}
+
+SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower)
+    : SymmetricFactor(SymmetricInterior(analysis, lower), lower) {}
+
+SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower) {
+  with_threads(
+      [&] { implementation_ = std::make_shared<const Implementation>(interior.implementation_, lower); });
+}
+
+bool SymmetricFactor::regular() const {
+  return !implementation_->interior->fronts.singular && !implementation_->border.singular;
+}
+Index SymmetricFactor::negative_eigenvalues() const {
+  return implementation_->interior->fronts.negative + implementation_->border.negative;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/step_decomposition.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/simulation/simulation.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Without progress for this long, and for four times as long as it took to get there, a criterion that
+// rounding or cycling holds up will not fall any more. Impulses may drift along what the network carries
+// either way for thousands of iterations until a contact opens.
+constexpr Index patience = 10000;
+constexpr double explosion = 1e6;
+
+double criterion_value(const std::string& criterion, const IterationRecord& record,
+                       const ContactResidual& residual) {
+  if (criterion == "zeta") return record.zeta;
+  // Where F did not change (no interface, or one that is left alone), or nothing jumps, they cannot tell that
+  // the iterations ended.
+  if (criterion == "interface_change")
+    return record.interface_change == 0 ? record.zeta : record.interface_change;
+  if (criterion == "gluing") return record.gluing == 0 ? record.zeta : record.gluing;
+  if (criterion == "natural_map") return residual.relative_natural_map();
+  if (criterion == "quad_dv") return residual.quad_dv();
+  if (criterion == "mean_dv_over_r") return std::abs(residual.mean_dv_over_r());
+  return infinity;  // none: as many iterations as allowed
+}
+
+bool all_finite(const std::vector<DiskVelocity>& velocities) {
+  return std::all_of(velocities.begin(), velocities.end(), [](const DiskVelocity& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim);
+  });
+}
+
+// What contacts can leave of the energy of a step: they dissipate, driven bodies and bodies that are pushed
+// out of each other hand on their speed at most twice over. A step with this many times as much went wrong,
+// however few its iterations.
+constexpr double energy_explosion = 10;
+
+double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
+  double sum = 0;
+  for (const DiskVelocity& v : velocities)
+    if (v.inverse_mass > 0)
+      sum += (v.x * v.x + v.y * v.y + v.rim * v.rim / rim_mass_ratio) / (2 * v.inverse_mass);
+  return sum;
+}
+
+bool energy_exploded(const StepProblem& problem, const std::vector<DiskVelocity>& velocities) {
+  double mass = 0, speed_squared = 0;  // of all free disks; the fastest that something else moves
+  for (const DiskVelocity& v : problem.start) {
+    if (v.inverse_mass > 0) mass += 1 / v.inverse_mass;
+    if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, v.x * v.x + v.y * v.y + v.rim * v.rim);
+  }
+  for (const DiskContact& c : problem.contacts)
+    speed_squared = std::max(speed_squared, c.bias_n * c.bias_n + c.bias_t * c.bias_t);
+  const double reference =
+      kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2;
+  return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
+}
+
+// Contacts whose status differs from the iteration before; all that are not open at the first.
+Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
+  statuses.resize(now.size(), ContactStatus::open);
+  Index changes = 0;
+  for (std::size_t k = 0; k < now.size(); ++k) changes += statuses[k] != now[k];
+  statuses = std::move(now);
+  return changes;
+}
+
+}  // namespace
+
+std::string_view to_string(SolverStatus status) {
+  switch (status) {
+    case SolverStatus::converged:
+      return "converged";
+    case SolverStatus::stalled:
+      return "stalled";
+    case SolverStatus::maximum_reached:
+      return "maximum_reached";
+    case SolverStatus::diverged:
+      return "diverged";
+    case SolverStatus::no_number:
+      return "no_number";
+  }
+  return "no_number";
+}
+
+bool needs_residual(const std::string& criterion) {
+  return criterion == "natural_map" || criterion == "quad_dv" || criterion == "mean_dv_over_r";
+}
+
+IterationWatch::IterationWatch(const StepSolver& solver) : solver_(solver) {}
+
+std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
+                                                  const ContactResidual& residual) {
+  const double value = criterion_value(solver_.criterion, record, residual);
+  if (!std::isfinite(record.impulses) || !std::isfinite(record.gluing)) return SolverStatus::no_number;
+  if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
+  if (record.impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
+  // The contacts may have settled within subdomains that have not met yet.
+  const bool semi_implicit = solver_.algorithm == "enriched" && solver_.enrichment == "semi_implicit";
+  const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
+  if (value <= solver_.tolerance && glued) return SolverStatus::converged;
+  if (value < best_) {
+    best_ = value;
+    best_iteration_ = record.iteration;
+  }
+  if (record.iteration >= solver_.maximum_iterations) return SolverStatus::maximum_reached;
+  if (value < infinity && record.iteration - best_iteration_ >= std::max(patience, 4 * best_iteration_))
+    return SolverStatus::stalled;
+  return std::nullopt;
+}
+
+PreparedStep prepare_solution(const Simulation& simulation) {
+  const Dynamics& dynamics = simulation.dynamics;
+  const StepSolver& solver = dynamics.solver;
+  StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
+                                     solver.warm_start);
+  check_overlaps(simulation.system, problem, largest_overlap);
+  Partition partition = partition_step(simulation, problem);
+  const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
+  GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
+  double eta = not_a_number;
+  std::optional<InterfaceOperator> enriched;
+  if (solver.algorithm == "enriched" && parts.interface_size() > 0) {
+    eta = solver.eta == "optimal" ? best_eta(simulation, problem, partition)
+                                  : parse_number(solver.eta, "solver.eta");
+    if (!(eta > 0))
+      throw Error(fmt::format("solver.eta: expected a number > 0 or \"optimal\", met {}", solver.eta));
+    enriched = enriched_operator(simulation, problem, partition, eta);
+  }
+  GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver,
+                             enriched);
+  iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
+  return {std::move(problem), std::move(partition), std::move(enriched), eta, std::move(iteration)};
+}
+
+SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
+  const Dynamics& dynamics = simulation.dynamics;
+  const StepSolver& solver = dynamics.solver;
+  const auto begin = Clock::now();
+  PreparedStep prepared = prepare_solution(simulation);
+  GranularTwoStage& iteration = prepared.iteration;
+  SolvedStep step;
+  step.problem = std::move(prepared.problem);
+  step.partition = std::move(prepared.partition);
+  const ContactLaw law = contact_law(dynamics.interaction, step.problem.h);
+  StepReport& report = step.report;
+  report.interface_size = iteration.parts().interface_size();
+  report.eta = prepared.eta;
+  report.setup_seconds = seconds_since(begin);
+  IterationWatch watch(solver);
+  std::vector<ContactStatus> statuses;
+  for (;;) {
+    const auto start = Clock::now();
+    report.last = iteration.iterate();
+    report.solve_seconds += seconds_since(start);
+    const bool look = sink || needs_residual(solver.criterion);
+    if (look) report.residual = iteration.residual();
+    if (sink)
+      sink({.step = simulation.state.step + 1,
+            .record = report.last,
+            .residual = report.residual,
+            .status_changes = changes_of(statuses, iteration.statuses()),
+            .seconds = report.solve_seconds});
+    if (const auto status = watch.judge(report.last, report.residual)) {
+      report.status = *status;
+      break;
+    }
+  }
+  report.residual = iteration.residual();
+  step.contacts = iteration.contacts(step.problem);
+  step.velocities = iteration.velocities(step.problem);
+  if (report.interface_size > 0) {  // of what is kept, not of copies that need not be glued yet
+    const double scale = report.residual.impulses;
+    report.residual = contact_residual(law, step.contacts, step.velocities);
+    report.residual.impulses = scale;
+  }
+  // Laws open a contact whose velocity is no number: its impulse is 0, and the indicators may look well.
+  if (!all_finite(step.velocities))
+    report.status = SolverStatus::no_number;
+  else if (energy_exploded(step.problem, step.velocities))
+    report.status = SolverStatus::diverged;
+  step.gluing = iteration.gluing();
+  step.interface_impulses = iteration.interface_impulses();
+  report.step = simulation.state.step + 1;
+  report.contacts = count(step.contacts);
+  report.overlap = interpenetration(simulation.system, step.problem);
+  return step;
+}
+
+StepReport take_step(Simulation& simulation, SolvedStep step) {
+  step.report.energy = finish_step(simulation.system, simulation.state, step.problem,
+                                   simulation.dynamics.time, step.contacts, step.velocities);
+  GranularState& state = simulation.state;
+  if (decomposes_afresh(simulation, step.report.step - 1)) {
+    state.decomposed_at = step.report.step - 1;
+    state.eta = std::isnan(step.report.eta) ? 0 : step.report.eta;
+  }
+  state.gluing = std::move(step.gluing);
+  state.subdomains.clear();
+  for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
+    state.subdomains.push_back(
+        {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
+  step.report.time = simulation.state.time;
+  return step.report;
+}
+
+std::string describe_breakdown(const Simulation& before, const SolvedStep& step) {
+  const auto name = [&](const StepContact& c) {
+    return fmt::format("contact of {} and {} at ({:.6g}, {:.6g}) m", body_name(before.system, c.a),
+                       body_name(before.system, c.b), c.point[0], c.point[1]);
+  };
+  std::size_t largest = 0;
+  double size = -1;
+  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
+    const double impulse = std::hypot(step.contacts[k].impulse_n, step.contacts[k].impulse_t);
+    if (!std::isfinite(impulse)) return name(step.problem.geometry[k]) + ": impulse is no number";
+    if (impulse > size) {
+      size = impulse;
+      largest = k;
+    }
+  }
+  for (std::size_t i = 0; i < step.velocities.size(); ++i)
+    if (!std::isfinite(step.velocities[i].x + step.velocities[i].y + step.velocities[i].rim))
+      return fmt::format("{} at ({:.6g}, {:.6g}) m: velocity is no number",
+                         body_name(before.system, static_cast<Index>(i)), before.state.x[i],
+                         before.state.y[i]);
+  if (step.contacts.empty()) return "no contact";
+  return fmt::format("{}: largest impulse, {:.6g} N s", name(step.problem.geometry[largest]), size);
+}
+
+}  // namespace nscdd

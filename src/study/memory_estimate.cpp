@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/memory_estimate.hpp"
+
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/enriched_inertia.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nscdd {
+namespace {
+
+constexpr double bytes_per_number = 8;
+
+// P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK.
+constexpr double dense_matrices = 6;
+// In the rigid limit with unit eigenvalues also a kernel and its complement, a basis, and the restricted
+// pencil.
+constexpr double rigid_dense_matrices = 13;
+// The deflation of ARPACK in the rigid limit splits a dense kernel up to this many interface unknowns.
+constexpr double rigid_kernel_limit = 4000, rigid_kernel_matrices = 5;
+// A nonsymmetric matrix, its Hessenberg and Schur forms with their bases, and complex eigenvectors.
+constexpr double inexact_matrices = 9;
+constexpr double inexact_dense_limit = 2500;  // up to which ARPACK may fall back on the dense solver
+
+// Subdomains and undivided packing at eta and at epsilon, and one more while a flexibility changes.
+constexpr double factors = 5;
+constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
+// Fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16 parts, and never
+// below it on lattices cut down to a few grains per subdomain, where it is up to 1.7 times as much. With s
+// rows of the saddle point, b = s / unknowns of the undivided packing (its rows of a grain are eliminated
+// together, so that an entry of a factor of the packing becomes b^2): entries of the factor over s b log2 s,
+// and a little more with a finite eta; bytes per grain unknown for matrices and their assembly, and how many
+// times more with a finite eta.
+constexpr double shift_fill = 6.9, shift_fill_finite = 1.2, shift_bytes = 1400, shift_bytes_finite = 1.5;
+constexpr double program_bytes = 3e7;  // the program and its libraries, which small packings are less than
+// In the rigid limit the contact impulses are unknowns of their own (measured on a deposit of 10^5 disks in
+// 2 x 2 parts: 1.54 GB for 0.55), and so are they for the ranks: bytes per unknown, from a lattice of 10^4
+// disks in 16 strips, 0.22 GB in all.
+constexpr double rigid_shift = 3, rigid_ranks = 5000;
+// Of ranks by themselves, and of the impulses that take as much, per n log2 n with a row for each grain
+// unknown and for each contact: 250 on a lattice of 10^4 disks (0.22 GB in all), 130 on a deposit of 5 10^4
+// (0.52 GB).
+constexpr double rank_bytes = 300;
+constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
+constexpr double arpack_vectors = 5;  // beside the basis
+
+// Above this many contacts the impulses behind an active set come from a sparse factorisation of the packing
+// with its contacts, and their rank from another, which is the larger.
+constexpr Index dense_impulses = 4000;
+constexpr double dense_impulse_matrices = 2;  // the matrix, and what LAPACK reduces
+
+double square(double x) { return x * x; }
+
+double numbers_of(const Model& model) {
+  double copies = 0;
+  for (const Subdomain& subdomain : model.parts.subdomains)
+    copies += static_cast<double>(subdomain.inertia.size());
+  return copies;
+}
+
+double model_need(const Model& model) {
+  double modes = 0;
+  for (const Subdomain& subdomain : model.parts.subdomains)
+    if (subdomain.inertia.size() <= EnrichedInertiaFamily::default_dense_limit)
+      modes += square(static_cast<double>(subdomain.inertia.size()));
+  return model_bytes * numbers_of(model) + bytes_per_number * modes;
+}
+
+// Of sparse_rank: a factor of a saddle point with these rows and columns.
+double rank_need(double rows, double columns) {
+  const double n = std::max(rows + columns, 2.0);
+  return rank_bytes * n * std::log2(n);
+}
+
+// Of the impulses that choose a set of contacts.
+double choice_need(const Model& model, ContactSet contacts) {
+  if (contacts == ContactSet::all) return 0;
+  if (contacts == ContactSet::active && model.parts.contacts <= dense_impulses)
+    return bytes_per_number * dense_impulse_matrices * static_cast<double>(model.problem.h.rows()) *
+           static_cast<double>(model.parts.contacts);
+  const double rows = numbers_of(model);
+  const auto columns = static_cast<double>(model.parts.contacts);
+  // More columns than rows are not independent, and the unilateral problem takes less than their rank.
+  return rank_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
+}
+
+bool has_rigid_limit(const SweepParameters& parameters) {
+  return std::find(parameters.epsilon.begin(), parameters.epsilon.end(), 0.0) != parameters.epsilon.end();
+}
+
+// Of shift-invert for epsilon > 0.
+double shifted_need(const Model& model, bool finite_eta) {
+  const double unknowns = numbers_of(model);
+  const double rows =
+      std::max((finite_eta ? 2 : 1) * unknowns + static_cast<double>(model.parts.interface_size()), 2.0);
+  const double rows_per_unknown = rows / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
+  const double entries =
+      shift_fill * (finite_eta ? shift_fill_finite : 1) * rows * rows_per_unknown * std::log2(rows);
+  return bytes_per_number * entries + shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
+}
+
+double exact_need(const Model& model, const SweepParameters& parameters) {
+  const SpectralOptions& options = parameters.spectral;
+  const Index size = model.parts.interface_size();
+  const auto n = static_cast<double>(size);
+  const bool rigid = has_rigid_limit(parameters);
+  if (options.solver == SpectralSolver::dense ||
+      (options.solver == SpectralSolver::automatic && size <= options.dense_limit))
+    return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
+  const double unknowns = std::max(numbers_of(model), 2.0);
+  if (options.solver != SpectralSolver::arpack) {
+    const bool finite = std::any_of(parameters.eta.begin(), parameters.eta.end(),
+                                    [](double eta) { return std::isfinite(eta); });
+    const double shifted = shifted_need(model, finite);
+    if (!rigid) return program_bytes + shifted;
+    const bool dense_too = options.solver == SpectralSolver::automatic && size <= rigid_dense_limit;
+    return program_bytes + std::max(rigid_shift * shifted + rigid_ranks * unknowns,
+                                    dense_too ? bytes_per_number * rigid_dense_matrices * square(n) : 0);
+  }
+  const double kernel = rigid && n <= rigid_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
+  return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +
+                             (static_cast<double>(options.arpack.basis) + arpack_vectors) * n);
+}
+
+double inexact_need(const Model& model, const SweepParameters& parameters) {
+  const auto size = static_cast<double>(model.parts.contacts + model.parts.interface_size());
+  const SpectralOptions& options = parameters.spectral;
+  const bool dense = options.solver == SpectralSolver::dense ||
+                     (options.solver == SpectralSolver::automatic && size <= inexact_dense_limit);
+  const double basis = static_cast<double>(options.arpack.basis) + arpack_vectors;
+  return bytes_per_number * (dense ? inexact_matrices * square(size) : basis * size);
+}
+
+}  // namespace
+
+double estimated_bytes(const Model& model, const SweepParameters& parameters) {
+  double need = 0;
+  for (const auto& sweeps : parameters.gauss_seidel_sweeps)
+    need = std::max(need, sweeps ? inexact_need(model, parameters) : exact_need(model, parameters));
+  return model_need(model) + std::max(need, choice_need(model, parameters.contacts));
+}
+
+double estimated_link_bytes(const Model& model, ContactSet contacts) {
+  const bool loaded = !model.problem.arriving_velocity.isZero(0);
+  return model_need(model) + (loaded ? choice_need(model, contacts) : 0);
+}
+
+double estimated_rank_bytes(const Model& model) {
+  return model_need(model) + rank_need(numbers_of(model), static_cast<double>(model.parts.contacts));
+}
+
+MemoryNeed largest_need(const StudyTable& table, Index first) {
+  MemoryNeed largest;
+  const auto rows = row_count(table);
+  if (!rows || moves(table.observable)) return largest;  // what moves takes some hundred bytes per grain
+  const Index cases = varied_case_count(table);
+  for (Index number = first * cases / std::max<Index>(*rows, 1); number < cases; ++number) {
+    const Case one = varied_case(table, number).one;
+    try {
+      const Model model = build(one);
+      const double bytes = estimated_bytes(model, table.sweep);
+      if (bytes > largest.bytes) largest = {bytes, model.name, model.parts.interface_size()};
+    } catch (const Error& error) {
+      throw Error(fmt::format("case {}: {}", one.name, error.what()));
+    }
+  }
+  return largest;
+}
+
+}  // namespace nscdd

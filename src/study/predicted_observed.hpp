@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/monitor.hpp>
+#include <nscdd/core/table.hpp>
+#include <nscdd/simulation/simulation.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// A run of a step beside the local theory of its convergence.
+struct PredictedObserved {
+  double eta = not_a_number;                                   ///< of the enriched algorithm, 1/kg
+  Index interface_size = 0, active = 0, stick = 0, slide = 0;  ///< at the statuses compared
+  double predicted = not_a_number;        ///< radius of the frozen iteration with n_GS sweeps
+  double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 disks
+  bool complex_pair = false;              ///< the dominant eigenvalue of `predicted` is one of a pair
+  bool converged = false;                 ///< of the prediction
+  double observed = not_a_number;         ///< factor per iteration; NaN where no stretch shows one
+  double observed_error = not_a_number;   ///< standard error of the fit plus drift along it
+  double rate_z = not_a_number;           ///< factor per iteration of Z itself over the stretch fitted
+  Index first = 0, last = 0;              ///< iterations of the stretch fitted
+  Index iterations = 0;                   ///< run in all
+  SolverStatus status = SolverStatus::maximum_reached;
+
+  /// |observed - predicted| / (1 - predicted): what is left of a run to say about its rate. NaN where either
+  /// is not known.
+  double relative_gap() const;
+  /// Whether the gap is at most 1 %, or the rates differ by at most three times `observed_error`.
+  bool agree() const;
+};
+
+/// Runs the iterations of the next step of a simulation to their end, and looks for the stretch of iterations
+/// without a change of status in which the corrections of F_Gamma fell most, or grew most: with friction a
+/// frozen map may be unstable, and the run then leaves these statuses at the rate of its radius, above 1.
+/// Near a solution, and between changes of status on the way to it, the run is the frozen linear iteration:
+/// corrections F_i - F_{i-1} tend to a constant drift (impulses that the networks carry either way; zero
+/// where there are none) with the subdominant radius as their rate. So the rate is fitted to |F_i - 2 F_{i-1}
+/// + F_{i-2}| over the last half of the stretch, and compared with the radius at the statuses of that
+/// stretch. Throws Error as require_comparable.
+PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor = {});
+
+/// Throws Error naming the key for settings whose rate is not predicted: plain Gauss-Seidel and one
+/// subdomain, which have no interface, and what the frozen iteration does not have: conjugate gradients, an
+/// enrichment that is not that of every iteration, relaxed contacts, the viscous law.
+void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner);
+
+}  // namespace nscdd

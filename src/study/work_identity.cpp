@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/work_identity.hpp"
+
+#include "core/fingerprint.hpp"
+#include <nscdd/core/fields.hpp>
+#include <nscdd/core/version.hpp>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+constexpr Index shown_values = 64;  // longer lists are told apart by their fingerprint
+
+std::string version_text() {
+  std::string text = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint());
+  for (const auto& [name, number] : dependency_versions()) text += fmt::format("{} {}\n", name, number);
+  return text;
+}
+
+std::string content(const Packing& packing) {
+  std::vector<double> all;
+  for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass})
+    all.insert(all.end(), values->begin(), values->end());
+  return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
+}
+
+std::string content(const GlobalFrictionProblem& problem) {
+  std::vector<double> all;
+  for (const SparseMatrix* matrix : {&problem.mass, &problem.h})
+    for (Index j = 0; j < matrix->cols(); ++j)
+      for (SparseMatrix::InnerIterator e(*matrix, j); e; ++e)
+        all.insert(all.end(), {static_cast<double>(e.row()), static_cast<double>(j), e.value()});
+  for (const Vector* values : {&problem.f, &problem.w, &problem.friction})
+    all.insert(all.end(), values->begin(), values->end());
+  return fmt::format("{} contacts, content {}", problem.contacts(), fingerprint(all));
+}
+
+// The name of a file, wherever it lies, with its content.
+std::string file_text(const std::string& path, const std::string& content) {
+  return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
+}
+
+std::string case_text(Case one) {
+  std::string text = fmt::format("name = {}\n", field_text(one.name));
+  if (auto* file = std::get_if<PackingFile>(&one.packing))
+    file->path = file_text(file->path, content(file->packing));
+  if (auto* file = std::get_if<ContactProblemFile>(&one.packing))
+    file->path = file_text(file->path, content(file->problem));
+  if (auto* settled = std::get_if<SettledPacking>(&one.packing))
+    settled->from = fmt::format("{} ({})", settled->from, content(settled->packing));
+  return text + to_toml(one);
+}
+
+std::string list_text(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  if (count(items) <= shown_values) return fmt::format("[{}]", text);
+  return fmt::format("[{}, ..., {}], {} values, content {}", items.front(), items.back(), items.size(),
+                     fingerprint(text));
+}
+
+std::vector<std::string> texts(const std::vector<double>& values) {
+  std::vector<std::string> result;
+  for (const double value : values) result.push_back(field_text(value));
+  return result;
+}
+
+// Lists in which "empty" has a name of its own.
+template <class Number>
+std::vector<std::string> texts(const std::vector<std::optional<Number>>& values, const char* empty) {
+  std::vector<std::string> result;
+  for (const auto& value : values) result.push_back(value ? fmt::format("{}", *value) : empty);
+  return result;
+}
+
+std::string options_text(const StudyTable& table) {
+  const SweepParameters& sweep = table.sweep;
+  std::string text =
+      fmt::format("observable = {}\n", observables[static_cast<std::size_t>(table.observable)].first);
+  for (const Variation& variation : table.vary_together)
+    text += fmt::format("together {} = {}\n", variation.parameter, list_text(variation.values));
+  for (const Variation& variation : table.vary)
+    text += fmt::format("{} = {}\n", variation.parameter, list_text(variation.values));
+  text += fmt::format("epsilon = {}\n", list_text(texts(sweep.epsilon)));
+  text += fmt::format("eta = {}\n", list_text(texts(sweep.eta)));
+  text += fmt::format("relaxation = {}\n", list_text(texts(sweep.relaxation, "optimal")));
+  text += fmt::format("gauss_seidel_sweeps = {}\n", list_text(texts(sweep.gauss_seidel_sweeps, "inf")));
+  text += fmt::format("contacts = {}\n", to_string(sweep.contacts));
+  if (moves(table.observable))
+    text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
+  return text + fmt::format("seed = {}\n", table.seed);
+}
+
+// Every member of SpectralOptions.
+std::string effort_text(const SpectralOptions& options) {
+  return fmt::format(
+      "solver = {}\ndense_limit = {}\ntolerance = {}\nbasis = {}\nmaximum_restarts = {}\n"
+      "arpack_tolerance = {}\ncertify = {}\neigenvalues = {}\n",
+      spectral_solver_names()[static_cast<std::size_t>(options.solver)], options.dense_limit,
+      options.tolerance, options.arpack.basis, options.arpack.maximum_restarts, options.arpack.tolerance,
+      options.certify, options.eigenvalues);
+}
+
+// First line in which two texts differ.
+std::string differing_line(std::string_view expected, std::string_view met) {
+  const auto next = [](std::string_view& text) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const std::string line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    return line;
+  };
+  while (!expected.empty() || !met.empty()) {
+    const std::string a = next(expected), b = next(met);
+    if (a != b) return fmt::format("expected '{}', met '{}'", a, b);
+  }
+  return "expected other line ends";
+}
+
+}  // namespace
+
+WorkIdentity work_identity(const StudyTable& table) {
+  std::string cases;
+  for (const Case& one : table.cases) cases += case_text(one);
+  return {version_text(), cases, options_text(table), effort_text(table.sweep.spectral)};
+}
+
+std::string difference(const WorkIdentity& expected, const WorkIdentity& met) {
+  const auto compared = [](const char* what, const std::string& a, const std::string& b) {
+    return a == b ? "" : fmt::format("the {} differs: {}", what, differing_line(a, b));
+  };
+  for (const std::string& found :
+       {compared("code version", expected.version, met.version), compared("case", expected.cases, met.cases),
+        compared("choice of options", expected.options, met.options),
+        compared("choice of solver options", expected.effort, met.effort)})
+    if (!found.empty()) return found;
+  return "";
+}
+
+}  // namespace nscdd
