@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All figures in one process."""
+"""All figures in one process, those of the paper first. Studies without results are left out, and named."""
+import os
 import sys
 
 import disorder
@@ -20,9 +21,42 @@ import scalability
 import size
 import style
 
-SCRIPTS = [figures_2_3_4, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one,
-           observed_rate, size, scalability, disorder, partition, predicted_observed]
+# What draws the results of a study.
+DRAW = {
+    "figures-2-3-4": figures_2_3_4.draw,
+    "figure-5": figure_5.draw,
+    "figure-6": figure_6.draw,
+    "figure-7": figure_7.draw,
+    "figure-8": figures_8_10.draw_8,
+    "figure-9": figures_9_11.draw_9,
+    "figure-10": figures_8_10.draw_10,
+    "figure-11": figures_9_11.draw_11,
+    "optimal-eta": optimal_eta.draw,
+    "relaxation": relaxation.draw,
+    "inexact-stage-one": inexact_stage_one.draw,
+    "observed-rate": observed_rate.draw,
+    "size": size.draw,
+    "scalability": scalability.draw,
+    "disorder": disorder.draw,
+    "partition": partition.draw,
+    "predicted-observed": predicted_observed.draw,
+}
+WITHOUT_FIGURE = ["semi-implicit"]
+
+
+def main():
+    parser = style.arguments(__doc__)
+    parser.add_argument("--study", choices=[*DRAW, *WITHOUT_FIGURE], help="draw the figures of this study alone")
+    options = parser.parse_args()
+    if options.study:
+        return style.draw_each([DRAW[options.study]] if options.study in DRAW else [], options)
+    there = [name for name in DRAW if os.path.isdir(os.path.join(options.results, name))]
+    absent = [name for name in DRAW if name not in there]
+    if absent:
+        print(f"{options.results}: nothing of {', '.join(absent)}", file=sys.stderr)
+    status = style.draw_each([DRAW[name] for name in there], options)
+    return status if there else 2
+
 
 if __name__ == "__main__":
-    sys.exit(style.run(__doc__, *[script.draw for script in SCRIPTS], figures_8_10.draw_8,
-                       figures_8_10.draw_10, figures_9_11.draw_9, figures_9_11.draw_11))
+    sys.exit(main())

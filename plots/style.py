@@ -63,6 +63,10 @@ class DataError(Exception):
     """A table that is missing or does not hold what a figure needs."""
 
 
+class NoTable(DataError):
+    """A table that is not there."""
+
+
 class NoRows(DataError):
     """A table that holds its line of names alone."""
 
@@ -105,6 +109,8 @@ def read_table(results, name, numbers="", flags="", texts=""):
                                         f"{kinds[convert]}") from None
                 rows.append(row)
                 unconverged += raw.get("converged") == "false"
+    except FileNotFoundError as error:
+        raise NoTable(f"{path}: {error.strerror}") from None
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}") from None
     except (csv.Error, UnicodeDecodeError) as error:
@@ -282,20 +288,25 @@ def formats_of(text):
     return kinds
 
 
-def run(description, *draws):
-    """Command line of a script: DRAW(results, output, formats) returns the files written."""
+def arguments(description):
+    """The command line that all scripts of figures share."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("results", metavar="RESULTS", help="folder of the tables, RESULTS/STUDY/TABLE.csv")
     parser.add_argument("output", metavar="OUTPUT", help="folder for the figures, made if missing")
     parser.add_argument("--format", type=formats_of, default=["svg", "png"], metavar="LIST",
                         help="comma-separated list of svg, png, pdf (default svg,png)")
-    options = parser.parse_args()
+    return parser
+
+
+def draw_each(draws, options):
+    """Calls DRAW(results, output, formats), which returns the files written, and prints their names as soon as they
+    are there. A figure that cannot be drawn does not stop the others; the status is then 2."""
     status = 0
     for draw in draws:
         try:
             os.makedirs(options.output, exist_ok=True)
             for path in draw(options.results, options.output, options.format):
-                print(path)
+                print(path, flush=True)
         except DataError as error:
             print(f"error: {error}", file=sys.stderr)
             status = 2
@@ -303,3 +314,8 @@ def run(description, *draws):
             print(f"error: {error.filename}: {error.strerror}", file=sys.stderr)
             status = 2
     return status
+
+
+def run(description, *draws):
+    """Command line of a script that draws one figure or a few."""
+    return draw_each(draws, arguments(description).parse_args())

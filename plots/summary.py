@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Headline numbers of the figures, read from the tables, and the files they are drawn in."""
+"""Headline numbers of the figures, read from the tables, and the files they are drawn in. Tables that are not there are
+left out."""
 import argparse
 import os
 import sys
@@ -178,8 +179,8 @@ def partition(results):
                    f"epsilon 0.01, generic: 1 - rho {gap.min():.2g} to {gap.max():.2g}")
 
 
-SECTIONS = [networks, figure_5, figure_6, figure_7, optimal_eta, relaxation, inexact_stage_one, observed_rate,
-            size, scalability, disorder, partition, figure_9, figure_10, figure_11, predicted_observed]
+SECTIONS = [networks, figure_5, figure_6, figure_7, figure_9, figure_10, figure_11, optimal_eta, relaxation,
+            inexact_stage_one, observed_rate, size, scalability, disorder, partition, predicted_observed]
 
 
 def main():
@@ -194,9 +195,14 @@ def main():
                 files = [os.path.join(options.figures, f"{name}.{kind}") for kind in style.FORMATS]
                 drawn = [f for f in files if os.path.exists(f)]
                 lines.append((name, case, headline, drawn[0] if drawn else "not drawn"))
+        except style.NoTable:
+            continue  # a study that was not run
         except style.DataError as error:
             print(f"error: {error}", file=sys.stderr)
             status = 2
+    if len(lines) == 1 and status == 0:
+        print(f"error: {options.results}: expected the results of a study, met none", file=sys.stderr)
+        return 2
     widths = [max(map(len, cells)) for cells in zip(*lines)]
     for cells in lines:
         print("  ".join(cell.ljust(width) for cell, width in zip(cells, widths)).rstrip())
