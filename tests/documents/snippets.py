@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs every ```python block of the Markdown files given, as a reader would who copies it.
 
-usage: documented_snippets.py FILE.md...
+usage: snippets.py FILE.md...
 
 Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
 results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
@@ -67,10 +67,10 @@ def run_block(folder, document, line, code):
 
 def main():
     if len(sys.argv) < 2:
-        sys.exit("usage: documented_snippets.py FILE.md...")
+        sys.exit("usage: snippets.py FILE.md...")
     for name in ("NSCDD_PROGRAM", "NSCDD_SOURCE"):
         if name not in os.environ:
-            sys.exit(f"documented_snippets.py: the environment has no {name}")
+            sys.exit(f"snippets.py: the environment has no {name}")
     found = []
     for document in sys.argv[1:]:
         with open(document, encoding="utf-8") as stream:
