@@ -54,7 +54,7 @@ def draw_11(results, output, formats):
         for eta, look in zip(etas, looks):
             own = [r for r in style.where(rows, gauss_seidel_sweeps=n, eta=eta)
                    if 0 < r["interface_change"] < 1e3]
-            label = "generic" if eta == float("inf") else rf"enriched, $\eta = {eta:g}$"
+            label = "generic" if eta == float("inf") else rf"enriched, $\eta = {eta:g}$ 1/kg"
             axes.plot(style.column(own, "iteration"), style.column(own, "interface_change"), label=label, **look)
     grid.flat[0].set_ylabel("interface indicator $Z_i$ (40)")
     style.legend_above(fig, *grid.flat[0].get_legend_handles_labels(), 4)

@@ -9,6 +9,17 @@ import style
 MARKERS = {1: "o", 10: "s", 100: "^"}
 
 
+def label_two_and_five(axis, low, high):
+    """Labels at 1, 2 and 5 of each decade: the rates span less than two decades."""
+    ticks = {}
+    for exponent in range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high)))):
+        for digit in (1, 2, 5):
+            if low <= digit * 10.0**exponent <= high:
+                factor = "" if digit == 1 else rf"{digit}\cdot"
+                ticks[digit * 10.0**exponent] = rf"${factor}10^{{{exponent}}}$"
+    axis.set_ticks(list(ticks), labels=list(ticks.values()))
+
+
 def draw(results, output, formats):
     rows = style.read_table(results, "predicted-observed/rate.csv", texts="case algorithm",
                             numbers="grains gauss_seidel_sweeps predicted observed relative_gap", flags="agree")
@@ -31,9 +42,10 @@ def draw(results, output, formats):
                 some = [r for r in own if r["agree"] == agree]
                 if some:
                     gaps.plot(1 - style.column(some, "predicted"), style.column(some, "relative_gap"),
-                              markerfacecolor=face, **look)
+                              markerfacecolor=face, zorder=2 if agree else 3, **look)
     for axis in (rates.xaxis, rates.yaxis, gaps.xaxis):
         style.log_axis(axis, low, high)
+        label_two_and_five(axis, low, high)
     gaps.set_yscale("log")
     rates.set_ylabel(r"observed in the run, $1 - \rho$")
     gaps.set_ylabel(r"$|$observed $-$ predicted$|$ / ($1 - \rho$)")

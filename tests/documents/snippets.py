@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every ```python block of the Markdown files given, as a reader would who copies it.
+"""Runs every ```python block of the Markdown files given, as a reader would who copies it. Checks that the commands in
+```sh and ```console blocks and in code spans have verbs and options that the program knows.
 
 usage: snippets.py FILE.md...
 
@@ -25,12 +26,12 @@ PREPARATION = [
 TIME_LIMIT = 120  # seconds per command: against a hang, not a measurement
 
 
-def blocks(text, document):
-    """(line number, code) of every fenced block marked python; fences may be indented, as in a list."""
+def blocks(text, document, language="python"):
+    """(line number, code) of every fenced block of a language; fences may be indented, as in a list."""
     found, start, indent, lines = [], None, "", []
     for number, line in enumerate(text.splitlines(), 1):
         if start is None:
-            fence = re.fullmatch(r"(\s*)```+\s*python\b.*", line)
+            fence = re.fullmatch(rf"(\s*)```+\s*{language}\b.*", line)
             if fence:
                 start, indent, lines = number + 1, fence.group(1), []
         elif re.fullmatch(r"\s*```+\s*", line):
@@ -39,7 +40,7 @@ def blocks(text, document):
         else:
             lines.append(line[len(indent):] if line.startswith(indent) else line)
     if start is not None:
-        sys.exit(f"{document}: a python block that starts at line {start} has no end")
+        sys.exit(f"{document}: a {language} block that starts at line {start} has no end")
     return found
 
 
@@ -65,16 +66,54 @@ def run_block(folder, document, line, code):
     return result.returncode == 0
 
 
+def commands(code):
+    """(verb, options) of every call of the program in lines of a shell."""
+    for line in code.replace("\\\n", " ").splitlines():
+        for part in re.split(r"[|;&]", re.sub(r"(^|\s)#.*", "", line)):
+            words = re.sub(r"^\s*\$ ", "", part).split()
+            if words and os.path.basename(words[0]) == "nscdd" and len(words) > 1 and not words[1].startswith("-"):
+                yield words[1], [w.split("=")[0] for w in words[2:] if re.match(r"--?[a-z]", w)]
+
+
+def shell_lines(text, document):
+    """(line number, code) of the blocks of a shell, and of the spans of the text that call the program."""
+    found = blocks(text, document, "sh") + blocks(text, document, "console")
+    for number, line in enumerate(text.splitlines(), 1):
+        found += [(number, span) for span in re.findall(r"`(nscdd [^`]+)`", line)]
+    return found
+
+
+def unknown_options(document, text, helps):
+    """What the commands of the document ask for and the program does not know, in words."""
+    for line, code in shell_lines(text, document):
+        for verb, options in commands(code):
+            if not re.fullmatch("[a-z]+", verb):
+                continue  # nscdd VERB --help
+            if verb not in helps:
+                result = subprocess.run([os.environ["NSCDD_PROGRAM"], verb, "--help"], capture_output=True, text=True,
+                                        timeout=TIME_LIMIT)
+                helps[verb] = result.stdout if result.returncode == 0 else ""
+            known = set(re.findall(r"(?<!\S)--?[a-z][a-z0-9-]*", helps[verb].replace(",", " ")))
+            for option in [o for o in options if o not in known] if known else [""]:
+                yield f"{document}: line {line}: the program does not know '{verb} {option}'".rstrip()
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit("usage: snippets.py FILE.md...")
     for name in ("NSCDD_PROGRAM", "NSCDD_SOURCE"):
         if name not in os.environ:
             sys.exit(f"snippets.py: the environment has no {name}")
-    found = []
+    found, unknown, helps = [], [], {}
     for document in sys.argv[1:]:
         with open(document, encoding="utf-8") as stream:
-            found += [(document, line, code) for line, code in blocks(stream.read(), document)]
+            text = stream.read()
+        found += [(document, line, code) for line, code in blocks(text, document)]
+        unknown += unknown_options(document, text, helps)
+    if unknown:
+        sys.exit("\n".join(unknown))
+    if not helps:
+        sys.exit(f"expected a command of the program in {', '.join(sys.argv[1:])}, met none")
     if not found:
         sys.exit(f"expected a python block in {', '.join(sys.argv[1:])}, met none")
     with tempfile.TemporaryDirectory() as folder:
