@@ -4,11 +4,12 @@
 
 usage: OPENBLAS_NUM_THREADS=1 taskset -c 0 /usr/bin/python3 benchmarks/dense_radii.py [PROGRAM] [--repeat N]
 
-For lattices of 6 columns and more and more rows, cut in two, both compute both ends of the spectrum of B_eps for the
-same values of epsilon and must agree to 1e-9. The rival (function `scipy_radii`) is what a competent user writes:
-sparse matrices, one sparse LU of W_E + eps I per subdomain and epsilon (dense Cholesky below 600 contacts), the
-interface matrices dense, scipy.linalg.eigh of the pencil. It is timed inside the process, after its imports and after
-contact detection; nscdd as a whole process, from start to the last row of its CSV. Median of N runs of each in turn.
+The packings are lattices of 6 columns and more and more rows, cut in two. Both programs compute both ends of the
+spectrum of B_eps for the same values of epsilon and must agree to 1e-9. The rival (function `scipy_radii`) is what a
+competent user writes: sparse matrices, one sparse LU of W_E + eps I per subdomain and epsilon (dense Cholesky below 600
+contacts), the interface matrices dense, scipy.linalg.eigh of the pencil. It is timed inside the process, after its
+imports and after contact detection. nscdd is timed as a whole process, from start to the last row of its CSV. The times
+are medians of N runs of each in turn.
 """
 import argparse
 import csv

@@ -5,15 +5,16 @@
 usage: benchmarks/granular_speed.py [--program build/release/nscdd] [--grains 1000,10000,100000] [--siconos PROGRAM]
 
 Four tables:
-  sweeps     ns per contact and sweep on one core, whole step of 100 sweeps (detection and set-up included)
-  algorithm  ms per iteration of Algorithm 1 (n_GS = 1, generic) in two vertical strips, one and two threads
-  memory     of a whole run, per contact: peak of the resident set at two sizes, difference over difference
-  siconos    the same contact problem (in the layout of each) for nscdd solve and for Siconos' fc2d_nsgs (benchmarks/peers/siconos_fc2d.c,
-             compiled beforehand; its path is the argument), to the same natural-map residual: Siconos stops where
-             its cheap estimate says 1e-4, nscdd goes on to what Siconos reached then, by Siconos' own measure
+  sweeps     ns per contact and sweep on one core, and the whole step of 100 sweeps (detection and set-up included)
+  algorithm  ms per iteration of Algorithm 1 (n_GS = 1, generic) in two vertical strips, on one thread and on two
+  memory     bytes per contact of a whole run: the difference of the peaks of the resident set at two sizes, over the
+             difference of the contacts
+  siconos    seconds of nscdd solve and of Siconos' fc2d_nsgs for the same contact problem, each in its own layout.
+             Siconos stops where its cheap estimate says 1e-4. nscdd goes on to the residual that Siconos reached then,
+             by Siconos' own measure. The argument is the path of benchmarks/peers/siconos_fc2d.c, compiled beforehand.
 
-Deposits come from the program's own generator (drop and roll, 100 000 grains have some 200 000 contacts); friction 0.3.
-Times are those the program measures of its own steps, the best and the median of some steps: other work on the
+Deposits come from the program's own generator (drop and roll; 100 000 grains have some 200 000 contacts), with friction
+0.3. Times are those the program measures of its own steps: the best and the median of some steps. Other work on the
 machine shows as a spread.
 """
 import argparse

@@ -3,9 +3,10 @@
 """Radii of B_epsilon on triangular lattices in vertical strips: nscdd against SciPy and Octave, one run of each.
 
 The peers (benchmarks/peers/) are the best straightforward method found in either language: local factorisations, a
-dense interface matrix, its largest eigenvalue. nscdd is timed as a whole process, packing file read and contacts
-found, over 20 values of epsilon from 1e-4 to 1e2 at a tolerance of 1e-8, both ends of the spectrum; the peers over
-fewer values by their own clocks, without their set-up. Radii must agree to 2e-8 wherever both have them.
+dense interface matrix, its largest eigenvalue. They are timed by their own clocks, without their set-up, over a few
+values of epsilon. nscdd is timed as a whole process, packing file read and contacts found, over 20 values of epsilon
+from 1e-4 to 1e2, at a tolerance of 1e-8, for both ends of the spectrum. Radii must agree to 2e-8 wherever both have
+them.
 
 usage: large_packings.py [--program PATH] [--grains N] [--strips 2,16] [--peers octave,scipy] [--peer-epsilons 2]
        large_packings.py --scaling [--sizes 10000,100000,1000000]     cost of one point against N, 16 strips

@@ -143,7 +143,8 @@ def figure_10(results):
                             numbers="gauss_seidel_sweeps steps converged_steps iterations natural_map distance_mean")
     for row in rows:
         yield ("figure-10", row["case"], f"{row['algorithm']}, n_GS {row['gauss_seidel_sweeps']:.0f}: "
-               f"{row['converged_steps']:.0f} of {row['steps']:.0f} steps converged in {row['iterations']:.0f} iterations, "
+               f"{row['converged_steps']:.0f} of {row['steps']:.0f} steps converged in "
+               f"{row['iterations']:.0f} iterations, "
                f"{row['distance_mean']:.2g} m from Gauss-Seidel")
 
 
@@ -166,7 +167,8 @@ def predicted_observed(results):
         if own:
             gap = [abs(r["observed"] - r["predicted"]) / (1 - r["predicted"]) for r in own]
             yield ("predicted-observed", f"{grains:.0f} grains",
-                   f"{len(own)} runs: |observed - predicted| / (1 - predicted) at most {max(gap):.2g}, median {np.median(gap):.2g}")
+                   f"{len(own)} runs: |observed - predicted| / (1 - predicted) at most {max(gap):.2g}, "
+                   f"median {np.median(gap):.2g}")
 
 
 def partition(results):

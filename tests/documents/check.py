@@ -66,7 +66,7 @@ def anchors(text):
 
 def long_lines(name, text):
     for number, line in enumerate(text.splitlines(), 1):
-        alone = line.lstrip().startswith(("|", "!", "<img", "<a ")) or re.fullmatch(r"\s*([-*] )?\[[^]]*\]\([^)]*\)[.,;]?", line)
+        alone = re.match(r"\s*(\||!|<img|<a )", line) or re.fullmatch(r"\s*([-*] )?\[[^]]*\]\([^)]*\)[.,;]?", line)
         if len(line) > LONGEST and not alone:
             yield f"{name}:{number}: {len(line)} characters, expected at most {LONGEST}"
 
