@@ -88,24 +88,20 @@ void apply_settings(Case& one, const std::vector<std::string>& settings) {
   }
 }
 
-void CaseOptions::declare(CLI::App& command) {
+void CaseOptions::declare(Command& command) {
   command
-      .add_option(
-          "CASE", name,
-          "case file (.toml), packing file (.csv or .h5 with x,y,radius[,mass]), contact problem (.hdf5 "
-          "of FCLIB), or a known case")
+      .add_option("CASE", name,
+                  "case or packing file, contact problem (FCLIB), or a known case; case files end in .toml, "
+                  "packing files in .csv or .h5 with x,y,radius[,mass], contact problems of FCLIB in .hdf5")
       ->required();
   command.add_option("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
-  command
-      .add_option("--prescribed", prescribed,
-                  "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)")
-      ->allow_extra_args(false);
+  command.add_option("--prescribed", prescribed,
+                     "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
   command.add_option("--density", density, "masses = density x pi radius^2, kg/m^2");
   command.add_option("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
   command.add_option("--overlap-tolerance", overlap_tolerance,
                      "overlap accepted, times smaller radius (1e-7)");
-  command.add_option("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16")
-      ->allow_extra_args(false);
+  command.add_option("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16");
 }
 
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {

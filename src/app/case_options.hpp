@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "app/command.hpp"
 #include <nscdd/study/case.hpp>
-
-#include <CLI/CLI.hpp>
 
 #include <functional>
 #include <optional>
@@ -35,7 +34,7 @@ struct CaseOptions {
   std::optional<double> tolerance, overlap_tolerance;
   std::vector<std::string> settings;
 
-  void declare(CLI::App& command);
+  void declare(Command& command);
 
   /// The case with every option applied: a case file, a known case, or a packing file (one subdomain unless
   /// --subdomains says otherwise), none of whose files is one of `outputs`. Throws Error for whatever

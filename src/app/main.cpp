@@ -2,7 +2,6 @@
 #include "app/progress.hpp"
 #include "app/verbs.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/core/version.hpp>
 
 #include <fmt/format.h>
 #ifdef __GLIBC__
@@ -14,15 +13,15 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
-#include <sstream>
 #include <system_error>
+#include <vector>
 
 namespace {
 
 using namespace nscdd::app;
 
 // Every verb of the program.
-constexpr std::array<Verb, 11> verbs{{
+constexpr std::array<Verb, 12> verbs{{
     {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV",
      declare_sweep},
     {"run", "run a study: its tables as CSV and HDF5", declare_run},
@@ -37,6 +36,7 @@ constexpr std::array<Verb, 11> verbs{{
     {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
     {"solve", "solve a frictional contact problem of another program (FCLIB file)", declare_solve},
     {"list", "known cases, studies, generators, partitioners and observables", declare_list},
+    {"manual", "write manual pages and the completion of bash into a folder", declare_manual},
 }};
 
 std::string joined(int argc, char** argv) {
@@ -60,38 +60,18 @@ void keep_freed_memory() {
 
 int run(int argc, char** argv) {
   keep_freed_memory();
-  CLI::App app(
-      "nscdd: convergence study, and simulation, of domain decomposition for nonsmooth contact dynamics",
-      "nscdd");
-  app.set_version_flag("--version", "nscdd " + nscdd::version());
-  app.require_subcommand(1);
-  app.footer(
-      "Examples:\n"
-      "  nscdd sweep disks4 --epsilon 0,1 --csv -\n"
-      "  nscdd optimum disks8\n"
-      "  nscdd run figure-5\n"
-      "  nscdd simulate shear-1k --steps 20 -o twenty.h5\n"
-      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted. 'nscdd VERB --help' has "
-      "the options.");
-  const Context context{joined(argc, argv)};
-  std::array<std::function<int()>, verbs.size()> actions;
-  std::array<CLI::App*, verbs.size()> commands{};
-  for (std::size_t i = 0; i < verbs.size(); ++i) {
-    commands[i] = app.add_subcommand(verbs[i].name, verbs[i].summary);
-    actions[i] = verbs[i].declare(*commands[i], context);
+  std::vector<DescribedVerb> described;
+  described.reserve(verbs.size());  // the options that a verb declares stay where they are
+  const Context context{joined(argc, argv), &described};
+  std::vector<std::function<int()>> actions;
+  for (const Verb& verb : verbs) {
+    described.push_back({verb.name, verb.summary, {}});
+    actions.push_back(verb.declare(described.back().command, context));
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    std::ostringstream help, ignored;
-    if (app.exit(error, help, ignored) != 0)
-      throw nscdd::Error(fmt::format("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what()));
-    fmt::print("{}", help.str());
-    return 0;
-  }
-  for (std::size_t i = 0; i < verbs.size(); ++i)
-    if (commands[i]->parsed()) return actions[i]();
-  return 2;
+  const Request request = parse_command_line(described, argc, argv);
+  if (const auto* number = std::get_if<std::size_t>(&request)) return actions[*number]();
+  fmt::print("{}", std::get<std::string>(request));
+  return 0;
 }
 
 }  // namespace

@@ -67,11 +67,10 @@ double control_groups_available() {
 
 double available_bytes() { return std::min(system_available(), control_groups_available()); }
 
-void MemoryLimit::declare(CLI::App& command) {
-  command.add_option(
-      "--memory-limit", gibibytes,
-      "memory the run may take, GiB; one that is estimated to need more is refused (90 % of what "
-      "is available)");
+void MemoryLimit::declare(Command& command) {
+  command.add_option("--memory-limit", gibibytes,
+                     "memory the run may take, GiB; a run that is estimated to need more is refused; by "
+                     "default 90 % of what is available");
 }
 
 void MemoryLimit::require(const MemoryNeed& need) const {

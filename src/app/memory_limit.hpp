@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "app/command.hpp"
 #include "study/memory_estimate.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <optional>
 #include <string_view>
@@ -14,7 +13,7 @@ namespace nscdd::app {
 struct MemoryLimit {
   std::optional<double> gibibytes;  ///< as given; else 90 % of what is available
 
-  void declare(CLI::App& command);
+  void declare(Command& command);
 
   /// Throws Error with both amounts where the need exceeds the limit.
   void require(const MemoryNeed& need) const;

@@ -9,11 +9,10 @@
 
 namespace nscdd::app {
 
-void declare_resume(CLI::App& command, bool& resume) {
-  command.add_flag(
-      "--resume", resume,
-      "go on with the rows of an interrupted run of the same case, options and program; computes "
-      "what is missing");
+void declare_resume(Command& command, bool& resume) {
+  command.add_flag("--resume", resume,
+                   "go on with the rows of an interrupted run; of the same case, options and program: what "
+                   "is missing is computed");
 }
 
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "app/command.hpp"
 #include "formats/resumable_table.hpp"
-
-#include <CLI/CLI.hpp>
 
 #include <optional>
 #include <string>
@@ -11,7 +10,7 @@
 namespace nscdd::app {
 
 /// The option --resume, described alike for every verb that has it.
-void declare_resume(CLI::App& command, bool& resume);
+void declare_resume(Command& command, bool& resume);
 
 /// Says so where --resume meets a table that is complete. Throws Error where an HDF5 file is still asked for:
 /// nothing tells what work the table came from.

@@ -6,41 +6,39 @@
 
 namespace nscdd::app {
 
-void SpectralCommandOptions::declare(CLI::App& command, const std::string& default_contacts) {
+void SpectralCommandOptions::declare(Command& command, const std::string& default_contacts) {
   contacts = default_contacts;
   command
       .add_option("--contacts", contacts,
-                  "contacts of Stage 1: all, active (in compression in the linear rigid problem), or "
-                  "unilateral (carrying in the frictionless unilateral problem)")
-      ->check(CLI::IsMember({"all", "active", "unilateral"}))
-      ->capture_default_str();
+                  "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear "
+                  "rigid problem; unilateral: carrying in the frictionless unilateral problem")
+      ->one_of({"all", "active", "unilateral"})
+      ->shows_default();
   command
-      .add_option(
-          "--solver", solver,
-          "auto (dense for small interfaces, else shift-invert), dense, arpack (matrix-free Lanczos), or "
-          "shift-invert")
-      ->check(CLI::IsMember(spectral_solver_names()))
-      ->capture_default_str();
+      .add_option("--solver", solver,
+                  "auto, dense, arpack, or shift-invert; auto: dense for small interfaces, else "
+                  "shift-invert; arpack: matrix-free Lanczos")
+      ->one_of(spectral_solver_names())
+      ->shows_default();
   command.add_option("--residual-tolerance", tolerance, "largest residual that counts as converged")
-      ->capture_default_str();
+      ->shows_default();
 }
 
-void SpectralCommandOptions::declare_ends(CLI::App& command) {
+void SpectralCommandOptions::declare_ends(Command& command) {
   command.add_flag("--certify", certify,
                    "prove by inertia counts that no eigenvalue was missed; adds columns with the intervals");
   command
-      .add_option(
-          "--eigenvalues", eigenvalues,
-          "eigenvalues at each end of the spectrum; more than one adds columns: their values, and for "
-          "each end the multiplicity of its first value alone (how many of those found agree with it "
-          "within --residual-tolerance; with --certify how many lie in its interval)")
-      ->capture_default_str();
+      .add_option("--eigenvalues", eigenvalues,
+                  "eigenvalues at each end; more than one adds columns: their values, and for "
+                  "each end the multiplicity of its first value alone (how many of those found agree with it "
+                  "within --residual-tolerance; with --certify how many lie in its interval)")
+      ->shows_default();
 }
 
-void declare_threads(CLI::App& command, Index& threads) {
+void declare_threads(Command& command, Index& threads) {
   command.add_option("--threads", threads, "threads at the most, 0 for all; results do not depend on it")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+      ->between(0, 4096)
+      ->shows_default();
 }
 
 ContactSet SpectralCommandOptions::contact_set() const {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "app/command.hpp"
 #include <nscdd/study/sweep.hpp>
-
-#include <CLI/CLI.hpp>
 
 #include <string>
 
@@ -17,13 +16,13 @@ struct SpectralCommandOptions {
   bool certify = false;
   Index eigenvalues = 1;
 
-  void declare(CLI::App& command, const std::string& default_contacts);
-  void declare_ends(CLI::App& command);  ///< --certify and --eigenvalues
+  void declare(Command& command, const std::string& default_contacts);
+  void declare_ends(Command& command);  ///< --certify and --eigenvalues
   ContactSet contact_set() const;
   SpectralOptions spectral() const;
 };
 
 /// Declares --threads.
-void declare_threads(CLI::App& command, Index& threads);
+void declare_threads(Command& command, Index& threads);
 
 }  // namespace nscdd::app

@@ -62,7 +62,7 @@ std::string step_ranges_text(const std::vector<Index>& steps) {
   return text;
 }
 
-std::function<int()> declare_export(CLI::App& command, const Context& context) {
+std::function<int()> declare_export(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   options->context = context;
   command.add_option("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5")->required();

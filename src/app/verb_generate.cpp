@@ -76,7 +76,7 @@ int run(const Options& options, const Context& context) {
 
 }  // namespace
 
-std::function<int()> declare_generate(CLI::App& command, const Context& context) {
+std::function<int()> declare_generate(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   command
       .add_option("SPEC", options->spec,
@@ -86,10 +86,8 @@ std::function<int()> declare_generate(CLI::App& command, const Context& context)
       .add_option("-o,--output", options->output,
                   "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output")
       ->required();
-  command
-      .add_option("--set", options->settings,
-                  "KEY=VALUE: a parameter of the generator, such as packing.grains=16, or masses.density")
-      ->allow_extra_args(false);
+  command.add_option("--set", options->settings,
+                     "KEY=VALUE: a parameter of the generator, such as packing.grains=16, or masses.density");
   command.add_flag("--force", options->force, "replace an existing output");
   command.footer(
       "Columns x, y, radius (m) and, where the case has masses, mass (kg); the numbers read back bit for "

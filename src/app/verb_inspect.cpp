@@ -110,7 +110,7 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_inspect(CLI::App& command, const Context&) {
+std::function<int()> declare_inspect(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command.add_flag("--ranks", options->ranks, "compute ranks however large the network is");

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+
 namespace nscdd::app {
 namespace {
 
@@ -29,6 +31,11 @@ void print_alternatives(const std::string& section) {
         ...);
   }
   (std::make_index_sequence<std::variant_size_v<Alternatives>>());
+}
+
+int print_names(const std::vector<std::string>& names) {
+  for (const std::string& name : names) fmt::print("{}\n", name);
+  return 0;
 }
 
 int run() {
@@ -55,9 +62,17 @@ int run() {
 
 }  // namespace
 
-std::function<int()> declare_list(CLI::App& command, const Context&) {
-  command.footer("Examples:\n  nscdd list");
-  return run;
+std::function<int()> declare_list(Command& command, const Context&) {
+  auto names = std::make_shared<std::string>();
+  command.add_option("--names", *names, "only the names of those, one a line: cases or studies")
+      ->one_of({"cases", "studies"});
+  command.footer(
+      "Examples:\n"
+      "  nscdd list\n"
+      "  nscdd list --names cases");
+  return [names] {
+    return names->empty() ? run() : print_names(*names == "cases" ? known_cases() : known_studies());
+  };
 }
 
 }  // namespace nscdd::app

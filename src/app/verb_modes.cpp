@@ -161,22 +161,22 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_modes(CLI::App& command, const Context&) {
+std::function<int()> declare_modes(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
       .add_option("--epsilon", options->epsilon, "flexibility of the linear law, 1/kg; 0 is the rigid limit")
       ->required();
   command.add_option("--eta", options->eta, "flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
-      ->capture_default_str();
+      ->shows_default();
   options->spectral.declare(command, "all");
   command
       .add_option("--end", options->end,
                   "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
-      ->check(CLI::IsMember({"slowest", "low", "high"}))
-      ->capture_default_str();
+      ->one_of({"slowest", "low", "high"})
+      ->shows_default();
   command.add_option("--eigenvalues", options->spectral.eigenvalues, "eigenvalues to print at that end")
-      ->capture_default_str();
+      ->shows_default();
   command.add_flag("--certify", options->spectral.certify,
                    "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
   command

@@ -49,16 +49,15 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_network(CLI::App& command, const Context&) {
+std::function<int()> declare_network(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
       .add_option("--contacts", options->contacts,
                   "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
-      ->check(CLI::IsMember({"active", "unilateral"}))
-      ->capture_default_str();
-  command.add_option("--csv", options->csv, "where the links go, - for standard output")
-      ->capture_default_str();
+      ->one_of({"active", "unilateral"})
+      ->shows_default();
+  command.add_option("--csv", options->csv, "where the links go, - for standard output")->shows_default();
   command.add_option("--grains", options->grains, "also write the grains there");
   command.add_flag("--force", options->force, "replace existing outputs");
   options->memory.declare(command);

@@ -87,13 +87,13 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_optimum(CLI::App& command, const Context&) {
+std::function<int()> declare_optimum(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
       .add_option("--epsilon", options->epsilon,
                   "SPEC of the flexibility of the law, 1/kg; 0 is the rigid limit")
-      ->capture_default_str();
+      ->shows_default();
   options->spectral.declare(command, "active");
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");
   command.add_flag("--force", options->force, "replace existing outputs");

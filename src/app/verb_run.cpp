@@ -224,12 +224,12 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_run(CLI::App& command, const Context& context) {
+std::function<int()> declare_run(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   options->context = context;
   command.add_option("STUDY", options->study, "study folder, or the name of a known study")->required();
   command.add_option("--output", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5")
-      ->capture_default_str();
+      ->shows_default();
   command.add_flag("--force", options->force, "replace existing results");
   command.add_flag("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->resume);

@@ -231,7 +231,7 @@ int run(const Options& options) {
   return close(options, simulation, outcome, summary, table);
 }
 
-void declare_solver(CLI::App& command, Options& options) {
+void declare_solver(Command& command, Options& options) {
   command.add_option("--algorithm", options.algorithm, "nlgs, generic or enriched: solver.algorithm");
   command.add_option("--gauss-seidel-sweeps", options.gauss_seidel_sweeps,
                      "sweeps n_GS per iteration: solver.gauss_seidel_sweeps");
@@ -246,7 +246,7 @@ void declare_solver(CLI::App& command, Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_simulate(CLI::App& command, const Context& context) {
+std::function<int()> declare_simulate(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   options->context = context;
   command.add_option("CASE", options->name, "case file (.toml) with [dynamics], or a known case")->required();
@@ -254,19 +254,16 @@ std::function<int()> declare_simulate(CLI::App& command, const Context& context)
                      "partition: NXxNY for a regular grid, metis:N for METIS");
   declare_solver(command, *options);
   command.add_option("--steps", options->steps, "number of time steps: dynamics.steps");
-  command
-      .add_option("--set", options->settings,
-                  "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2")
-      ->allow_extra_args(false);
+  command.add_option("--set", options->settings,
+                     "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);
   command.add_option("-o,--output", options->output, "trajectory, .h5 or .hdf5")->required();
-  command.add_option(
-      "--convergence", options->convergence,
-      "also a table with one row per iteration, - for standard output; with --restart the rows "
-      "of the steps taken now are added to it");
+  command.add_option("--convergence", options->convergence,
+                     "also a table with one row per iteration, - for standard output; with --restart the "
+                     "rows of the steps taken now are added to it");
   command.add_option("--save-every", options->save_every, "keep every Nth step; the last one always is")
-      ->check(CLI::Range(Index{1}, Index{1000000000}))
-      ->capture_default_str();
+      ->between(1, 1000000000)
+      ->shows_default();
   command.add_flag("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add_flag("--force", options->force, "replace existing outputs");
   command.footer(

@@ -90,22 +90,21 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
 }
 
 // A result is a solution only where it is one; else it is a guess to go on from.
-void write_result(FclibFile file, const FrictionSolution& solution, const Options& options,
+void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   OutputFile& output) {
-  FclibSolution result{{}, solution.state.velocities, solution.impulses};
+  FclibSolution found{{}, solution.state.velocities, solution.impulses};
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
-    result.v = body_velocities(*global, solution.impulses);
-  file.solution.reset();
-  if (solution.status == FrictionStatus::converged) {
-    file.solution = result;
-  } else if (solution.status == FrictionStatus::not_finite) {
+    found.v = body_velocities(*global, solution.impulses);
+  const bool converged = solution.status == FrictionStatus::converged;
+  FclibFile written{file.problem, file.info, converged ? std::optional(found) : std::nullopt, file.guesses};
+  if (solution.status == FrictionStatus::not_finite) {
     note(fmt::format("{}: the impulses are not finite and are left out", options.output));
-  } else {
-    file.guesses.push_back(result);
+  } else if (!converged) {
+    written.guesses.push_back(found);
     note(fmt::format("{}: not converged: the impulses are written as guess {}, not as the solution",
-                     options.output, file.guesses.size()));
+                     options.output, written.guesses.size()));
   }
-  output.bytes(to_hdf5(file, provenance(options.context, {})));
+  output.bytes(to_hdf5(written, provenance(options.context, {})));
   output.finish();
 }
 
@@ -158,26 +157,26 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_solve(CLI::App& command, const Context& context) {
+std::function<int()> declare_solve(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   options->context = context;
   command.add_option("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB")
       ->required();
-  command.add_option("--tolerance", options->solver.tolerance, "on the residual")->capture_default_str();
+  command.add_option("--tolerance", options->solver.tolerance, "on the residual")->shows_default();
   command.add_option("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most")
-      ->capture_default_str();
+      ->shows_default();
   command
       .add_option("--relaxation", options->solver.relaxation,
                   "omega in r <- r + omega (r' - r), between 0 and 2")
-      ->capture_default_str();
+      ->shows_default();
   command.add_option("--order", options->order, "of the contacts in a sweep")
-      ->check(CLI::IsMember({"natural", "reverse"}))
-      ->capture_default_str();
+      ->one_of({"natural", "reverse"})
+      ->shows_default();
   command.add_option("--check-every", options->solver.check_every, "sweeps from one residual to the next")
-      ->capture_default_str();
+      ->shows_default();
   command
       .add_option("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero")
-      ->capture_default_str();
+      ->shows_default();
   command.add_option("--convergence", options->convergence,
                      "write one row per residual there, as CSV, each when it is known");
   command.add_option("-o,--output", options->output,

@@ -151,7 +151,7 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
+std::function<int()> declare_sweep(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   options->context = context;
   options->one.declare(command);
@@ -162,24 +162,23 @@ std::function<int()> declare_sweep(CLI::App& command, const Context& context) {
   command
       .add_option("--eta", options->eta,
                   "SPEC of the flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
-      ->capture_default_str();
+      ->shows_default();
   options->spectral.declare(command, "all");
   options->spectral.declare_ends(command);
   declare_threads(command, options->threads);
   command
       .add_option("--relaxation", options->relaxation,
                   "SPEC of omega in F <- F + omega (F' - F), or 'optimal'")
-      ->capture_default_str();
+      ->shows_default();
   command
       .add_option("--gauss-seidel-sweeps", options->sweeps,
                   "SPEC of the sweeps n_GS of Stage 1; inf is exact")
-      ->capture_default_str();
+      ->shows_default();
   command.add_option("--csv", options->csv, "where the table goes, - for standard output")->required();
   command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
   command.add_flag(
       "--redo", options->redo,
-      "compute the rows of a finished table again that did not converge, with the present solver "
-      "options");
+      "compute rows of a finished table again that did not converge; with the present solver options");
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
   options->memory.declare(command);

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "app/command.hpp"
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace nscdd::app {
 
 /// What every verb may need to know of the call.
 struct Context {
-  std::string command_line;  ///< as typed, program name without its folder
+  std::string command_line;                           ///< as typed, program name without its folder
+  const std::vector<DescribedVerb>* verbs = nullptr;  ///< all verbs with their options
 };
 
 /// A verb: declares its options on `command` and returns what to do once they are parsed; the result of that
@@ -18,19 +20,20 @@ struct Context {
 struct Verb {
   const char* name;
   const char* summary;
-  std::function<int()> (*declare)(CLI::App& command, const Context& context);
+  std::function<int()> (*declare)(Command& command, const Context& context);
 };
 
-std::function<int()> declare_sweep(CLI::App& command, const Context& context);
-std::function<int()> declare_run(CLI::App& command, const Context& context);
-std::function<int()> declare_network(CLI::App& command, const Context& context);
-std::function<int()> declare_inspect(CLI::App& command, const Context& context);
-std::function<int()> declare_optimum(CLI::App& command, const Context& context);
-std::function<int()> declare_generate(CLI::App& command, const Context& context);
-std::function<int()> declare_modes(CLI::App& command, const Context& context);
-std::function<int()> declare_solve(CLI::App& command, const Context& context);
-std::function<int()> declare_simulate(CLI::App& command, const Context& context);
-std::function<int()> declare_export(CLI::App& command, const Context& context);
-std::function<int()> declare_list(CLI::App& command, const Context& context);
+std::function<int()> declare_sweep(Command& command, const Context& context);
+std::function<int()> declare_run(Command& command, const Context& context);
+std::function<int()> declare_network(Command& command, const Context& context);
+std::function<int()> declare_inspect(Command& command, const Context& context);
+std::function<int()> declare_optimum(Command& command, const Context& context);
+std::function<int()> declare_generate(Command& command, const Context& context);
+std::function<int()> declare_modes(Command& command, const Context& context);
+std::function<int()> declare_solve(Command& command, const Context& context);
+std::function<int()> declare_simulate(Command& command, const Context& context);
+std::function<int()> declare_export(Command& command, const Context& context);
+std::function<int()> declare_list(Command& command, const Context& context);
+std::function<int()> declare_manual(Command& command, const Context& context);
 
 }  // namespace nscdd::app

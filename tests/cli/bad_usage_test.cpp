@@ -35,7 +35,6 @@ void check_spec(const std::string& option, const std::string& name) {
 }  // namespace
 
 TEST_CASE("usage: no verb or an unknown verb or option") {
-  check_usage({}, {"subcommand"});
   check_usage({"dance"}, {});
   check_usage({"sweep"}, {"CASE"});
   check_usage({"sweep", "disks4", "--csv", "-"}, {"--epsilon"});

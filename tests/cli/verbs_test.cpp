@@ -14,7 +14,7 @@ using namespace nscdd::testing;
 namespace {
 
 const std::vector<std::string> verbs{"sweep", "run",      "network",  "inspect", "optimum", "modes",
-                                     "list",  "generate", "simulate", "export",  "solve"};
+                                     "list",  "generate", "simulate", "export",  "solve",   "manual"};
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -55,6 +55,53 @@ TEST_CASE("--help names every verb and the exit codes and gives examples") {
   for (const std::string& verb : verbs) CHECK(contains(text, "\n  " + verb + " "));
   CHECK(contains(text, "Exit codes"));
   CHECK(!examples(text).empty());
+}
+
+TEST_CASE("the program alone prints the guide of --help") {
+  const Session session;
+  CHECK(answer(session, Texts{}) == answer(session, "--help"));
+}
+
+TEST_CASE("VERB --help fits on a screen") {
+  const Session session;
+  for (const std::string& verb : verbs) {
+    CAPTURE(verb);
+    std::istringstream help(answer(session, {verb, "--help"}));
+    int lines = 0;
+    for (std::string line; std::getline(help, line); ++lines) CHECK(line.size() <= 110);
+    CHECK(lines <= 40);
+  }
+}
+
+TEST_CASE("manual pages and the completion name every option of every verb") {
+  const Session session;
+  answer(session, "manual pages");
+  const std::string completion = session.read("pages/bash-completion/nscdd");
+  for (const std::string& verb : verbs) {
+    CAPTURE(verb);
+    const std::string page = session.read("pages/man1/nscdd-" + verb + ".1");
+    CHECK(page.rfind(".TH", 0) == 0);
+    std::istringstream help(answer(session, {verb, "--help"}));
+    int named = 0;
+    for (std::string line; std::getline(help, line);) {
+      const auto start = line.find("--");
+      if (line.rfind("  -", 0) != 0 || start == std::string::npos) continue;
+      const std::string name = line.substr(start, line.find_first_of(" \n", start) - start);
+      CAPTURE(name);
+      CHECK(contains(completion, name));
+      std::string in_troff;
+      for (const char c : name) in_troff += c == '-' ? std::string("\\-") : std::string(1, c);
+      if (name != "--help") CHECK(contains(page, in_troff));
+      ++named;
+    }
+    CHECK(named > 0);
+  }
+}
+
+TEST_CASE("list --names gives names alone") {
+  const Session session;
+  CHECK(contains("\n" + answer(session, "list --names cases"), "\ndisks4\n"));
+  CHECK(contains("\n" + answer(session, "list --names studies"), "\nfigure-5\n"));
 }
 
 TEST_CASE("VERB --help gives examples") {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/command.hpp"
+
+#include "app/manual.hpp"
+#include <nscdd/core/error.hpp>
+#include <nscdd/core/version.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <map>
+
+namespace nscdd::app {
+namespace {
+
+CLI::Option* declare(CLI::App& command, const Option& option) {
+  return std::visit(
+      [&](auto* target) {
+        if constexpr (std::is_same_v<decltype(target), bool*>)
+          return command.add_flag(option.names(), *target, option.help());
+        else
+          return command.add_option(option.names(), *target, option.help());
+      },
+      option.target());
+}
+
+void declare_all(CLI::App& command, const Command& described) {
+  std::map<const Option*, CLI::Option*> made;
+  for (const Option& option : described.options()) {
+    CLI::Option* one = made[&option] = declare(command, option);
+    one->required(option.is_required());
+    if (!option.words().empty()) one->check(CLI::IsMember(option.words()));
+    if (option.bounds()) one->check(CLI::Range(option.bounds()->first, option.bounds()->second));
+    if (option.has_default()) one->capture_default_str();
+    // A list takes one value each time it is named: what follows may be another argument.
+    if (std::holds_alternative<std::vector<std::string>*>(option.target())) one->allow_extra_args(false);
+    for (const Option* other : option.needed()) one->needs(made.at(other));
+    for (const Option* other : option.excluded()) one->excludes(made.at(other));
+  }
+}
+
+}  // namespace
+
+Option* Option::required() {
+  required_ = true;
+  return this;
+}
+
+Option* Option::shows_default() {
+  shows_default_ = true;
+  return this;
+}
+
+Option* Option::one_of(std::vector<std::string> words) {
+  words_ = std::move(words);
+  return this;
+}
+
+Option* Option::between(Index smallest, Index largest) {
+  bounds_ = {smallest, largest};
+  return this;
+}
+
+Option* Option::needs(const Option* other) {
+  needed_.push_back(other);
+  return this;
+}
+
+Option* Option::excludes(const Option* other) {
+  excluded_.push_back(other);
+  return this;
+}
+
+Option* Command::add_option(std::string names, Option::Target target, std::string help) {
+  return &options_.emplace_back(std::move(names), target, std::move(help));
+}
+
+Option* Command::add_flag(std::string names, bool& target, std::string help) {
+  return add_option(std::move(names), Option::Target(&target), std::move(help));
+}
+
+Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, const char* const* argv) {
+  if (argc <= 1) return short_guide(verbs);
+  CLI::App app("", "nscdd");
+  app.set_version_flag("--version", "nscdd " + version());
+  app.require_subcommand(1);
+  std::vector<CLI::App*> commands;
+  for (const DescribedVerb& verb : verbs) {
+    commands.push_back(app.add_subcommand(verb.name, verb.summary));
+    declare_all(*commands.back(), verb.command);
+  }
+  const auto asked = [&]() -> std::size_t {
+    std::size_t i = 0;
+    while (i < verbs.size() && !commands[i]->parsed()) ++i;
+    return i;
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return asked() < verbs.size() ? help_screen(verbs[asked()]) : short_guide(verbs);
+  } catch (const CLI::CallForVersion& version) {
+    return std::string(version.what()) + "\n";
+  } catch (const CLI::ParseError& error) {
+    throw Error(fmt::format("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what()));
+  }
+  return asked();
+}
+
+}  // namespace nscdd::app
