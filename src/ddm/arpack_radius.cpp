@@ -6,8 +6,6 @@
 namespace nscdd {
 namespace {
 
-constexpr Index rigid_kernel_limit = 4000;  // interface unknowns up to which ker S is computed densely
-
 // One end of the pencil (S, P) as an eigenvalue lambda with its residual bound.
 struct End {
   double lambda = not_a_number;
@@ -28,7 +26,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const Index n = b.rows();
   const bool rigid = b.system.eta() == 0;
   const Index unit_multiplicity = b.system.nullity();
-  if (unit_multiplicity > 0 && n > rigid_kernel_limit) {  // the kernel is found densely
+  if (unit_multiplicity > 0 && n > dense_kernel_limit) {  // the kernel is found densely
     SpectralRadius failed = not_converged("arpack");
     failed.unit_multiplicity = unit_multiplicity;
     return failed;

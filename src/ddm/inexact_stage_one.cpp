@@ -11,8 +11,6 @@
 namespace nscdd {
 namespace {
 
-constexpr Index dense_limit = 400;
-constexpr Index fallback_limit = 2500;  // up to which a dense answer may be waited for
 constexpr double unit_tolerance = 1e-9;
 
 InexactRadius dense_radius(const InexactIteration& j, double tolerance) {
@@ -67,16 +65,14 @@ Vector InexactIteration::apply(const Vector& z) const {
 InexactRadius inexact_radius(const InexactIteration& j, const SpectralOptions& options) {
   const Index n = j.rows();
   if (j.iteration.interface_size() == 0 && n == 0) return {};
-  if (options.solver == SpectralSolver::dense || n < arpack_smallest_size ||
-      (options.solver == SpectralSolver::automatic && n <= dense_limit))
-    return dense_radius(j, options.tolerance);
+  const SolverChoice choice = choose_inexact_solver(n, options);
+  if (choice.solver == SpectralSolver::dense) return dense_radius(j, options.tolerance);
   const ArnoldiResult arpack = arnoldi(n, linear_map(j), options.arpack);
   // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind
   // them.
   const bool doubtful =
       !arpack.converged || (j.iteration.rigid() && std::abs(arpack.value - 1.0) <= unit_tolerance);
-  if (doubtful && options.solver == SpectralSolver::automatic && n <= fallback_limit)
-    return dense_radius(j, options.tolerance);
+  if (doubtful && choice.dense_fallback) return dense_radius(j, options.tolerance);
   InexactRadius result;
   result.solver = "arpack";
   result.applications = arpack.applications;

@@ -35,9 +35,8 @@ struct InexactRadius {
   bool converged = true;
 };
 
-/// Dense eigenvalues up to 400 unknowns (or on request), ARPACK's nonsymmetric driver above, matrix-free;
-/// where that does not converge or meets a unit eigenvalue, `automatic` falls back on dense up to 2 500
-/// unknowns.
+/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. The
+/// fallback is taken where ARPACK does not converge or meets a unit eigenvalue.
 InexactRadius inexact_radius(const InexactIteration& j, const SpectralOptions& options = {});
 
 }  // namespace nscdd

@@ -45,6 +45,24 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
   return result;
 }
 
+SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& options) {
+  constexpr Index fallback_limit = 4000;
+  const bool automatic = options.solver == SpectralSolver::automatic;
+  if (size < arpack_smallest_size || (automatic && size <= options.dense_limit))
+    return {SpectralSolver::dense};
+  if (automatic) return {SpectralSolver::shift_invert, rigid && size <= fallback_limit};
+  return {options.solver};
+}
+
+SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
+  constexpr Index dense_limit = 400, fallback_limit = 2500;  // the latter: what may be waited for
+  const bool automatic = options.solver == SpectralSolver::automatic;
+  if (options.solver == SpectralSolver::dense || size < arpack_smallest_size ||
+      (automatic && size <= dense_limit))
+    return {SpectralSolver::dense};
+  return {SpectralSolver::arpack, automatic && size <= fallback_limit};
+}
+
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, Continuation* memory) {
   const Index n = b.rows();
   if (n == 0) {
@@ -53,19 +71,13 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     return empty;
   }
   Continuation local;
-  SpectralRadius plain;
-  if (options.solver == SpectralSolver::dense || n < arpack_smallest_size ||
-      (options.solver == SpectralSolver::automatic && n <= options.dense_limit)) {
-    plain = dense_radius(b, options);
-  } else if (options.solver == SpectralSolver::arpack) {
-    plain = arpack_radius(b, options, memory != nullptr ? *memory : local);
-  } else {
-    plain = shift_invert_radius(b, options, memory != nullptr ? *memory : local);
-    // A last resort, for small eta (docs/theory.md).
-    if (options.solver == SpectralSolver::automatic && !plain.converged && b.system.eta() == 0 &&
-        n <= rigid_dense_limit)
-      plain = dense_radius(b, options);
-  }
+  Continuation& known = memory != nullptr ? *memory : local;
+  const SolverChoice choice = choose_solver(n, b.system.eta() == 0, options);
+  SpectralRadius plain = choice.solver == SpectralSolver::dense    ? dense_radius(b, options)
+                         : choice.solver == SpectralSolver::arpack ? arpack_radius(b, options, known)
+                                                                   : shift_invert_radius(b, options, known);
+  // A last resort, for small eta (docs/theory.md).
+  if (!plain.converged && choice.dense_fallback) plain = dense_radius(b, options);
   return relaxed(plain, b.relaxation, options.tolerance);
 }
 

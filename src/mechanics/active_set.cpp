@@ -4,12 +4,6 @@
 #include <nscdd/mechanics/active_set.hpp>
 
 namespace nscdd {
-namespace {
-
-constexpr Index dense_limit = 4000;
-
-}  // namespace
-
 RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
   RigidImpulses result;
   const SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);  // M^-1/2 H
@@ -17,7 +11,7 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
   const Vector right = -(problem.h.transpose() * problem.arriving_velocity);
   result.impulses = Vector::Zero(problem.contacts());
   if (problem.contacts() == 0) return result;
-  if (problem.contacts() <= dense_limit) {
+  if (problem.contacts() <= dense_impulse_limit) {
     const LeastSquares least = minimum_norm_least_squares(Matrix(b), load);
     result.unique = least.rank == problem.contacts();
     result.impulses = least.solution;

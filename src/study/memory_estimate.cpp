@@ -3,6 +3,7 @@
 
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/enriched_inertia.hpp>
+#include <nscdd/mechanics/active_set.hpp>
 
 #include <fmt/format.h>
 
@@ -19,11 +20,10 @@ constexpr double dense_matrices = 6;
 // In the rigid limit with unit eigenvalues also a kernel and its complement, a basis, and the restricted
 // pencil.
 constexpr double rigid_dense_matrices = 13;
-// The deflation of ARPACK in the rigid limit splits a dense kernel up to this many interface unknowns.
-constexpr double rigid_kernel_limit = 4000, rigid_kernel_matrices = 5;
+// The deflation of ARPACK in the rigid limit splits a dense kernel up to `dense_kernel_limit` unknowns.
+constexpr double rigid_kernel_matrices = 5;
 // A nonsymmetric matrix, its Hessenberg and Schur forms with their bases, and complex eigenvectors.
 constexpr double inexact_matrices = 9;
-constexpr double inexact_dense_limit = 2500;  // up to which ARPACK may fall back on the dense solver
 
 // Subdomains and undivided packing at eta and at epsilon, and one more while a flexibility changes.
 constexpr double factors = 5;
@@ -47,9 +47,8 @@ constexpr double rank_bytes = 300;
 constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
 constexpr double arpack_vectors = 5;  // beside the basis
 
-// Above this many contacts the impulses behind an active set come from a sparse factorisation of the packing
-// with its contacts, and their rank from another, which is the larger.
-constexpr Index dense_impulses = 4000;
+// Above `dense_impulse_limit` contacts the impulses behind an active set come from a sparse factorisation of
+// the packing with its contacts, and their rank from another, which is the larger.
 constexpr double dense_impulse_matrices = 2;  // the matrix, and what LAPACK reduces
 
 double square(double x) { return x * x; }
@@ -78,7 +77,7 @@ double rank_need(double rows, double columns) {
 // Of the impulses that choose a set of contacts.
 double choice_need(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all) return 0;
-  if (contacts == ContactSet::active && model.parts.contacts <= dense_impulses)
+  if (contacts == ContactSet::active && model.parts.contacts <= dense_impulse_limit)
     return bytes_per_number * dense_impulse_matrices * static_cast<double>(model.problem.h.rows()) *
            static_cast<double>(model.parts.contacts);
   const double rows = numbers_of(model);
@@ -107,30 +106,29 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
   const Index size = model.parts.interface_size();
   const auto n = static_cast<double>(size);
   const bool rigid = has_rigid_limit(parameters);
-  if (options.solver == SpectralSolver::dense ||
-      (options.solver == SpectralSolver::automatic && size <= options.dense_limit))
+  const SolverChoice choice = choose_solver(size, rigid, options);
+  if (choice.solver == SpectralSolver::dense)
     return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
   const double unknowns = std::max(numbers_of(model), 2.0);
-  if (options.solver != SpectralSolver::arpack) {
+  if (choice.solver == SpectralSolver::shift_invert) {
     const bool finite = std::any_of(parameters.eta.begin(), parameters.eta.end(),
                                     [](double eta) { return std::isfinite(eta); });
     const double shifted = shifted_need(model, finite);
     if (!rigid) return program_bytes + shifted;
-    const bool dense_too = options.solver == SpectralSolver::automatic && size <= rigid_dense_limit;
-    return program_bytes + std::max(rigid_shift * shifted + rigid_ranks * unknowns,
-                                    dense_too ? bytes_per_number * rigid_dense_matrices * square(n) : 0);
+    const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;
+    return program_bytes + std::max(rigid_shift * shifted + rigid_ranks * unknowns, dense);
   }
-  const double kernel = rigid && n <= rigid_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
+  const double kernel = rigid && size <= dense_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
   return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +
                              (static_cast<double>(options.arpack.basis) + arpack_vectors) * n);
 }
 
 double inexact_need(const Model& model, const SweepParameters& parameters) {
-  const auto size = static_cast<double>(model.parts.contacts + model.parts.interface_size());
-  const SpectralOptions& options = parameters.spectral;
-  const bool dense = options.solver == SpectralSolver::dense ||
-                     (options.solver == SpectralSolver::automatic && size <= inexact_dense_limit);
-  const double basis = static_cast<double>(options.arpack.basis) + arpack_vectors;
+  const Index unknowns = model.parts.contacts + model.parts.interface_size();
+  const auto size = static_cast<double>(unknowns);
+  const SolverChoice choice = choose_inexact_solver(unknowns, parameters.spectral);
+  const bool dense = choice.solver == SpectralSolver::dense || choice.dense_fallback;
+  const double basis = static_cast<double>(parameters.spectral.arpack.basis) + arpack_vectors;
   return bytes_per_number * (dense ? inexact_matrices * square(size) : basis * size);
 }
 

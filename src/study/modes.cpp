@@ -21,11 +21,6 @@ SpectrumSide resolve(SpectrumSide side, const SpectralRadius& spectrum) {
   return low ? SpectrumSide::low : SpectrumSide::high;
 }
 
-bool is_dense(const SpectralOptions& options, Index size) {
-  return options.solver == SpectralSolver::dense ||
-         (options.solver == SpectralSolver::automatic && size <= options.dense_limit);
-}
-
 // V_E = - (M_E + K_E / epsilon)^-1 A_E^T F
 std::vector<Vector> stage_one_velocities(const Decomposition& parts, double epsilon, const Vector& f) {
   std::vector<Vector> velocities(parts.subdomains.size());
@@ -77,7 +72,8 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
       parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one);
   const Contraction b{stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)};
   SpectralOptions options = parameters.spectral;
-  if (is_dense(options, b.rows()))  // a second one costs nothing and tells whether the mode is one of several
+  // A second one costs nothing there and tells whether the mode is one of several.
+  if (choose_solver(b.rows(), parameters.epsilon == 0, options).solver == SpectralSolver::dense)
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
   mode.spectrum = spectral_radius(b, options);

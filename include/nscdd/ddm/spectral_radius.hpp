@@ -34,10 +34,6 @@ inline std::optional<SpectralSolver> spectral_solver(std::string_view name) {
   return std::nullopt;
 }
 
-/// Interface unknowns up to which `automatic` turns to the dense pencil where shift-invert fails in the rigid
-/// limit.
-inline constexpr Index rigid_dense_limit = 4000;
-
 struct SpectralOptions {
   SpectralSolver solver = SpectralSolver::automatic;
   Index dense_limit = 800;  ///< for `automatic`
@@ -46,6 +42,24 @@ struct SpectralOptions {
   bool certify = false;     ///< prove by inertia counts that no eigenvalue was missed (dense, shift_invert)
   ArpackOptions arpack = {};
 };
+
+/// How one spectrum is computed.
+struct SolverChoice {
+  SpectralSolver solver = SpectralSolver::dense;  ///< never `automatic`
+  bool dense_fallback = false;                    ///< the dense matrix where `solver` fails
+};
+
+/// For the pencil of `size` interface unknowns. `automatic` takes the dense pencil up to `dense_limit`
+/// unknowns and shift-invert above; where that fails in the rigid limit, it falls back on the dense pencil up
+/// to 4 000 unknowns. Up to 4 unknowns, too few for Lanczos, every solver is dense.
+SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& options);
+
+/// The same for the unsymmetric map of `size` unknowns of an inexact Stage 1: dense on request or, by
+/// `automatic`, up to 400 unknowns, else ARPACK; `automatic` falls back on dense up to 2 500 unknowns.
+SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options);
+
+/// Interface unknowns up to which the matrix-free solver computes ker S, densely, in the rigid limit.
+inline constexpr Index dense_kernel_limit = 4000;
 
 /// Spectral radius of a contraction operator with its certificate. Every eigenvalue of B is real, because it
 /// is 1 - omega lambda for an eigenvalue lambda of the symmetric pencil (S, P).

@@ -15,9 +15,12 @@ struct RigidImpulses {
   double residual = 0;  ///< ||W r + H^T V^-|| / ||H^T V^-||, 0 for a zero right-hand side
 };
 
+/// Contacts up to which `rigid_impulses` works densely.
+inline constexpr Index dense_impulse_limit = 4000;
+
 /// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts that neither open nor close, in tension or compression.
 /// It is the least-squares problem min || M^-1/2 H r + M^1/2 V^- ||, least norm among its solutions.
-/// Dense complete orthogonal decomposition up to 4 000 contacts; above, preconditioned conjugate gradients
+/// Dense complete orthogonal decomposition up to `dense_impulse_limit`; above, preconditioned conjugate gradients
 /// from zero, which may stop short: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
