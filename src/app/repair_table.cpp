@@ -22,7 +22,7 @@ std::string csv_line(const Row& row) {
 // What is known of a row before it is computed: the case and the coordinates of the point.
 void require_row_of(const Row& expected_head, const StudyTable& work, Index number,
                     const std::vector<std::string>& values, const std::string& where) {
-  const Table layout{sweep_columns(work.sweep.spectral), {}};
+  const Table layout{headings(sweep_columns(work.sweep.spectral)), {}};
   const auto require = [&](std::size_t column, const Cell& expected) {
     if (values[column] != to_text(expected))
       throw Error(fmt::format("{}: {}: expected {} of this sweep, met {}", where, layout.columns[column].name,
@@ -48,14 +48,15 @@ Redone redo_unproved(const Model& model, const StudyTable& work, const std::stri
                      Interruption& interruption) {
   const std::string text = read_text(path);
   CsvReader reader(text, path);
-  const Table layout{sweep_columns(work.sweep.spectral), {}};
+  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep.spectral);
+  const Table layout{headings(columns), {}};
   const std::string header = csv_header(layout.columns);
   if (std::string met; (met = text.substr(0, text.find('\n'))) != header)
     throw Error(fmt::format("{}:1: expected the columns {}, met {}", path, header, met));
   const std::size_t converged = layout.column("converged");
   const bool certify = work.sweep.spectral.certify;
   const std::size_t certified = certify ? layout.column("certified") : 0;
-  const Row head = case_cells(model, select(model, work.sweep.contacts), work.sweep.contacts);
+  const Row head = row(case_columns(), summary(model, select(model, work.sweep.contacts)));
   const Index total = point_count(work.sweep);
   OutputFile file(path, true);
   file.line(header);
@@ -75,13 +76,13 @@ Redone redo_unproved(const Model& model, const StudyTable& work, const std::stri
     const bool unproved = values[converged] != "true" || (certify && values[certified] != "true");
     if (unproved && interruption.stopped()) ++redone.left;
     if (unproved && !interruption.stopped())
-      sweep(model, only(work.sweep, number), [&](const Row& row) {
+      sweep(model, only(work.sweep, number), [&](const SweepResult& result) {
         ++redone.rows;
-        if (!std::get<bool>(row[converged]))
+        if (!result.radius.converged)
           ++redone.not_converged;
-        else if (certify && !std::get<bool>(row[certified]))
+        else if (certify && !result.radius.certified)
           ++redone.not_certified;
-        line = csv_line(row);
+        line = csv_line(row(columns, result));
       });
     file.line(line);
     report(monitor, ++number, total);

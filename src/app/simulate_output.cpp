@@ -31,7 +31,7 @@ void require_rows_of(const RunSoFar& run, const std::vector<Index>& rows, const 
 
 // Bytes of a table up to the last row of the steps done.
 std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const std::string& name) {
-  const std::string header = csv_header(iteration_columns()) + "\n";
+  const std::string header = csv_header(headings(iteration_columns())) + "\n";
   if (text.substr(0, header.size()) != header)
     throw Error(fmt::format("{}: expected the table of a run to go on with, met other columns", name));
   std::size_t kept = header.size();
@@ -93,12 +93,12 @@ ConvergenceTable::ConvergenceTable(const std::string& path, bool force, const st
   if (path.empty()) return;
   std::optional<std::uintmax_t> kept;
   if (run) kept = reopened(path, *run);
-  csv_.emplace(path, force || kept.value_or(0) > 0, iteration_columns(), kept);
+  csv_.emplace(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
 }
 
 IterationSink ConvergenceTable::sink() {
   if (!csv_) return {};
-  return [this](const IterationRow& row) { csv_->write(iteration_row(row)); };
+  return [this](const IterationRow& one) { csv_->write(row(iteration_columns(), one)); };
 }
 
 void ConvergenceTable::finish() {

@@ -86,7 +86,8 @@ int run(const Options& options) {
     throw Error("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
-  if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, size_columns());
+  if (!options.histogram.empty())
+    histogram.emplace(options.histogram, options.force, headings(size_columns()));
   Model model;
   {
     Progress progress("generate");
@@ -100,7 +101,7 @@ int run(const Options& options) {
                            options.ranks ? "no --ranks, fewer grains" : "fewer grains");
   const Inspection found = inspect(model, inspection);
   if (histogram) {
-    size_rows(model, [&](const Row& row) { histogram->write(row); });
+    grain_sizes(model, [&](const GrainSizes& sizes) { histogram->write(row(size_columns(), sizes)); });
     histogram->finish();
   }
   print_network(model, found, inspection.ranks_up_to);

@@ -56,7 +56,7 @@ int run() {
   print_fields<TimeStepping>("dynamics.");
   print_fields<StepSolver>("solver.");
   fmt::print("Observables of a study, observable = \"...\"\n");
-  for (const auto& [name, summary] : observables) fmt::print("  {:<20}{}\n", name, summary);
+  for (const Observable* one : observables::all) fmt::print("  {:<20}{}\n", one->name, one->summary);
   return 0;
 }
 

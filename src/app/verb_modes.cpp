@@ -134,20 +134,22 @@ int run(const Options& options) {
   const ModeParameters wanted = parameters(options);
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
-  const Case one = options.one.resolve({impulses_name, velocities_name});
+  const Case what = options.one.resolve({impulses_name, velocities_name});
   // Both are opened before the work, and named after it: a run that fails leaves neither.
-  CsvWriter impulses(impulses_name, options.force, mode_impulse_columns());
-  CsvWriter velocities(velocities_name, options.force, mode_velocity_columns());
+  CsvWriter impulses(impulses_name, options.force, headings(mode_impulse_columns()));
+  CsvWriter velocities(velocities_name, options.force, headings(mode_velocity_columns()));
   const ThreadLimit limit(options.threads);
-  const Model model = build(one);
+  const Model model = build(what);
   require_geometry(model, "modes");
   options.memory.require(
       {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
   const Mode mode = interface_mode(model, wanted);
   impulses.write_header();
   velocities.write_header();
-  mode_impulse_rows(model, wanted, mode, [&](const Row& row) { impulses.write(row); });
-  mode_velocity_rows(model, mode, [&](const Row& row) { velocities.write(row); });
+  mode_impulses(model, wanted, mode,
+                [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
+  mode_velocities(model, mode,
+                  [&](const ModeVelocity& one) { velocities.write(row(mode_velocity_columns(), one)); });
   impulses.finish();
   velocities.finish();
   print_spectrum(model, wanted, mode);

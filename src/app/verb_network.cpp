@@ -28,12 +28,13 @@ int run(const Options& options) {
   const ContactSet contacts = contact_set(options.contacts).value_or(ContactSet::active);
   options.memory.require(estimated_link_bytes(model, contacts), model.name,
                          fmt::format("the impulses of {} contacts", model.contacts()), "fewer grains");
-  CsvWriter links(options.csv, options.force, link_columns(contacts));
+  const ResultColumns<Link> columns = link_columns(contacts);
+  CsvWriter links(options.csv, options.force, headings(columns));
   std::optional<CsvWriter> grains;
-  if (!options.grains.empty()) grains.emplace(options.grains, options.force, grain_columns());
-  const ContactChoice choice = link_rows(
-      model, [&](const Row& row) { links.write(row); }, contacts);
-  if (grains) grain_rows(model, [&](const Row& row) { grains->write(row); });
+  if (!options.grains.empty()) grains.emplace(options.grains, options.force, headings(grain_columns()));
+  const ContactChoice choice = nscdd::links(
+      model, [&](const Link& link) { links.write(row(columns, link)); }, contacts);
+  if (grains) nscdd::grains(model, [&](const Grain& grain) { grains->write(row(grain_columns(), grain)); });
   links.finish();
   if (grains) grains->finish();
   if (model.problem.arriving_velocity.isZero(0))

@@ -28,19 +28,18 @@ struct Options {
   MemoryLimit memory;
 };
 
-// The row as text for a reader: one quantity per line.
-void print_report(const std::vector<Column>& columns, const Row& row) {
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    const std::string unit = columns[j].unit == "1" ? "" : columns[j].unit;
-    fmt::print("{:<26}{:<30}{}\n", columns[j].name, to_text(row[j]) + (unit.empty() ? "" : " " + unit),
-               columns[j].description);
+// The result as text for a reader: one quantity per line.
+void print_report(const OptimumResult& result) {
+  for (const auto& [heading, value] : optimum_columns()) {
+    const std::string unit = heading.unit == "1" || heading.unit.empty() ? "" : " " + heading.unit;
+    fmt::print("{:<26}{:<30}{}\n", heading.name, to_text(value(result)) + unit, heading.description);
   }
 }
 
 StudyTable table_of(const Options& options) {
   StudyTable work;
   work.name = "optimum";
-  work.observable = Observable::optimum;
+  work.observable = &observables::optimum;
   work.sweep.epsilon = parse_epsilon(options.epsilon);
   work.sweep.contacts = options.spectral.contact_set();
   work.sweep.spectral = options.spectral.spectral();
@@ -50,9 +49,9 @@ StudyTable table_of(const Options& options) {
 
 void report_all(const StudyTable& work, const Model& model) {
   bool first = true;
-  optima(model, work.sweep, [&](const Row& row) {
+  optima(model, work.sweep, [&](const OptimumResult& result) {
     if (!first) fmt::print("\n");
-    print_report(optimum_columns(), row);
+    print_report(result);
     first = false;
   });
 }
@@ -75,8 +74,8 @@ int run(const Options& options) {
   {
     Progress progress(work.name, csv.kept());
     failed = optima(
-        model, work.sweep, [&](const Row& row) { csv.write(row); }, interruption.watch(progress.monitor()),
-        csv.kept());
+        model, work.sweep, [&](const OptimumResult& result) { csv.write(row(optimum_columns(), result)); },
+        interruption.watch(progress.monitor()), csv.kept());
   }
   if (interruption.stopped()) return leave(csv, work, options.csv);
   csv.finish();

@@ -208,7 +208,7 @@ int run(const Options& options) {
     tables.push_back({work.name, {study_columns(work), {}}});
     if (!run_one(work, csv, interruption, lead_in, tables.back().table))
       return leave(csv, work, outputs.table(work));
-    if (work.observable == Observable::observed_rate) seeds += fmt::format("{} {}\n", work.name, work.seed);
+    if (work.observable->uses("seed")) seeds += fmt::format("{} {}\n", work.name, work.seed);
   }
   Provenance origin = provenance(options.context, cases_of(study));
   origin.emplace_back("study", read_text((fs::path(folder) / "study.toml").string()));

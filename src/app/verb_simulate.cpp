@@ -209,12 +209,13 @@ int run(const Options& options) {
   const auto found = options.restart ? std::optional(run_so_far(options.output)) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
-  if (options.restart) trajectory.emplace(options.output, step_columns());
+  if (options.restart) trajectory.emplace(options.output, headings(step_columns()));
   ConvergenceTable table(options.convergence, options.force, found);
   if (options.restart)
     trajectory->go_on(header.case_text, restart_line(options, before));
   else
-    trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, step_columns());
+    trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}},
+                       headings(step_columns()));
   Progress progress("simulate " + one.name, before, "step");
   RunSummary summary;
   RunSinks sinks;
@@ -222,7 +223,7 @@ int run(const Options& options) {
   sinks.monitor = interruption.watch(progress.monitor());
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
-    trajectory->append(trajectory_step(after, solved), step_row(report), keep);
+    trajectory->append(trajectory_step(after, solved), row(step_columns(), report), keep);
     summary.add(report);
   };
   const RunOutcome outcome = run_simulation(simulation, sinks, speeds);

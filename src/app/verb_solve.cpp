@@ -28,20 +28,16 @@ struct Options {
   Context context;
 };
 
-std::vector<Column> check_columns() {
-  return {{"sweeps", "1", "Gauss-Seidel sweeps done"},
-          {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses"},
+ResultColumns<FrictionCheck> check_columns() {
+  return {{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionCheck::sweeps},
+          {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses",
+           &FrictionCheck::residual},
           {"siconos_residual", "1",
-           "natural map with rho = 1, relative to the largest of r, u and q, as Siconos has it"},
-          {"open", "1", "contacts without an impulse"},
-          {"stick", "1", "contacts with an impulse inside the cone of friction"},
-          {"slide", "1", "contacts with an impulse on the edge of the cone"}};
-}
-
-Row check_row(const FrictionCheck& check) {
-  return {std::int64_t{check.sweeps}, check.residual,
-          check.siconos_residual,     std::int64_t{check.open},
-          std::int64_t{check.stick},  std::int64_t{check.slide}};
+           "natural map with rho = 1, relative to the largest of r, u and q, as Siconos has it",
+           &FrictionCheck::siconos_residual},
+          {"open", "1", "contacts without an impulse", &FrictionCheck::open},
+          {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionCheck::stick},
+          {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionCheck::slide}};
 }
 
 double seconds() {
@@ -126,8 +122,9 @@ int run(const Options& options) {
   FrictionSolverOptions solver = options.solver;
   solver.order = options.order == "natural" ? SweepOrder::natural : SweepOrder::reverse;
   // Both are opened before the work, and named after it: a run that fails leaves neither.
+  const ResultColumns<FrictionCheck> columns = check_columns();
   std::optional<CsvWriter> csv;
-  if (!options.convergence.empty()) csv.emplace(options.convergence, options.force, check_columns());
+  if (!options.convergence.empty()) csv.emplace(options.convergence, options.force, headings(columns));
   std::optional<OutputFile> output;
   if (!options.output.empty()) output.emplace(options.output, options.force);
   Interruption interruption;
@@ -137,7 +134,7 @@ int run(const Options& options) {
     Progress progress("solve");
     const Monitor monitor = interruption.watch(progress.monitor());
     solution = solve_friction(local, solver, guess, [&](const FrictionCheck& check) {
-      if (csv) csv->write(check_row(check));
+      if (csv) csv->write(row(columns, check));
       return report(monitor, check.sweeps, solver.maximum_sweeps);
     });
   }

@@ -83,30 +83,29 @@ int explain(const Redone& redone, const std::string& path) {
 Unproved work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
                       Interruption& interruption, const RowSink& sink) {
   Unproved unproved;
-  const Table plain{sweep_columns(), {}};
-  const std::size_t converged = plain.column("converged"), epsilon = plain.column("epsilon");
-  const std::size_t solver = plain.column("solver");
-  const auto judge = [&](const Row& row) {
-    if (std::get<bool>(row[converged])) return;
-    ++unproved.all;
-    if (std::get<double>(row[epsilon]) == 0 && std::get<std::string>(row[solver]) == "shift-invert")
-      ++unproved.rigid;
+  const auto judge = [&](const SweepPoint& point, bool converged, std::string_view solver) {
+    unproved.all += !converged;
+    unproved.rigid += !converged && point.epsilon == 0 && solver == "shift-invert";
   };
-  csv.replay([&](const Row& row) {
-    judge(row);
-    sink(row);
+  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep.spectral);
+  const Table layout{headings(columns), {}};
+  Index number = 0;
+  csv.replay([&](const Row& cells) {  // of the file
+    judge(sweep_point(work.sweep, number++), std::get<bool>(cells[layout.column("converged")]),
+          std::get<std::string>(cells[layout.column("solver")]));
+    sink(cells);
   });
   Progress progress(work.name, csv.kept());
-  const bool certify = work.sweep.spectral.certify;
-  const Table layout{sweep_columns(work.sweep.spectral), {}};
-  const RowSink writing = [&](const Row& row) {
-    if (certify && std::get<bool>(row[converged]) && !std::get<bool>(row[layout.column("certified")]))
+  const auto write = [&](const SweepResult& result) {
+    const SpectralRadius& radius = result.radius;
+    if (work.sweep.spectral.certify && radius.converged && !radius.certified)
       note("a row converged but is not certified: see the column 'certified'; --redo tries again");
-    judge(row);
-    csv.write(row);
-    sink(row);
+    judge(result.point, radius.converged, radius.solver);
+    const Row cells = row(columns, result);
+    csv.write(cells);
+    sink(cells);
   };
-  sweep(model, work.sweep, writing, interruption.watch(progress.monitor()), csv.kept());
+  sweep(model, work.sweep, write, interruption.watch(progress.monitor()), csv.kept());
   return unproved;
 }
 
@@ -131,7 +130,7 @@ int run(const Options& options) {
     Interruption interruption;
     return explain(redo_unproved(model, work, options.csv, interruption), options.csv);
   }
-  Table table{sweep_columns(work.sweep.spectral), {}};
+  Table table{headings(sweep_columns(work.sweep.spectral)), {}};
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
   ResumableTable csv(options.csv, work, how);

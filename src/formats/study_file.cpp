@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/strict_toml.hpp"
-#include "study/predicted_observed.hpp"
 #include "study/values.hpp"
 #include <nscdd/formats/case_file.hpp>
 
@@ -45,12 +44,12 @@ void read_spec(StrictTable& section, std::string_view key, Values& values, Parse
   }
 }
 
-Observable read_observable(StrictTable& section) {
-  std::string name{observables[0].first}, known;
+const Observable* read_observable(StrictTable& section) {
+  std::string name(StudyTable{}.observable->name), known;
   section.read("observable", name);
-  for (std::size_t i = 0; i < observables.size(); ++i) {
-    if (observables[i].first == name) return static_cast<Observable>(i);
-    known += (known.empty() ? "" : ", ") + std::string(observables[i].first);
+  for (const Observable* one : observables::all) {
+    if (one->name == name) return one;
+    known += (known.empty() ? "" : ", ") + std::string(one->name);
   }
   section.fail("observable", "one of " + known, "\"" + name + "\"");
 }
@@ -109,22 +108,21 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
   }
 }
 
-// Steps of cases that move: done (configuration, force_chains, runs), or examined, which counts from 1.
+// Steps of cases that move: done, or examined, which counts from 1.
 void read_steps(StrictTable& section, StudyTable& table) {
   const std::vector<std::string> items = list(section, "steps");
   if (items.empty()) return;
-  const bool done = table.observable == Observable::configuration ||
-                    table.observable == Observable::force_chains || table.observable == Observable::runs;
   table.steps.clear();
   for (const std::string& item : items) {
     table.steps.push_back(parse_integer(item, section.location(section.node("steps")) + ": steps"));
-    check_bounds(table.steps.back(), Field{.description = "", .minimum = done ? 0.0 : 1.0, .maximum = 1e9},
+    const auto least = static_cast<double>(table.observable->first_step);
+    check_bounds(table.steps.back(), Field{.description = "", .minimum = least, .maximum = 1e9},
                  section.location(section.node("steps")) + ": steps");
   }
 }
 
 void read_lead_in(StrictTable& section, StudyTable& table) {
-  const bool always_own = table.observable == Observable::runs;
+  const bool always_own = table.observable->own_solver;
   std::string name(to_string(always_own ? LeadInSolver::own : table.lead_in));
   section.read("lead_in", name);
   if (name != "own" && (always_own || name != "plain"))
@@ -134,35 +132,21 @@ void read_lead_in(StrictTable& section, StudyTable& table) {
 }
 
 // A key that the observable does not look at would be passed over.
-void require_uses(const StrictTable& section, Observable observable) {
-  using enum Observable;
-  const bool sweeps = observable == spectral_radius || observable == observed_rate;
-  const bool spectra = sweeps || observable == optimum;
-  const std::pair<const char*, bool> uses[] = {{"epsilon", spectra},
-                                               {"eta", sweeps},
-                                               {"relaxation", sweeps},
-                                               {"gauss_seidel_sweeps", sweeps},
-                                               {"contacts", spectra || observable == links},
-                                               {"solver", spectra},
-                                               {"certify", spectra},
-                                               {"seed", observable == observed_rate},
-                                               {"steps", moves(observable)},
-                                               {"lead_in", moves(observable)}};
-  for (const auto& [key, used] : uses)
-    if (!used && section.has(key))
-      section.fail(key, "an observable with it that uses it",
-                   fmt::format("\"{}\"", observables[static_cast<std::size_t>(observable)].first));
+void require_uses(const StrictTable& section, const Observable& observable) {
+  for (const Observable* other : observables::all)
+    for (const std::string_view key : other->keys)
+      if (section.has(key) && !observable.uses(key))
+        section.fail(key, "an observable with it that uses it", fmt::format("\"{}\"", observable.name));
 }
 
 // What can be told of cases that move before they are settled and run.
 void check_moving(StrictTable& section, const StudyTable& table) {
-  if (!moves(table.observable)) return;
+  if (!table.observable->moving) return;
   for (Index number = 0; number < varied_case_count(table); ++number) {
     const Case one = varied_case(table, number).one;
     try {
       check_dynamics(one);
-      if (table.observable == Observable::predicted_observed)
-        require_comparable(*one.dynamics, one.partition);
+      if (table.observable->check != nullptr) table.observable->check(one);
     } catch (const Error& error) {
       throw Error(
           fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
@@ -179,7 +163,7 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   if (table.name == "provenance")
     section.fail("name", "a name other than that of the group of origins", "'provenance'");
   table.observable = read_observable(section);
-  require_uses(section, table.observable);
+  require_uses(section, *table.observable);
   section.read("large", table.large);
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");

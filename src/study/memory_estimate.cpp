@@ -153,7 +153,7 @@ double estimated_rank_bytes(const Model& model) {
 MemoryNeed largest_need(const StudyTable& table, Index first) {
   MemoryNeed largest;
   const auto rows = row_count(table);
-  if (!rows || moves(table.observable)) return largest;  // what moves takes some hundred bytes per grain
+  if (!rows || table.observable->moving) return largest;  // what moves takes some hundred bytes per grain
   const Index cases = varied_case_count(table);
   for (Index number = first * cases / std::max<Index>(*rows, 1); number < cases; ++number) {
     const Case one = varied_case(table, number).one;

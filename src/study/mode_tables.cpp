@@ -36,63 +36,72 @@ double largest_jump(const Copy& copy, const std::vector<Copy>& all) {
 
 }  // namespace
 
-std::vector<Column> mode_impulse_columns() {
-  return {{"case", "", "name of the case"},
-          {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit"},
-          {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
-          {"end", "", "of the spectrum without unit eigenvalues: low or high"},
-          {"eigenvalue", "1", "of the contraction operator, to which the mode belongs"},
-          {"grain", "1", "number of the shared grain"},
-          {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse"},
-          {"subdomain_second", "1", "subdomain of the copy that feels the impulse"},
-          {"x", "m", "centre"},
-          {"y", "m", "centre"},
-          {"impulse_x", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J"},
-          {"impulse_y", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J"},
-          {"jump_x", "m/s", "velocity of the first copy minus that of the second"},
-          {"jump_y", "m/s", "velocity of the first copy minus that of the second"},
-          {"share", "1", "of F^T P F; all shares add up to 1"}};
+const ResultColumns<ModeImpulse>& mode_impulse_columns() {
+  using One = ModeImpulse;
+  static const ResultColumns<ModeImpulse> columns{
+      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
+       [](const One& r) { return r.parameters.epsilon; }},
+      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
+       [](const One& r) { return r.parameters.eta; }},
+      {"end", "", "of the spectrum without unit eigenvalues: low or high",
+       [](const One& r) { return r.mode.side; }},
+      {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",
+       [](const One& r) { return r.mode.eigenvalue; }},
+      {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
+      {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse",
+       [](const One& r) { return r.gluing().first.subdomain; }},
+      {"subdomain_second", "1", "subdomain of the copy that feels the impulse",
+       [](const One& r) { return r.gluing().second.subdomain; }},
+      {"x", "m", "centre", [](const One& r) { return r.model.packing.x[at(r.gluing().grain)]; }},
+      {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.gluing().grain)]; }},
+      {"impulse_x", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J",
+       [](const One& r) { return r.mode.impulses[2 * r.number]; }},
+      {"impulse_y", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J",
+       [](const One& r) { return r.mode.impulses[2 * r.number + 1]; }},
+      {"jump_x", "m/s", "velocity of the first copy minus that of the second",
+       [](const One& r) { return r.mode.jumps[2 * r.number]; }},
+      {"jump_y", "m/s", "velocity of the first copy minus that of the second",
+       [](const One& r) { return r.mode.jumps[2 * r.number + 1]; }},
+      {"share", "1", "of F^T P F; all shares add up to 1",
+       [](const One& r) { return r.mode.shares[at(r.number)]; }}};
+  return columns;
 }
 
-void mode_impulse_rows(const Model& model, const ModeParameters& parameters, const Mode& mode,
-                       const RowSink& sink) {
+void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
+                   const Sink<ModeImpulse>& sink) {
   require_geometry(model, "mode");
   if (!mode.found()) return;
-  const Packing& p = model.packing;
-  for (Index k = 0; k < count(model.parts.gluing); ++k) {
-    const Gluing& gluing = model.parts.gluing[at(k)];
-    sink({model.name, parameters.epsilon, parameters.eta, std::string(to_string(mode.side)), mode.eigenvalue,
-          std::int64_t{gluing.grain}, std::int64_t{gluing.first.subdomain},
-          std::int64_t{gluing.second.subdomain}, p.x[at(gluing.grain)], p.y[at(gluing.grain)],
-          mode.impulses[2 * k], mode.impulses[2 * k + 1], mode.jumps[2 * k], mode.jumps[2 * k + 1],
-          mode.shares[at(k)]});
-  }
+  for (Index k = 0; k < count(model.parts.gluing); ++k) sink({model, parameters, mode, k});
 }
 
-std::vector<Column> mode_velocity_columns() {
-  return {
-      {"case", "", "name of the case"},
-      {"grain", "1", "number of the grain"},
-      {"subdomain", "1", "subdomain of this copy"},
-      {"x", "m", "centre"},
-      {"y", "m", "centre"},
-      {"radius", "m", "radius"},
-      {"multiplicity", "1", "subdomains that share the grain"},
-      {"velocity_x", "m/s", "velocity of this copy that Stage 1 answers the impulses with"},
-      {"velocity_y", "m/s", "velocity of this copy that Stage 1 answers the impulses with"},
-      {"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain"}};
+const ResultColumns<ModeVelocity>& mode_velocity_columns() {
+  using One = ModeVelocity;
+  static const ResultColumns<ModeVelocity> columns{
+      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+      {"grain", "1", "number of the grain", [](const One& r) { return r.grain; }},
+      {"subdomain", "1", "subdomain of this copy", [](const One& r) { return r.subdomain; }},
+      {"x", "m", "centre", [](const One& r) { return r.model.packing.x[at(r.grain)]; }},
+      {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.grain)]; }},
+      {"radius", "m", "radius", [](const One& r) { return r.model.packing.radius[at(r.grain)]; }},
+      {"multiplicity", "1", "subdomains that share the grain",
+       [](const One& r) { return r.model.parts.multiplicity[at(r.grain)]; }},
+      {"velocity_x", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
+       [](const One& r) { return r.velocity[0]; }},
+      {"velocity_y", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
+       [](const One& r) { return r.velocity[1]; }},
+      {"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain",
+       [](const One& r) { return r.jump; }}};
+  return columns;
 }
 
-void mode_velocity_rows(const Model& model, const Mode& mode, const RowSink& sink) {
+void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {
   require_geometry(model, "mode");
   if (!mode.found()) return;
-  const Packing& p = model.packing;
   const auto grains = copies_of_grains(model.parts, mode);
   for (Index i = 0; i < count(grains); ++i)
     for (const Copy& copy : grains[at(i)])
-      sink({model.name, std::int64_t{i}, std::int64_t{copy.subdomain}, p.x[at(i)], p.y[at(i)],
-            p.radius[at(i)], std::int64_t{model.parts.multiplicity[at(i)]}, copy.velocity[0],
-            copy.velocity[1], largest_jump(copy, grains[at(i)])});
+      sink({model, i, copy.subdomain, copy.velocity, largest_jump(copy, grains[at(i)])});
 }
 
 }  // namespace nscdd

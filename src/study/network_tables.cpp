@@ -1,90 +1,131 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/network_tables.hpp"
 
-#include <nscdd/packing/statistics.hpp>
+#include <nscdd/study/study.hpp>
 
 namespace nscdd {
 
-std::vector<Column> link_columns(ContactSet contacts) {
-  const std::string problem = contacts == ContactSet::unilateral ? "frictionless unilateral" : "linear rigid";
-  return {
-      {"case", "", "name of the case"},
-      {"contact", "1", "number of the contact"},
-      {"grain_a", "1", "first grain"},
-      {"grain_b", "1", "second grain, the larger number"},
-      {"x_a", "m", "centre of grain_a"},
-      {"y_a", "m", "centre of grain_a"},
-      {"x_b", "m", "centre of grain_b"},
-      {"y_b", "m", "centre of grain_b"},
-      {"normal_x", "1", "unit normal from grain_a to grain_b"},
-      {"normal_y", "1", "unit normal from grain_a to grain_b"},
-      {"gap", "m", "distance of the surfaces, negative for an overlap"},
-      {"subdomain", "1", "subdomain that owns the contact"},
-      {"impulse", "kg m/s", "impulse of the " + problem + " problem, > 0 in compression; nan without a load"},
-      {"active", "1", "in compression (every contact where nothing is prescribed)"},
-      {"impulse_solution", "",
-       contacts == ContactSet::unilateral
-           ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
-           : "unique, least_norm (hyperstatic network), or none without a load"}};
+ResultColumns<Link> link_columns(ContactSet contacts) {
+  const bool unilateral = contacts == ContactSet::unilateral;
+  const auto of = [](auto member) {
+    return [member](const Link& link) { return std::invoke(member, link.contact()); };
+  };
+  const auto centre = [](std::vector<double> Packing::*coordinate, Index Contact::*grain) {
+    return [=](const Link& link) { return (link.model.packing.*coordinate)[at(link.contact().*grain)]; };
+  };
+  return {{"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
+          {"contact", "1", "number of the contact", [](const Link& link) { return link.number; }},
+          {"grain_a", "1", "first grain", of(&Contact::a)},
+          {"grain_b", "1", "second grain, the larger number", of(&Contact::b)},
+          {"x_a", "m", "centre of grain_a", centre(&Packing::x, &Contact::a)},
+          {"y_a", "m", "centre of grain_a", centre(&Packing::y, &Contact::a)},
+          {"x_b", "m", "centre of grain_b", centre(&Packing::x, &Contact::b)},
+          {"y_b", "m", "centre of grain_b", centre(&Packing::y, &Contact::b)},
+          {"normal_x", "1", "unit normal from grain_a to grain_b",
+           [](const Link& link) { return link.contact().normal[0]; }},
+          {"normal_y", "1", "unit normal from grain_a to grain_b",
+           [](const Link& link) { return link.contact().normal[1]; }},
+          {"gap", "m", "distance of the surfaces, negative for an overlap", of(&Contact::gap)},
+          {"subdomain", "1", "subdomain that owns the contact",
+           [](const Link& link) { return link.model.partition.subdomain_of_contact[at(link.number)]; }},
+          {"impulse", "kg m/s",
+           std::string("impulse of the ") + (unilateral ? "frictionless unilateral" : "linear rigid") +
+               " problem, > 0 in compression; nan without a load",
+           &Link::impulse},
+          {"active", "1", "in compression (every contact where nothing is prescribed)",
+           [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
+          {"impulse_solution", "",
+           unilateral
+               ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
+               : "unique, least_norm (hyperstatic network), or none without a load",
+           [](const Link& link) { return link.choice.solution; }}};
 }
 
-ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts) {
+ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts) {
   require_geometry(model, "links");
   const bool loaded = !model.problem.arriving_velocity.isZero(0);
-  const ContactChoice choice = choose_contacts(model, !loaded                       ? ContactSet::all
-                                                      : contacts == ContactSet::all ? ContactSet::active
-                                                                                    : contacts);
-  const Packing& p = model.packing;
-  for (Index c = 0; c < model.network.size(); ++c) {
-    const Contact& k = model.network.contacts[at(c)];
-    sink({model.name, std::int64_t{c}, std::int64_t{k.a}, std::int64_t{k.b}, p.x[at(k.a)], p.y[at(k.a)],
-          p.x[at(k.b)], p.y[at(k.b)], k.normal[0], k.normal[1], k.gap,
-          std::int64_t{model.partition.subdomain_of_contact[at(c)]},
-          loaded ? choice.impulses[c] : not_a_number, choice.active[at(c)] != 0, choice.solution});
-  }
+  if (contacts == ContactSet::all) contacts = ContactSet::active;
+  const ContactChoice choice = choose_contacts(model, loaded ? contacts : ContactSet::all);
+  for (Index c = 0; c < model.network.size(); ++c)
+    sink({model, choice, c, loaded ? choice.impulses[c] : not_a_number});
   return choice;
 }
 
-std::vector<Column> grain_columns() {
-  return {{"case", "", "name of the case"},
-          {"grain", "1", "number of the grain"},
-          {"x", "m", "centre"},
-          {"y", "m", "centre"},
-          {"radius", "m", "radius"},
-          {"mass", "kg", "mass"},
-          {"contacts", "1", "contacts of the grain"},
-          {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing"},
-          {"velocity_x", "m/s", "prescribed velocity, 0 where none is"},
-          {"velocity_y", "m/s", "prescribed velocity, 0 where none is"}};
+const ResultColumns<Grain>& grain_columns() {
+  const auto of = [](std::vector<double> Packing::*values) {
+    return [=](const Grain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
+  };
+  const auto velocity = [](Index component) {
+    return [=](const Grain& grain) {
+      return grain.model.problem.arriving_velocity[2 * grain.number + component];
+    };
+  };
+  static const ResultColumns<Grain> columns{
+      {"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
+      {"grain", "1", "number of the grain", &Grain::number},
+      {"x", "m", "centre", of(&Packing::x)},
+      {"y", "m", "centre", of(&Packing::y)},
+      {"radius", "m", "radius", of(&Packing::radius)},
+      {"mass", "kg", "mass", of(&Packing::mass)},
+      {"contacts", "1", "contacts of the grain", &Grain::contacts},
+      {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
+       [](const Grain& grain) { return grain.model.parts.multiplicity[at(grain.number)]; }},
+      {"velocity_x", "m/s", "prescribed velocity, 0 where none is", velocity(0)},
+      {"velocity_y", "m/s", "prescribed velocity, 0 where none is", velocity(1)}};
+  return columns;
 }
 
-void grain_rows(const Model& model, const RowSink& sink) {
+void grains(const Model& model, const Sink<Grain>& sink) {
   require_geometry(model, "grains");
   const std::vector<Index> contacts = contact_counts(model.network);
-  const Packing& p = model.packing;
-  for (Index i = 0; i < p.size(); ++i)
-    sink({model.name, std::int64_t{i}, p.x[at(i)], p.y[at(i)], p.radius[at(i)], p.mass[at(i)],
-          std::int64_t{contacts[at(i)]}, std::int64_t{model.parts.multiplicity[at(i)]},
-          model.problem.arriving_velocity[2 * i], model.problem.arriving_velocity[2 * i + 1]});
+  for (Index i = 0; i < model.packing.size(); ++i) sink({model, i, contacts[at(i)]});
 }
 
-std::vector<Column> size_columns() {
-  return {{"case", "", "name of the case"},
-          {"radius_from", "m", "smallest radius of the class"},
-          {"radius_to", "m", "upper bound of the class, its own in the last class only"},
-          {"grains", "1", "grains of the class"},
-          {"number_fraction", "1", "of all grains"},
-          {"area_fraction", "1", "of the area of all grains"}};
+const ResultColumns<GrainSizes>& size_columns() {
+  static const ResultColumns<GrainSizes> columns{
+      {"case", "", "name of the case", [](const GrainSizes& s) { return s.model.name; }},
+      {"radius_from", "m", "smallest radius of the class", [](const GrainSizes& s) { return s.one.from; }},
+      {"radius_to", "m", "upper bound of the class, its own in the last class only",
+       [](const GrainSizes& s) { return s.one.to; }},
+      {"grains", "1", "grains of the class", [](const GrainSizes& s) { return s.one.grains; }},
+      {"number_fraction", "1", "of all grains",
+       [](const GrainSizes& s) {
+         return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
+       }},
+      {"area_fraction", "1", "of the area of all grains",
+       [](const GrainSizes& s) { return s.one.area / s.all_area; }}};
+  return columns;
 }
 
-void size_rows(const Model& model, const RowSink& sink) {
+void grain_sizes(const Model& model, const Sink<GrainSizes>& sink) {
   require_geometry(model, "sizes of grains");
   const std::vector<SizeClass> classes = size_histogram(model.packing);
   double area = 0;
   for (const SizeClass& one : classes) area += one.area;
-  for (const SizeClass& one : classes)
-    sink({model.name, one.from, one.to, std::int64_t{one.grains},
-          static_cast<double>(one.grains) / static_cast<double>(model.packing.size()), one.area / area});
+  for (const SizeClass& one : classes) sink({model, one, area});
 }
+
+constinit const Observable observables::links{
+    .name = "links",
+    .summary = "contact network: grains, normal, subdomain, impulse, active",
+    .keys = {"contacts"},
+    .columns = [](const StudyTable& table) { return headings(link_columns(table.sweep.contacts)); },
+    .run =
+        [](const ObservedCase& work) {
+          const ContactSet contacts = work.table.sweep.contacts;
+          nscdd::links(build(work.one), as_rows(link_columns(contacts), work.sink), contacts);
+          return Index{0};
+        }};
+
+constinit const Observable observables::grains{
+    .name = "grains",
+    .summary = "grains: position, radius, mass, multiplicity, prescribed velocity",
+    .keys = {},
+    .columns = [](const StudyTable&) { return headings(grain_columns()); },
+    .run =
+        [](const ObservedCase& work) {
+          nscdd::grains(build(work.one), as_rows(grain_columns(), work.sink));
+          return Index{0};
+        }};
 
 }  // namespace nscdd

@@ -2,23 +2,44 @@
 #pragma once
 
 #include <nscdd/core/table.hpp>
-#include <nscdd/study/case.hpp>
-#include <nscdd/study/sweep.hpp>
+#include <nscdd/packing/statistics.hpp>
+#include <nscdd/study/contact_choice.hpp>
 
 namespace nscdd {
 
-/// Links of the contact network with the impulses behind a choice of contacts (NaN without an arriving
-/// velocity), one row per contact: what Figures 2-4 draw. ContactSet::all shows those of the linear rigid
-/// problem, as ContactSet::active does. Columns are described in docs/formats.md. Returns the choice.
-std::vector<Column> link_columns(ContactSet contacts = ContactSet::active);
-ContactChoice link_rows(const Model& model, const RowSink& sink, ContactSet contacts = ContactSet::active);
+/// A link of the contact network with the impulse behind a choice of contacts: what Figures 2-4 draw.
+/// Columns of this and the following tables are described in docs/formats.md.
+struct Link {
+  const Model& model;
+  const ContactChoice& choice;
+  Index number;    ///< of the contact
+  double impulse;  ///< kg m/s; NaN without an arriving velocity
 
-/// Grains with their multiplicity and prescribed velocity, one row each.
-std::vector<Column> grain_columns();
-void grain_rows(const Model& model, const RowSink& sink);
+  const Contact& contact() const { return model.network.contacts[at(number)]; }
+};
 
-/// Grains by size, ten classes of radii, one row each.
-std::vector<Column> size_columns();
-void size_rows(const Model& model, const RowSink& sink);
+/// ContactSet::all shows the impulses of the linear rigid problem, as ContactSet::active does.
+ResultColumns<Link> link_columns(ContactSet contacts = ContactSet::active);
+
+/// All links in the order of the contacts. Returns the choice. Throws Error for a contact problem, of which
+/// no geometry is known.
+ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts = ContactSet::active);
+
+/// A grain with its multiplicity and prescribed velocity.
+struct Grain {
+  const Model& model;
+  Index number, contacts;
+};
+const ResultColumns<Grain>& grain_columns();
+void grains(const Model& model, const Sink<Grain>& sink);  ///< throws Error as `links`
+
+/// Grains by size, ten classes of radii.
+struct GrainSizes {
+  const Model& model;
+  SizeClass one;
+  double all_area;  ///< of all grains, m^2
+};
+const ResultColumns<GrainSizes>& size_columns();
+void grain_sizes(const Model& model, const Sink<GrainSizes>& sink);  ///< throws Error as `links`
 
 }  // namespace nscdd

@@ -3,6 +3,7 @@
 
 #include "linalg/linear_fit.hpp"
 #include "linalg/random.hpp"
+#include <nscdd/study/study.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -125,56 +126,66 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
   }
 }
 
-std::vector<Column> observed_rate_columns() {
-  std::vector<Column> columns = point_columns();
-  const std::vector<Column> more{
-      {"predicted_rate", "1", "subdominant spectral radius of the contraction operator"},
-      {"observed_rate", "1", "rate fitted to a run of the algorithm itself"},
-      {"observed_rate_error", "1", "error of the fit"},
-      {"difference", "1", "observed minus predicted"},
-      {"agree", "1", "|difference| within the error of the fit and the residual of the prediction"},
-      {"iterations", "1", "iterations run"},
-      {"seed", "1", "seed of the random first F_Gamma"},
-      {"residual", "1", "residual of the prediction"},
-      {"converged", "1", "both the fit and the prediction converged"}};
-  columns.insert(columns.end(), more.begin(), more.end());
+double ObservedResult::difference() const { return observed.value - predicted.radius.subdominant; }
+
+bool ObservedResult::agree() const {
+  constexpr double rounding = 1e-12;  // of both
+  return std::abs(difference()) <= observed.error + predicted.radius.residual + rounding;
+}
+
+const ResultColumns<ObservedResult>& observed_rate_columns() {
+  using Result = ObservedResult;
+  static const auto columns = joined<Result>(
+      {columns_of(&Result::predicted, place_columns()),
+       {{"predicted_rate", "1", "subdominant spectral radius of the contraction operator",
+         [](const Result& r) { return r.predicted.radius.subdominant; }},
+        {"observed_rate", "1", "rate fitted to a run of the algorithm itself",
+         [](const Result& r) { return r.observed.value; }},
+        {"observed_rate_error", "1", "error of the fit", [](const Result& r) { return r.observed.error; }},
+        {"difference", "1", "observed minus predicted", &Result::difference},
+        {"agree", "1", "|difference| within the error of the fit and the residual of the prediction",
+         &Result::agree},
+        {"iterations", "1", "iterations run", [](const Result& r) { return r.observed.iterations; }},
+        {"seed", "1", "seed of the random first F_Gamma", &Result::seed},
+        {"residual", "1", "residual of the prediction",
+         [](const Result& r) { return r.predicted.radius.residual; }},
+        {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
   return columns;
 }
 
-Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed, const RowSink& sink,
-              const Monitor& monitor, Index first) {
+Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
+              const Sink<ObservedResult>& sink, const Monitor& monitor, Index first) {
   const Selection selection = select(model, parameters.contacts);
-  const Row head = case_cells(model, selection, parameters.contacts);
   const InterfaceFamily family(model.parts);
-  const Table layout{sweep_columns(), {}};
-  const auto cell = [&](const Row& row, const char* name) {
-    return std::get<double>(row[layout.column(name)]);
-  };
   Index failed = 0;
-  const auto observe_one = [&](const Row& predicted) {
-    const double epsilon = cell(predicted, "epsilon"), eta = cell(predicted, "eta");
-    const double relaxation = cell(predicted, "relaxation"), sweeps = cell(predicted, "gauss_seidel_sweeps");
-    const InterfaceOperator preconditioner = family.at(eta);
-    const TwoStageIteration iteration(
-        selection.stage_one, LinearViscous{epsilon}, preconditioner,
-        std::isinf(sweeps) ? std::nullopt : std::optional<Index>(static_cast<Index>(sweeps)), relaxation);
+  const auto observe_one = [&](const SweepResult& predicted) {
+    const SweepPoint& point = predicted.point;
+    const InterfaceOperator preconditioner = family.at(point.eta);
+    const TwoStageIteration iteration(selection.stage_one, LinearViscous{point.epsilon}, preconditioner,
+                                      point.gauss_seidel_sweeps, *point.relaxation);
     // With inexact Stage 1 corrections oscillate, and the error of a fit falls no faster than the run is
     // long.
-    const ObservedRate observed =
-        observed_rate(iteration, preconditioner, seed, 20000, std::isinf(sweeps) ? 1e-9 : 1e-4);
-    const double rate = cell(predicted, "subdominant_radius"), residual = cell(predicted, "residual");
-    const double difference = observed.value - rate;
-    const bool converged = observed.converged && std::get<bool>(predicted[layout.column("converged")]);
-    const double allowed = observed.error + residual + 1e-12;  // and the rounding of both
-    if (!converged) ++failed;
-    Row row = head;
-    row.insert(row.end(), {epsilon, eta, relaxation, sweeps, rate, observed.value, observed.error, difference,
-                           std::abs(difference) <= allowed, std::int64_t{observed.iterations},
-                           static_cast<std::int64_t>(seed), residual, converged});
-    sink(row);
+    const double tolerance = point.gauss_seidel_sweeps ? 1e-4 : 1e-9;
+    const ObservedResult result{predicted, observed_rate(iteration, preconditioner, seed, 20000, tolerance),
+                                seed};
+    failed += !result.converged();
+    sink(result);
   };
   sweep(model, parameters, observe_one, monitor, first);
   return failed;
 }
+
+constinit const Observable observables::observed_rate{
+    .name = "observed_rate",
+    .summary = "rate fitted to a run of the algorithm, beside the predicted radius",
+    .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify", "seed"},
+    .columns = [](const StudyTable&) { return headings(observed_rate_columns()); },
+    .run =
+        [](const ObservedCase& work) {
+          return observe(build(work.one), work.table.sweep, work.table.seed,
+                         as_rows(observed_rate_columns(), work.sink), work.monitor, work.first);
+        },
+    .rows = [](const StudyTable& table) { return point_count(table.sweep); },
+    .known = known_of_point};
 
 }  // namespace nscdd

@@ -24,11 +24,23 @@ struct ObservedRate {
 ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner,
                            std::uint64_t seed, Index maximum_iterations = 20000, double tolerance = 1e-9);
 
-/// Observed and predicted rate at every point of a sweep, one row each (relaxation must be a number or
-/// optimal, Gauss-Seidel sweeps may be finite), from row `first` on. Columns are described in
-/// docs/formats.md.
-std::vector<Column> observed_rate_columns();
-Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed, const RowSink& sink,
-              const Monitor& monitor = {}, Index first = 0);
+/// The rate observed at a point of a sweep beside the predicted one.
+struct ObservedResult {
+  SweepResult predicted;
+  ObservedRate observed;
+  std::uint64_t seed = 1;  ///< of the random first F_Gamma
+
+  double difference() const;  ///< observed minus predicted
+  bool agree() const;         ///< the difference is within the error of the fit and the residual
+  bool converged() const { return observed.converged && predicted.radius.converged; }
+};
+
+/// Columns of these results, described in docs/formats.md.
+const ResultColumns<ObservedResult>& observed_rate_columns();
+
+/// Observed and predicted rate at every point of a sweep from point `first` on (relaxation must be a number
+/// or optimal, Gauss-Seidel sweeps may be finite); returns how many did not converge.
+Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
+              const Sink<ObservedResult>& sink, const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd

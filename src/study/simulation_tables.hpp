@@ -6,12 +6,10 @@
 
 namespace nscdd {
 
-/// One row per iteration: `nscdd simulate --convergence`.
-std::vector<Column> iteration_columns();
-Row iteration_row(const IterationRow& row);
+/// Columns of the iterations of a step: `nscdd simulate --convergence`.
+const ResultColumns<IterationRow>& iteration_columns();
 
-/// One row per step: the group `summary` of a trajectory.
-std::vector<Column> step_columns();
-Row step_row(const StepReport& report);
+/// Columns of the steps of a run: the group `summary` of a trajectory.
+const ResultColumns<StepReport>& step_columns();
 
 }  // namespace nscdd

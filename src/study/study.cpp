@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/moving_tables.hpp"
-#include "study/network_tables.hpp"
-#include "study/observed_rate.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/study/optimum.hpp>
 #include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>
@@ -12,93 +8,10 @@
 namespace nscdd {
 namespace {
 
-std::vector<Column> observable_columns(const StudyTable& table) {
-  switch (table.observable) {
-    case Observable::spectral_radius:
-      return sweep_columns(table.sweep.spectral);
-    case Observable::optimum:
-      return optimum_columns();
-    case Observable::observed_rate:
-      return observed_rate_columns();
-    case Observable::links:
-      return link_columns(table.sweep.contacts);
-    case Observable::grains:
-      return grain_columns();
-    case Observable::indicators:
-      return indicator_columns();
-    case Observable::configuration:
-      return configuration_columns();
-    case Observable::force_chains:
-      return chain_columns();
-    case Observable::predicted_observed:
-      return predicted_observed_columns();
-    case Observable::runs:
-      return run_columns();
-  }
-  return {};
-}
-
 // Rows per case, where they are known.
 std::optional<Index> rows_per_case(const StudyTable& table) {
-  switch (table.observable) {
-    case Observable::spectral_radius:
-    case Observable::observed_rate:
-      return point_count(table.sweep);
-    case Observable::optimum:
-      return count(table.sweep.epsilon);
-    case Observable::predicted_observed:
-    case Observable::runs:
-      return count(table.steps);
-    case Observable::links:
-    case Observable::grains:
-    case Observable::indicators:
-    case Observable::configuration:
-    case Observable::force_chains:
-      return std::nullopt;
-  }
-  return std::nullopt;
-}
-
-Index observe(const Model& model, const StudyTable& table, const RowSink& sink, const Monitor& monitor,
-              Index first) {
-  switch (table.observable) {
-    case Observable::spectral_radius:
-      return sweep(model, table.sweep, sink, monitor, first);
-    case Observable::observed_rate:
-      return observe(model, table.sweep, table.seed, sink, monitor, first);
-    case Observable::links:
-      link_rows(model, sink, table.sweep.contacts);
-      return 0;
-    case Observable::grains:
-      grain_rows(model, sink);
-      return 0;
-    case Observable::optimum:
-      return optima(model, table.sweep, sink, monitor, first);
-    case Observable::indicators:
-    case Observable::configuration:
-    case Observable::force_chains:
-    case Observable::predicted_observed:
-    case Observable::runs:
-      break;  // of cases that move: see observe_moving
-  }
-  return 0;
-}
-
-Index observe_moving(const Case& one, const StudyTable& table, LeadIn& lead_in, const RowSink& sink,
-                     const Monitor& monitor, Index first) {
-  Index failed = 0;
-  for (Index k = first; k < count(table.steps); ++k) {
-    const Index steps = table.steps[at(k)];
-    const Place done{steps, table.lead_in}, before{steps - 1, table.lead_in};
-    if (table.observable == Observable::configuration) configuration_rows(one, done, lead_in, sink);
-    if (table.observable == Observable::force_chains) chain_rows(one, done, lead_in, sink);
-    if (table.observable == Observable::indicators) indicator_rows(one, before, lead_in, sink);
-    if (table.observable == Observable::predicted_observed)
-      failed += !predicted_observed_row(one, before, lead_in, sink);
-    if (table.observable == Observable::runs) run_row(one, steps, lead_in, sink);
-    if (rows_per_case(table) && !report(monitor, k + 1, count(table.steps))) break;
-  }
-  return failed;
+  if (table.observable->rows == nullptr) return std::nullopt;
+  return table.observable->rows(table);
 }
 
 // A varied value as a cell: a number where it reads as one.
@@ -162,14 +75,8 @@ Row varied_cells(const StudyTable& table, const Combination& combination) {
 
 }  // namespace
 
-bool moves(Observable observable) {
-  return observable == Observable::indicators || observable == Observable::configuration ||
-         observable == Observable::force_chains || observable == Observable::predicted_observed ||
-         observable == Observable::runs;
-}
-
 std::vector<Column> study_columns(const StudyTable& table) {
-  std::vector<Column> columns = observable_columns(table);
+  std::vector<Column> columns = table.observable->columns(table);
   std::vector<Column> varied;
   for (const Variation& variation : variations(table))
     varied.push_back({variation.parameter, "", "parameter of the case, varied by the study"});
@@ -183,30 +90,16 @@ std::optional<Index> row_count(const StudyTable& table) {
   return *rows * varied_case_count(table);
 }
 
-std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, Index row) {
+KnownCells known_cells(const StudyTable& table, Index row) {
   const auto rows = rows_per_case(table);
   if (!rows) return {};
   const Combination combination = combination_of(table, row / *rows);
   const Row varied = varied_cells(table, combination);
-  const Index number = row % *rows;
-  std::vector<std::pair<std::string, Cell>> cells{{"case", table.cases[at(combination.base)].name}};
+  KnownCells cells{{"case", table.cases[at(combination.base)].name}};
   const std::vector<Variation> parameters = variations(table);
   for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(parameters[i].parameter, varied[i]);
-  if (moves(table.observable)) {
-    cells.emplace_back(table.observable == Observable::runs ? "steps" : "step",
-                       std::int64_t{table.steps[at(number)]});
-    return cells;
-  }
-  if (table.observable == Observable::optimum) {
-    cells.emplace_back("epsilon", table.sweep.epsilon[at(number)]);
-    return cells;
-  }
-  const SweepPoint point = sweep_point(table.sweep, number);
-  cells.emplace_back("epsilon", point.epsilon);
-  cells.emplace_back("eta", point.eta);
-  if (point.relaxation) cells.emplace_back("relaxation", *point.relaxation);
-  cells.emplace_back("gauss_seidel_sweeps",
-                     point.gauss_seidel_sweeps ? static_cast<double>(*point.gauss_seidel_sweeps) : infinity);
+  const KnownCells more = table.observable->known(table, row % *rows);
+  cells.insert(cells.end(), more.begin(), more.end());
   return cells;
 }
 
@@ -249,8 +142,7 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
     };
     try {
       const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
-      failed += moves(table.observable) ? observe_moving(one, table, states, with_varied, within, known)
-                                        : observe(build(one), table, with_varied, within, known);
+      failed += table.observable->run({one, table, states, with_varied, within, known});
     } catch (const Error& error) {
       throw Error(fmt::format("case {}: {}", one.name, error.what()));
     }

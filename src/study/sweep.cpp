@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/inexact_stage_one.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/sweep.hpp>
+#include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>
 
@@ -9,12 +9,6 @@
 
 namespace nscdd {
 namespace {
-
-void append(Row& row, std::initializer_list<Cell> cells) {
-  row.insert(row.end(), cells.begin(), cells.end());
-}
-
-std::int64_t integer(Index value) { return static_cast<std::int64_t>(value); }
 
 double optimal_relaxation(const SpectralRadius& plain) {
   // omega = 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
@@ -41,22 +35,6 @@ class OperatorStore {
   InterfaceFamily family_;
   std::optional<InterfaceOperator> current_;
 };
-
-// Cells of `end_columns`.
-Row end_cells(const SpectralRadius& radius, const SpectralOptions& options) {
-  Row row;
-  if (options.certify)
-    append(row, {radius.certified, radius.interval_min[0], radius.interval_min[1], radius.interval_max[0],
-                 radius.interval_max[1]});
-  if (options.certify || options.eigenvalues > 1)
-    append(row, {integer(multiplicity(radius.low, radius.within_min, options.tolerance)),
-                 integer(multiplicity(radius.high, radius.within_max, options.tolerance))});
-  if (options.eigenvalues > 1)
-    for (const auto& values : {radius.low, radius.high})
-      for (Index k = 0; k < options.eigenvalues; ++k)
-        row.emplace_back(k < count(values) ? values[at(k)] : not_a_number);
-  return row;
-}
 
 // Spectra at omega = 1 of one sweep. Neighbours start from each other in blocks of fixed places, so that a
 // sweep that starts at any row can start its block again and go on with the same bits.
@@ -87,36 +65,68 @@ class Spectra {
   Index number_ = -1;
 };
 
-Row exact_cells(const SpectralRadius& plain, const std::optional<double>& relaxation,
-                const SpectralOptions& options) {
+void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance) {
   const bool computed = plain.solver != "none";
-  const double omega = relaxation.value_or(computed ? optimal_relaxation(plain) : 1.0);
-  const SpectralRadius radius = relaxed(plain, omega, options.tolerance);
+  if (!result.point.relaxation) result.point.relaxation = computed ? optimal_relaxation(plain) : 1.0;
+  result.radius = relaxed(plain, *result.point.relaxation, tolerance);
+  const SpectralRadius& radius = result.radius;
   // Where the ends are equal and opposite (optimal relaxation) rounding must not choose between them.
   const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
-  const double dominant = low_end ? radius.eigenvalue_min : radius.eigenvalue_max;
-  Row row;
-  append(row, {omega, infinity, radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
-               integer(radius.unit_multiplicity), radius.subdominant, dominant, computed ? 0.0 : not_a_number,
-               std::string(radius.solver), integer(radius.applications), radius.residual, radius.converged});
-  for (const Cell& cell : end_cells(radius, options)) row.push_back(cell);
-  return row;
+  result.dominant = {low_end ? radius.eigenvalue_min : radius.eigenvalue_max, computed ? 0.0 : not_a_number};
 }
 
-Row inexact_cells(const Decomposition& stage_one, const InterfaceOperator& preconditioner, double epsilon,
-                  long sweeps, double relaxation, const SpectralOptions& options) {
-  const InexactIteration j{
-      TwoStageIteration(stage_one, LinearViscous{epsilon}, preconditioner, Index{sweeps}, relaxation)};
+void set_inexact(SweepResult& result, const Decomposition& stage_one, const InterfaceOperator& preconditioner,
+                 const SpectralOptions& options) {
+  const SweepPoint& point = result.point;
+  const InexactIteration j{TwoStageIteration(stage_one, LinearViscous{point.epsilon}, preconditioner,
+                                             Index{*point.gauss_seidel_sweeps}, *point.relaxation)};
   const InexactRadius radius = inexact_radius(j, options);
-  Row row;
-  append(row, {relaxation, static_cast<double>(sweeps), radius.value, not_a_number, not_a_number,
-               integer(radius.unit_multiplicity), radius.subdominant, radius.dominant.real(),
-               radius.dominant.imag(), std::string(radius.solver), integer(radius.applications),
-               radius.residual, radius.converged});
-  SpectralRadius unknown;
-  unknown.solver = "none";
-  for (const Cell& cell : end_cells(unknown, options)) row.push_back(cell);
-  return row;
+  result.radius.value = radius.value;
+  result.radius.unit_multiplicity = radius.unit_multiplicity;
+  result.radius.subdominant = radius.subdominant;
+  result.radius.solver = radius.solver;
+  result.radius.applications = radius.applications;
+  result.radius.residual = radius.residual;
+  result.radius.converged = radius.converged;
+  result.dominant = radius.dominant;
+}
+
+// Columns of certificates and further eigenvalues.
+ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
+  using Radius = SpectralRadius;
+  ResultColumns<Radius> columns;
+  if (options.certify)
+    columns = {{"certified", "", "inertia counts prove that no eigenvalue lies outside the two intervals",
+                &Radius::certified},
+               {"low_from", "1", "interval that holds the low end of the spectrum (unit eigenvalues apart)",
+                [](const Radius& r) { return r.interval_min[0]; }},
+               {"low_to", "1", "its upper bound", [](const Radius& r) { return r.interval_min[1]; }},
+               {"high_from", "1", "interval that holds the high end of the spectrum (unit eigenvalues apart)",
+                [](const Radius& r) { return r.interval_max[0]; }},
+               {"high_to", "1", "its upper bound", [](const Radius& r) { return r.interval_max[1]; }}};
+  const auto end = [&](const char* name, std::vector<double> Radius::*values, Index Radius::*within) {
+    columns.push_back({fmt::format("{}_multiplicity", name), "1",
+                       fmt::format("eigenvalues within the interval (else: found) at the {} end", name),
+                       [=, tolerance = options.tolerance](const Radius& r) {
+                         return multiplicity(r.*values, r.*within, tolerance);
+                       }});
+  };
+  const auto list = [&](const char* name, std::vector<double> Radius::*values) {
+    for (Index k = 1; k <= options.eigenvalues; ++k)
+      columns.push_back(
+          {fmt::format("eigenvalue_{}_{}", name, k), "1",
+           fmt::format("number {} from the {} end, unit eigenvalues apart", k, name),
+           [=](const Radius& r) { return k <= count(r.*values) ? (r.*values)[at(k - 1)] : not_a_number; }});
+  };
+  if (options.certify || options.eigenvalues > 1) {
+    end("low", &Radius::low, &Radius::within_min);
+    end("high", &Radius::high, &Radius::within_max);
+  }
+  if (options.eigenvalues > 1) {
+    list("low", &Radius::low);
+    list("high", &Radius::high);
+  }
+  return columns;
 }
 
 }  // namespace
@@ -141,90 +151,87 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
   return point;
 }
 
+const ResultColumns<SweepPoint>& point_columns() {
+  static const ResultColumns<SweepPoint> columns{
+      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &SweepPoint::epsilon},
+      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
+       &SweepPoint::eta},
+      {"relaxation", "1", "omega of F <- F + omega (F' - F)",
+       [](const SweepPoint& p) { return p.relaxation.value_or(not_a_number); }},
+      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact", [](const SweepPoint& p) {
+         return p.gauss_seidel_sweeps ? static_cast<double>(*p.gauss_seidel_sweeps) : infinity;
+       }}};
+  return columns;
+}
+
 Selection select(const Model& model, ContactSet contacts) {
-  if (contacts == ContactSet::all) return {model.parts, model.problem.contacts(), "all"};
+  if (contacts == ContactSet::all) return {contacts, model.parts, model.problem.contacts(), "all"};
   const ContactChoice choice = choose_contacts(model, contacts);
-  Selection selection{restrict_contacts(model.parts, choice.active), 0, choice.rule, choice.certain};
+  Selection selection{contacts, restrict_contacts(model.parts, choice.active), 0, choice.rule,
+                      choice.certain};
   for (const char flag : choice.active) selection.active_contacts += flag;
   return selection;
 }
 
-std::vector<Column> case_columns() {
-  return {{"case", "", "name of the case"},
-          {"grains", "1", "grains of the packing"},
-          {"contacts", "1", "contacts of the packing"},
-          {"active_contacts", "1", "contacts that Stage 1 works with"},
-          {"subdomains", "1", "subdomains of the partition, empty ones included"},
-          {"interface_dofs", "1", "interface unknowns n_Gamma"},
-          {"contact_set", "", "all (H_E), active or unilateral (G_E) in Stage 1"},
-          {"contact_rule", "", "how the contacts of Stage 1 were chosen"}};
+CaseSummary summary(const Model& model, const Selection& selection) {
+  return {model.name,
+          model.grains(),
+          model.contacts(),
+          selection.active_contacts / model.problem.columns_per_contact,
+          model.partition.subdomains,
+          model.parts.interface_size(),
+          selection.contacts,
+          selection.rule};
 }
 
-Row case_cells(const Model& model, const Selection& selection, ContactSet contacts) {
-  Row row;
-  append(row, {model.name, integer(model.grains()), integer(model.contacts()),
-               integer(selection.active_contacts / model.problem.columns_per_contact),
-               integer(model.partition.subdomains), integer(model.parts.interface_size()),
-               std::string(to_string(contacts)), selection.rule});
-  return row;
-}
-
-std::vector<Column> point_columns() {
-  std::vector<Column> columns = case_columns();
-  const std::vector<Column> more{
-      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit"},
-      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm"},
-      {"relaxation", "1", "omega of F <- F + omega (F' - F)"},
-      {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact"}};
-  columns.insert(columns.end(), more.begin(), more.end());
+const ResultColumns<CaseSummary>& case_columns() {
+  static const ResultColumns<CaseSummary> columns{
+      {"case", "", "name of the case", &CaseSummary::name},
+      {"grains", "1", "grains of the packing", &CaseSummary::grains},
+      {"contacts", "1", "contacts of the packing", &CaseSummary::contacts},
+      {"active_contacts", "1", "contacts that Stage 1 works with", &CaseSummary::active_contacts},
+      {"subdomains", "1", "subdomains of the partition, empty ones included", &CaseSummary::subdomains},
+      {"interface_dofs", "1", "interface unknowns n_Gamma", &CaseSummary::interface_size},
+      {"contact_set", "", "all (H_E), active or unilateral (G_E) in Stage 1", &CaseSummary::contact_set},
+      {"contact_rule", "", "how the contacts of Stage 1 were chosen", &CaseSummary::rule}};
   return columns;
 }
 
-std::vector<Column> end_columns(const SpectralOptions& options) {
-  std::vector<Column> columns;
-  if (options.certify)
-    columns = {
-        {"certified", "", "inertia counts prove that no eigenvalue lies outside the two intervals"},
-        {"low_from", "1", "interval that holds the low end of the spectrum (unit eigenvalues apart)"},
-        {"low_to", "1", "its upper bound"},
-        {"high_from", "1", "interval that holds the high end of the spectrum (unit eigenvalues apart)"},
-        {"high_to", "1", "its upper bound"}};
-  if (options.certify || options.eigenvalues > 1) {
-    columns.push_back(
-        {"low_multiplicity", "1", "eigenvalues within the interval (else: found) at the low end"});
-    columns.push_back(
-        {"high_multiplicity", "1", "eigenvalues within the interval (else: found) at the high end"});
-  }
-  if (options.eigenvalues > 1)
-    for (const std::string end : {"low", "high"})
-      for (Index k = 1; k <= options.eigenvalues; ++k)
-        columns.push_back({fmt::format("eigenvalue_{}_{}", end, k), "1",
-                           fmt::format("number {} from the {} end, unit eigenvalues apart", k, end)});
+const ResultColumns<SweepResult>& place_columns() {
+  static const auto columns = joined<SweepResult>(
+      {columns_of(&SweepResult::of_case, case_columns()), columns_of(&SweepResult::point, point_columns())});
   return columns;
 }
 
-std::vector<Column> sweep_columns(const SpectralOptions& options) {
-  std::vector<Column> columns = point_columns();
-  const std::vector<Column> more{
-      {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator"},
-      {"eigenvalue_min", "1", "smallest eigenvalue (exact Stage 1 only, else nan)"},
-      {"eigenvalue_max", "1", "largest eigenvalue (exact Stage 1 only, else nan)"},
-      {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1 in the rigid limit"},
-      {"subdominant_radius", "1", "largest modulus among the other eigenvalues"},
-      {"dominant_real", "1", "real part of the eigenvalue of largest modulus"},
-      {"dominant_imaginary", "1", "its imaginary part, of a pair the positive one"},
-      {"solver", "", "dense, arpack, shift-invert, or none for an empty interface"},
-      {"applications", "1", "operator applications, 0 where matrices were assembled"},
+ResultColumns<SweepResult> sweep_columns(const SpectralOptions& options) {
+  using Radius = SpectralRadius;
+  static const ResultColumns<Radius> moduli{
+      {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator",
+       &Radius::value},
+      {"eigenvalue_min", "1", "smallest eigenvalue (exact Stage 1 only, else nan)", &Radius::eigenvalue_min},
+      {"eigenvalue_max", "1", "largest eigenvalue (exact Stage 1 only, else nan)", &Radius::eigenvalue_max},
+      {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1 in the rigid limit",
+       &Radius::unit_multiplicity},
+      {"subdominant_radius", "1", "largest modulus among the other eigenvalues", &Radius::subdominant}};
+  static const ResultColumns<SweepResult> dominant{
+      {"dominant_real", "1", "real part of the eigenvalue of largest modulus",
+       [](const SweepResult& result) { return result.dominant.real(); }},
+      {"dominant_imaginary", "1", "its imaginary part, of a pair the positive one",
+       [](const SweepResult& result) { return result.dominant.imag(); }}};
+  static const ResultColumns<Radius> certificate{
+      {"solver", "", "dense, arpack, shift-invert, or none for an empty interface", &Radius::solver},
+      {"applications", "1", "operator applications, 0 where matrices were assembled", &Radius::applications},
       {"residual", "1",
-       "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)"},
-      {"converged", "1", "the solver converged and the residual is within the tolerance"}};
-  columns.insert(columns.end(), more.begin(), more.end());
-  const std::vector<Column> ends = end_columns(options);
-  columns.insert(columns.end(), ends.begin(), ends.end());
-  return columns;
+       "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)",
+       &Radius::residual},
+      {"converged", "1", "the solver converged and the residual is within the tolerance",
+       &Radius::converged}};
+  return joined<SweepResult>({place_columns(), columns_of(&SweepResult::radius, moduli), dominant,
+                              columns_of(&SweepResult::radius, certificate),
+                              columns_of(&SweepResult::radius, end_columns(options))});
 }
 
-Index sweep(const Model& model, const SweepParameters& parameters, const RowSink& sink,
+Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
             const Monitor& monitor, Index first) {
   for (const auto& relaxation : parameters.relaxation)
     for (const auto& sweeps : parameters.gauss_seidel_sweeps)
@@ -234,7 +241,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
             "known for an exact Stage 1 only",
             *sweeps));
   const Selection selection = select(model, parameters.contacts);
-  const Row head = case_cells(model, selection, parameters.contacts);
+  const CaseSummary of_case = summary(model, selection);
   const SpectralOptions& options = parameters.spectral;
   // One family where the contacts are the same: P and S then share what does not depend on them.
   const InterfaceFamily stage_two(model.parts);
@@ -244,29 +251,49 @@ Index sweep(const Model& model, const SweepParameters& parameters, const RowSink
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;
   const bool warm =
-      options.solver == SpectralSolver::shift_invert || options.solver == SpectralSolver::arpack ||
-      (options.solver == SpectralSolver::automatic && model.parts.interface_size() > options.dense_limit);
+      choose_solver(model.parts.interface_size(), false, options).solver != SpectralSolver::dense;
   Index failed = 0;
-  const std::size_t converged_column = sweep_columns().size() - 1;
   for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
-    const auto [epsilon, eta, relaxation, sweeps] = sweep_point(parameters, number);
+    SweepResult result{of_case, sweep_point(parameters, number), {}, {}};
+    const auto& [epsilon, eta, relaxation, sweeps] = result.point;
     if (number < first && sweeps) continue;
-    Row row = head;
-    append(row, {epsilon, eta});
-    const Row cells = sweeps ? inexact_cells(selection.stage_one, spectra.preconditioner(eta), epsilon,
-                                             *sweeps, *relaxation, options)
-                             : exact_cells(spectra.at(epsilon, eta, number / per_pair), relaxation, options);
+    if (sweeps)
+      set_inexact(result, selection.stage_one, spectra.preconditioner(eta), options);
+    else
+      set_exact(result, spectra.at(epsilon, eta, number / per_pair), options.tolerance);
     if (number < first) {  // the block that the first row belongs to
       if (!report(monitor, first, total)) return failed;
       continue;
     }
-    row.insert(row.end(), cells.begin(), cells.end());
-    if (!selection.certain) row[converged_column] = false;  // the radius of an uncertain set of contacts
-    if (!std::get<bool>(row[converged_column])) ++failed;
-    sink(row);
+    result.radius.converged &= selection.certain;  // the radius of an uncertain set of contacts
+    failed += !result.radius.converged;
+    sink(result);
     if (!report(monitor, number + 1, total)) return failed;
   }
   return failed;
 }
+
+KnownCells known_of_point(const StudyTable& table, Index number) {
+  const SweepPoint point = sweep_point(table.sweep, number);
+  KnownCells cells;
+  for (const auto& [heading, value] : point_columns())
+    if (point.relaxation || heading.name != "relaxation")  // the optimal one is known with the spectrum
+      cells.emplace_back(heading.name, value(point));
+  return cells;
+}
+
+constinit const Observable observables::spectral_radius{
+    .name = "spectral_radius",
+    .summary = "spectral radius of the contraction operator at every point of a sweep",
+    .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify"},
+    .columns = [](const StudyTable& table) { return headings(sweep_columns(table.sweep.spectral)); },
+    .run =
+        [](const ObservedCase& work) {
+          const SweepParameters& parameters = work.table.sweep;
+          return sweep(build(work.one), parameters, as_rows(sweep_columns(parameters.spectral), work.sink),
+                       work.monitor, work.first);
+        },
+    .rows = [](const StudyTable& table) { return point_count(table.sweep); },
+    .known = known_of_point};
 
 }  // namespace nscdd

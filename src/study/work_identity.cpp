@@ -78,8 +78,7 @@ std::vector<std::string> texts(const std::vector<std::optional<Number>>& values,
 
 std::string options_text(const StudyTable& table) {
   const SweepParameters& sweep = table.sweep;
-  std::string text =
-      fmt::format("observable = {}\n", observables[static_cast<std::size_t>(table.observable)].first);
+  std::string text = fmt::format("observable = {}\n", table.observable->name);
   for (const Variation& variation : table.vary_together)
     text += fmt::format("together {} = {}\n", variation.parameter, list_text(variation.values));
   for (const Variation& variation : table.vary)
@@ -89,7 +88,7 @@ std::string options_text(const StudyTable& table) {
   text += fmt::format("relaxation = {}\n", list_text(texts(sweep.relaxation, "optimal")));
   text += fmt::format("gauss_seidel_sweeps = {}\n", list_text(texts(sweep.gauss_seidel_sweeps, "inf")));
   text += fmt::format("contacts = {}\n", to_string(sweep.contacts));
-  if (moves(table.observable))
+  if (table.observable->moving)
     text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
   return text + fmt::format("seed = {}\n", table.seed);
 }

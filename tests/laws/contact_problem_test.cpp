@@ -47,8 +47,7 @@ double radius(const Model& model, double epsilon, double eta) {
   parameters.epsilon = {epsilon};
   parameters.eta = {eta};
   double value = not_a_number;
-  const std::size_t column = Table{sweep_columns(), {}}.column("spectral_radius");
-  sweep(model, parameters, [&](const Row& row) { value = std::get<double>(row[column]); });
+  sweep(model, parameters, [&](const SweepResult& result) { value = result.radius.value; });
   return value;
 }
 
@@ -160,9 +159,10 @@ TEST_CASE("friction takes motions away: fewer rigid modes, the same network") {
 TEST_CASE("what a contact problem cannot do is refused") {
   Case one = as_problem(lattice(), true);
   const Model model = build(one);
-  const auto nowhere = [](const Row&) {};
-  CHECK_THROWS_WITH_AS(link_rows(model, nowhere), doctest::Contains("links: expected a packing"), Error);
-  CHECK_THROWS_WITH_AS(grain_rows(model, nowhere), doctest::Contains("grains: expected a packing"), Error);
+  CHECK_THROWS_WITH_AS(links(model, [](const Link&) {}), doctest::Contains("links: expected a packing"),
+                       Error);
+  CHECK_THROWS_WITH_AS(grains(model, [](const Grain&) {}), doctest::Contains("grains: expected a packing"),
+                       Error);
   CHECK_THROWS_WITH_AS(packing_of(one), doctest::Contains("expected a packing"), Error);
   CHECK_THROWS_WITH_AS(choose_contacts(model, ContactSet::active),
                        doctest::Contains("expected --contacts all for a problem with friction, met active"),

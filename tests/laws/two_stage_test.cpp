@@ -153,18 +153,17 @@ TEST_CASE("observed rates agree with the spectral radius to the error of the fit
     parameters.eta = {0.3, infinity};
     parameters.gauss_seidel_sweeps = {2, std::nullopt};
     if (one.name != "strip4") parameters.epsilon = {0.1, 1};
-    const Table layout{observed_rate_columns(), {}};
     Index rows = 0;
-    observe(model, parameters, 7, [&](const Row& row) {
+    observe(model, parameters, 7, [&](const ObservedResult& result) {
       ++rows;
-      CAPTURE(std::get<double>(row[layout.column("epsilon")]));
-      CAPTURE(std::get<double>(row[layout.column("eta")]));
-      CAPTURE(std::get<double>(row[layout.column("gauss_seidel_sweeps")]));
-      const double predicted = std::get<double>(row[layout.column("predicted_rate")]);
-      const double observed = std::get<double>(row[layout.column("observed_rate")]);
+      CAPTURE(result.predicted.point.epsilon);
+      CAPTURE(result.predicted.point.eta);
+      CAPTURE(result.predicted.point.gauss_seidel_sweeps.value_or(0));
+      const double predicted = result.predicted.radius.subdominant;
+      const double observed = result.observed.value;
       CAPTURE(predicted);
       CAPTURE(observed);
-      CHECK(std::get<bool>(row[layout.column("agree")]));
+      CHECK(result.agree());
       CHECK(std::abs(observed - predicted) < 2e-3);
     });
     CHECK(rows == static_cast<Index>(parameters.epsilon.size() * 4));

@@ -349,13 +349,13 @@ TEST_CASE("choice of contacts: rule and solution say whether impulses are unique
   CHECK(selection.active_contacts == std::count(hyperstatic.active.begin(), hyperstatic.active.end(), 1));
   CHECK(selection.active_contacts > 0);
   CHECK(selection.active_contacts < compressed.problem.contacts());
-  CHECK(std::get<std::string>(case_cells(compressed, selection, ContactSet::unilateral)[6]) == "unilateral");
+  CHECK(summary(compressed, selection).contact_set == ContactSet::unilateral);
   Index active = 0;
-  link_rows(
+  links(
       compressed,
-      [&](const Row& row) {
-        active += std::get<bool>(row[13]);
-        CHECK(std::get<double>(row[12]) >= 0);
+      [&](const Link& link) {
+        active += link.choice.active[at(link.number)] != 0;
+        CHECK(link.impulse >= 0);
       },
       ContactSet::unilateral);
   CHECK(active == selection.active_contacts);

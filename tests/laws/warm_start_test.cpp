@@ -42,9 +42,9 @@ std::vector<std::string> rows_of(const Model& model, const SweepParameters& para
   std::vector<std::string> rows;
   sweep(
       model, parameters,
-      [&](const Row& row) {
+      [&](const SweepResult& result) {
         std::string line;
-        for (const Cell& cell : row) line += to_text(cell) + ",";
+        for (const Cell& cell : row(sweep_columns(parameters.spectral), result)) line += to_text(cell) + ",";
         rows.push_back(line);
       },
       {}, first);
@@ -284,9 +284,8 @@ TEST_CASE("sweep table: automatic, dense and shift-invert agree in every row") {
   const auto collect = [&](SpectralSolver solver) {
     parameters.spectral.solver = solver;
     radii.clear();
-    const std::size_t column = Table{sweep_columns(), {}}.column("spectral_radius");
-    CHECK(sweep(model, parameters, [&](const Row& row) { radii.push_back(std::get<double>(row[column])); }) ==
-          0);
+    CHECK(sweep(model, parameters,
+                [&](const SweepResult& result) { radii.push_back(result.radius.value); }) == 0);
     return radii;
   };
   const std::vector<double> dense = collect(SpectralSolver::dense),

@@ -133,7 +133,7 @@ TEST_CASE("studies: folder complete, small tables equal to their baselines, larg
       const std::string path = baseline_path(study, i);
       if (!work.baseline || (work.large && !std::filesystem::exists(path))) continue;
       const CsvText baseline = parse_csv(read_text(path), path);
-      if (moves(work.observable)) {  // their deposits take minutes: compared by tools/reproduce
+      if (work.observable->moving) {  // their deposits take minutes: compared by tools/reproduce
         row_count(work) ? check_shape(work, baseline) : check_iterations(work, baseline);
         ++shaped;
         continue;

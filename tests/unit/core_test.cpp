@@ -83,3 +83,44 @@ TEST_CASE("versions are told") {
     CHECK(dependency.second.find_first_of("0123456789") != std::string::npos);
   }
 }
+
+namespace {
+
+enum class Colour { red, blue };
+std::string_view to_string(Colour colour) { return colour == Colour::red ? "red" : "blue"; }
+
+struct Sample {
+  Index number = 3;
+  double size = 0.5;
+  Colour colour = Colour::blue;
+  std::string_view label = "a";
+  bool odd() const { return number % 2 == 1; }
+};
+
+struct Pair {
+  Sample first, second;
+};
+
+}  // namespace
+
+TEST_CASE("columns with getters: members, functions, enumerations and parts, in the order of the list") {
+  const ResultColumns<Sample> columns{
+      {"number", "1", "", &Sample::number}, {"size", "m", "its size", &Sample::size},
+      {"colour", "", "", &Sample::colour},  {"label", "", "", &Sample::label},
+      {"odd", "", "", &Sample::odd},        {"double", "m", "", [](const Sample& s) { return 2 * s.size; }}};
+  CHECK(row(columns, {}) == Row{std::int64_t{3}, 0.5, std::string("blue"), std::string("a"), true, 1.0});
+  const std::vector<Column> names = headings(columns);
+  REQUIRE(names.size() == 6);
+  CHECK(names[1].name == "size");
+  CHECK(names[1].unit == "m");
+  CHECK(names[1].description == "its size");
+
+  const auto pair =
+      joined<Pair>({columns_of(&Pair::second, columns),
+                    {{"sum", "m", "", [](const Pair& p) { return p.first.size + p.second.size; }}}});
+  std::vector<Row> rows;
+  const RowSink collect = [&](const Row& cells) { rows.push_back(cells); };
+  as_rows(pair, collect)({{}, {4, 0.25, Colour::red, "b"}});
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0] == Row{std::int64_t{4}, 0.25, std::string("red"), std::string("b"), false, 0.5, 0.75});
+}

@@ -29,9 +29,17 @@ double sum(const std::vector<double>& values) {
   return total;
 }
 
-std::vector<Row> rows_of(const std::function<void(const RowSink&)>& table) {
+std::vector<Row> velocity_rows(const Model& model, const Mode& mode) {
   std::vector<Row> rows;
-  table([&](const Row& row) { rows.push_back(row); });
+  const RowSink collect = [&](const Row& cells) { rows.push_back(cells); };
+  mode_velocities(model, mode, as_rows(mode_velocity_columns(), collect));
+  return rows;
+}
+
+std::vector<Row> impulse_rows(const Model& model, const ModeParameters& parameters, const Mode& mode) {
+  std::vector<Row> rows;
+  const RowSink collect = [&](const Row& cells) { rows.push_back(cells); };
+  mode_impulses(model, parameters, mode, as_rows(mode_impulse_columns(), collect));
   return rows;
 }
 
@@ -178,8 +186,8 @@ TEST_CASE("mode: no mode of an empty interface, and tables without rows") {
   CHECK_FALSE(mode.found());
   CHECK(mode.converged);
   CHECK(mode.spectrum.solver == "none");
-  CHECK(rows_of([&](const RowSink& sink) { mode_velocity_rows(model, mode, sink); }).empty());
-  CHECK(rows_of([&](const RowSink& sink) { mode_impulse_rows(model, parameters, mode, sink); }).empty());
+  CHECK(velocity_rows(model, mode).empty());
+  CHECK(impulse_rows(model, parameters, mode).empty());
 }
 
 TEST_CASE("mode: what is not converged is no mode, or says so") {
@@ -197,9 +205,9 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
     const Model model = build(one);
     const ModeParameters parameters{.epsilon = 0.1};
     const Mode mode = interface_mode(model, parameters);
-    const auto grain_columns = mode_velocity_columns(), row_columns = mode_impulse_columns();
-    const auto grains = rows_of([&](const RowSink& sink) { mode_velocity_rows(model, mode, sink); });
-    const auto rows = rows_of([&](const RowSink& sink) { mode_impulse_rows(model, parameters, mode, sink); });
+    const auto grain_columns = headings(mode_velocity_columns());
+    const auto row_columns = headings(mode_impulse_columns());
+    const auto grains = velocity_rows(model, mode), rows = impulse_rows(model, parameters, mode);
     Index copies = 0;
     for (const Index multiplicity : model.parts.multiplicity) copies += multiplicity;
     REQUIRE(count(grains) == copies);

@@ -100,6 +100,6 @@ TEST_CASE("run: mean speed is weighted by mass and takes free grains alone") {
 }
 
 TEST_CASE("rows of steps and iterations have a value per column") {
-  CHECK(step_row({}).size() == step_columns().size());
-  CHECK(iteration_row({}).size() == iteration_columns().size());
+  CHECK(row(step_columns(), {}).size() == headings(step_columns()).size());
+  CHECK(row(iteration_columns(), {}).size() == headings(iteration_columns()).size());
 }

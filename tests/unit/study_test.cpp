@@ -74,11 +74,12 @@ TEST_CASE("sweep: one row per point, last list fastest, columns in place") {
   parameters.epsilon = {0, 1};
   parameters.eta = {0.5, infinity};
   parameters.relaxation = {1.0, std::nullopt};
-  const Table layout{sweep_columns(), {}};
+  const Table layout{headings(sweep_columns()), {}};
   std::vector<Row> rows;
   Index reported = 0;
   const Index failed = sweep(
-      build(strip(8)), parameters, [&](const Row& row) { rows.push_back(row); },
+      build(strip(8)), parameters,
+      [&](const SweepResult& result) { rows.push_back(row(sweep_columns(), result)); },
       [&](Index done, Index total) {
         CHECK(total == 8);
         reported = done;
@@ -101,11 +102,12 @@ TEST_CASE("sweep: a monitor that says stop stops it; optimal relaxation needs an
   parameters.epsilon = {1, 2, 3, 4};
   Index rows = 0;
   sweep(
-      build(strip(4)), parameters, [&](const Row&) { ++rows; }, [](Index done, Index) { return done < 2; });
+      build(strip(4)), parameters, [&](const SweepResult&) { ++rows; },
+      [](Index done, Index) { return done < 2; });
   CHECK(rows == 2);
   parameters.relaxation = {std::nullopt};
   parameters.gauss_seidel_sweeps = {3};
-  CHECK_THROWS_AS(sweep(build(strip(4)), parameters, [](const Row&) {}), Error);
+  CHECK_THROWS_AS(sweep(build(strip(4)), parameters, [](const SweepResult&) {}), Error);
 }
 
 TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross points") {
@@ -153,20 +155,19 @@ TEST_CASE("optimum: nothing to optimise is told as such") {
 
 TEST_CASE("network: links and grains of the 4 disks") {
   const Model model = build(strip(4));
-  const Table links{link_columns(), {}}, grains{grain_columns(), {}};
-  std::vector<Row> link, grain;
-  link_rows(model, [&](const Row& row) { link.push_back(row); });
-  grain_rows(model, [&](const Row& row) { grain.push_back(row); });
-  REQUIRE(link.size() == 5);
-  REQUIRE(grain.size() == 4);
-  for (const Row& row : link) {
-    REQUIRE(row.size() == links.columns.size());
-    const double impulse = std::get<double>(row[links.column("impulse")]);
-    CHECK(std::get<bool>(row[links.column("active")]) == (impulse > 0));
-    CHECK(std::get<std::string>(row[links.column("impulse_solution")]) == "unique");
+  Table link{headings(link_columns()), {}}, grain{headings(grain_columns()), {}};
+  links(model, [&](const Link& one) { link.rows.push_back(row(link_columns(), one)); });
+  grains(model, [&](const Grain& one) { grain.rows.push_back(row(grain_columns(), one)); });
+  REQUIRE(link.rows.size() == 5);
+  REQUIRE(grain.rows.size() == 4);
+  for (const Row& cells : link.rows) {
+    REQUIRE(cells.size() == link.columns.size());
+    const double impulse = std::get<double>(cells[link.column("impulse")]);
+    CHECK(std::get<bool>(cells[link.column("active")]) == (impulse > 0));
+    CHECK(std::get<std::string>(cells[link.column("impulse_solution")]) == "unique");
   }
-  CHECK(std::get<std::int64_t>(grain[1][grains.column("multiplicity")]) == 2);
-  CHECK(std::get<double>(grain[3][grains.column("velocity_x")]) == -1.0);
+  CHECK(std::get<std::int64_t>(grain.rows[1][grain.column("multiplicity")]) == 2);
+  CHECK(std::get<double>(grain.rows[3][grain.column("velocity_x")]) == -1.0);
 }
 
 TEST_CASE("study: variations become columns, every combination a block of rows") {

@@ -43,7 +43,7 @@ std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simul
   RunSinks sinks;
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     steps.push_back(trajectory_step(after, solved));
-    writer.append(steps.back(), step_row(report), report.step % save_every == 0);
+    writer.append(steps.back(), row(step_columns(), report), report.step % save_every == 0);
   };
   REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
   return steps;
@@ -87,7 +87,7 @@ TEST_CASE("trajectory: what is written is read back, bit for bit") {
   Simulation simulation = small(6);
   std::vector<TrajectoryStep> steps;
   {
-    TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+    TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
     steps = run_into(writer, simulation, 2);
     writer.end("completed");
   }
@@ -128,13 +128,13 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   REQUIRE(run_simulation(whole, {}).end == RunEnd::completed);
   {
     Simulation first = small(10);
-    TrajectoryWriter writer(path, header_of(first), {first.state, {}}, step_columns());
+    TrajectoryWriter writer(path, header_of(first), {first.state, {}}, headings(step_columns()));
     run_into(writer, first);
   }
   Simulation second = small(20);
   second.state = read_last_step(path).state;
   CHECK(second.state.step == 10);
-  TrajectoryWriter writer(path, step_columns());
+  TrajectoryWriter writer(path, headings(step_columns()));
   writer.go_on("the longer case", "from step 10\n");
   run_into(writer, second);
   CHECK(read_trajectory_header(path).case_text == "the longer case");
@@ -148,7 +148,7 @@ TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
   const TemporaryFolder folder;
   const std::string path = folder / "run.h5";
   Simulation simulation = small(1);
-  TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+  TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   std::vector<int> open;
   for (Index steps = 1; steps <= 4; ++steps) {
     open.push_back(::open(path.c_str(), O_RDONLY));  // as the HDF5 library has it while it reads
@@ -166,11 +166,14 @@ TEST_CASE("trajectory: a second writer is refused") {
   const TemporaryFolder folder;
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
-  const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, step_columns()), doctest::Contains("by another run"), Error);
+  const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}},
+                                headings(step_columns()));
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, headings(step_columns())), doctest::Contains("by another run"),
+                       Error);
   const std::string link = folder / "link.h5";
   std::filesystem::create_symlink("run.h5", link);
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, step_columns()), doctest::Contains("by another run"), Error);
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, headings(step_columns())), doctest::Contains("by another run"),
+                       Error);
 }
 
 TEST_CASE("trajectory: what is none, or damaged, is refused") {
@@ -182,7 +185,7 @@ TEST_CASE("trajectory: what is none, or damaged, is refused") {
   nscdd::testing::write_file(other, to_hdf5({}, std::vector<NamedTable>{}));
   CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("expected a group 'last', met none"), Error);
   const Simulation simulation = small(1);
-  { TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns()); }
+  { TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns())); }
   const std::string bytes = read_text(path);
   for (const std::size_t size : {bytes.size() / 10, bytes.size() / 2, bytes.size() - 1}) {
     nscdd::testing::write_file(other, bytes.substr(0, size));
@@ -196,7 +199,7 @@ TEST_CASE("trajectory: a state with arrays of different lengths is refused") {
   Simulation simulation = small(1);
   TrajectoryStep step{simulation.state, {}};
   step.state.spin.pop_back();
-  { TrajectoryWriter writer(path, header_of(simulation), step, step_columns()); }
+  { TrajectoryWriter writer(path, header_of(simulation), step, headings(step_columns())); }
   CHECK_THROWS_WITH_AS(check(simulation.system, read_last_step(path).state), doctest::Contains("disks"),
                        Error);
 }
@@ -212,7 +215,7 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
     TrajectoryStep step{simulation.state, {TrajectoryContact{}}};
     step.state.gluing.push_back({0, 1, 0, 0, 0});
     damage(step);
-    { TrajectoryWriter writer(path, header_of(simulation), step, step_columns()); }
+    { TrajectoryWriter writer(path, header_of(simulation), step, headings(step_columns())); }
     CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains(part.c_str()), Error);
     CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains("run.h5"), Error);
   };

@@ -4,7 +4,11 @@
 #include <nscdd/core/types.hpp>
 
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -34,5 +38,79 @@ struct Table {
 /// Text of a cell as written to CSV: the shortest decimal that reads back to the same double
 /// (inf, -inf, nan for the special values), true/false for a bool.
 std::string to_text(const Cell& cell);
+
+/// Takes results of one kind as they come.
+template <class Result>
+using Sink = std::function<void(const Result&)>;
+using RowSink = Sink<Row>;
+
+/// A value as a cell: an integer, a number, a flag or a text; an enumeration by its `to_string`.
+template <class Value>
+Cell to_cell(const Value& value) {
+  if constexpr (std::is_same_v<Value, bool> || std::is_same_v<Value, Cell>)
+    return value;
+  else if constexpr (std::is_integral_v<Value>)
+    return static_cast<std::int64_t>(value);
+  else if constexpr (std::is_floating_point_v<Value>)
+    return double{value};
+  else if constexpr (std::is_enum_v<Value>)
+    return std::string(to_string(value));
+  else
+    return std::string(value);
+}
+
+/// A column of the tables that show results of one kind: its heading, and how its cell is got from a result.
+/// The getter is whatever std::invoke takes: a member of Result, or a function of one.
+template <class Result>
+struct ResultColumn {
+  Column heading;
+  std::function<Cell(const Result&)> value;
+
+  template <class Getter>
+  ResultColumn(std::string name, std::string unit, std::string description, Getter getter)
+      : heading{std::move(name), std::move(unit), std::move(description)},
+        value([getter](const Result& result) { return to_cell(std::invoke(getter, result)); }) {}
+};
+template <class Result>
+using ResultColumns = std::vector<ResultColumn<Result>>;
+
+template <class Result>
+std::vector<Column> headings(const ResultColumns<Result>& columns) {
+  std::vector<Column> all;
+  for (const ResultColumn<Result>& column : columns) all.push_back(column.heading);
+  return all;
+}
+
+/// A result as a row of its table.
+template <class Result>
+Row row(const ResultColumns<Result>& columns, const Result& result) {
+  Row cells;
+  cells.reserve(columns.size());
+  for (const ResultColumn<Result>& column : columns) cells.push_back(column.value(result));
+  return cells;
+}
+
+/// A sink of results that hands on their rows. It refers to `sink` and keeps `columns`.
+template <class Result>
+Sink<Result> as_rows(ResultColumns<Result> columns, const RowSink& sink) {
+  return [columns = std::move(columns), &sink](const Result& result) { sink(row(columns, result)); };
+}
+
+/// The columns of a part of a larger result.
+template <class Whole, class Part>
+ResultColumns<Whole> columns_of(Part Whole::*part, const ResultColumns<Part>& columns) {
+  ResultColumns<Whole> all;
+  for (const auto& [heading, value] : columns)
+    all.push_back({heading.name, heading.unit, heading.description,
+                   [part, get = value](const Whole& whole) { return get(whole.*part); }});
+  return all;
+}
+
+template <class Result>
+ResultColumns<Result> joined(std::initializer_list<ResultColumns<Result>> lists) {
+  ResultColumns<Result> all;
+  for (const ResultColumns<Result>& columns : lists) all.insert(all.end(), columns.begin(), columns.end());
+  return all;
+}
 
 }  // namespace nscdd

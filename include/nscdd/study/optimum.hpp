@@ -17,13 +17,19 @@ struct OptimumParameters {
 /// Throws Error where the active set is asked for and nothing is prescribed.
 Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
 
-/// Columns and row of a table of optima, described in docs/formats.md.
-std::vector<Column> optimum_columns();
-Row optimum_row(const Model& model, const OptimumParameters& parameters, const Optimum& best);
+/// The optimum of a case at one epsilon, as a row of a table of optima tells it.
+struct OptimumResult {
+  CaseSummary of_case;
+  double epsilon = 0;
+  Optimum best;
+};
 
-/// Rows of the optima for every epsilon of `sweep` (its other lists are not looked at) from row `first` on;
+/// Columns of these results, described in docs/formats.md.
+const ResultColumns<OptimumResult>& optimum_columns();
+
+/// The optima for every epsilon of `sweep` (its other lists are not looked at) from number `first` on;
 /// returns how many did not converge. Stops early where the monitor asks for it.
-Index optima(const Model& model, const SweepParameters& sweep, const RowSink& sink,
+Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
              const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd

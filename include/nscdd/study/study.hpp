@@ -7,6 +7,7 @@
 #include <nscdd/study/lead_in.hpp>
 #include <nscdd/study/sweep.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -18,37 +19,43 @@
 
 namespace nscdd {
 
-/// What a table of a study measures: one word here and one branch in `run_table`.
-enum class Observable {
-  spectral_radius,     ///< rows of a sweep
-  optimum,             ///< best eta per case and epsilon
-  observed_rate,       ///< predicted beside fitted rate
-  links,               ///< contact network with impulses
-  grains,              ///< grains with multiplicities
-  indicators,          ///< every iteration of a step of a moving case
-  configuration,       ///< disks of a moving case after some steps
-  force_chains,        ///< impulses of a moving case after some steps
-  predicted_observed,  ///< rate of a step with friction: frozen statuses beside the run
-  runs,                ///< whole runs of a moving case with its own solver
+struct StudyTable;
+struct ObservedCase;
+
+/// Cells of a row that are known before it is computed, by column.
+using KnownCells = std::vector<std::pair<std::string, Cell>>;
+
+/// What a table of a study measures: a file with its results, their columns and its record, and one word
+/// among the `observables`.
+struct Observable {
+  std::string_view name, summary;  ///< in study files and of `nscdd list`
+  /// Those keys of a study file that it looks at, of those that not every observable does.
+  std::array<std::string_view, 8> keys;
+  std::vector<Column> (*columns)(const StudyTable&);  ///< of its results, `case` the first
+  /// Computes the rows of one case from `first` on; returns how many did not converge.
+  Index (*run)(const ObservedCase&);
+  /// How many rows each case has, and what is known of one of them (counted within its case) but for the name
+  /// of the case. Null where the number is not known before the case is built.
+  Index (*rows)(const StudyTable&) = nullptr;
+  KnownCells (*known)(const StudyTable&, Index row) = nullptr;
+  bool moving = false;      ///< of cases that move
+  Index first_step = 1;     ///< smallest of `steps`: 1 where a step is examined, 0 where steps are done
+  bool own_solver = false;  ///< cases get there with their own solver only
+  /// Throws Error for a case that it cannot be had of, as far as that is known before it is built.
+  void (*check)(const Case&) = nullptr;
+
+  bool uses(std::string_view key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
 };
 
-/// Name and summary of each observable, in the order of the enumeration.
-inline constexpr std::array<std::pair<std::string_view, std::string_view>, 10> observables{{
-    {"spectral_radius", "spectral radius of the contraction operator at every point of a sweep"},
-    {"optimum", "best flexibility eta of the enriched algorithm, with and without relaxation"},
-    {"observed_rate", "rate fitted to a run of the algorithm, beside the predicted radius"},
-    {"links", "contact network: grains, normal, subdomain, impulse, active"},
-    {"grains", "grains: position, radius, mass, multiplicity, prescribed velocity"},
-    {"indicators", "indicators of every iteration of a step of a case that moves"},
-    {"configuration", "disks of a case that moves after some steps, with their subdomains"},
-    {"force_chains", "contacts with their impulses of a case that moves after some steps"},
-    {"predicted_observed", "rate of a step with friction, predicted at its frozen statuses and observed"},
-    {"runs",
-     "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel"},
-}};
+namespace observables {
+extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration,
+    force_chains, predicted_observed, runs;
 
-/// Whether an observable is one of cases that move.
-bool moves(Observable observable);
+/// Every observable, in the order of `nscdd list`.
+inline constexpr std::array all{
+    &spectral_radius, &optimum,      &observed_rate,      &links, &grains, &indicators,
+    &configuration,   &force_chains, &predicted_observed, &runs};
+}  // namespace observables
 
 /// A case parameter taken through a list of values, such as packing.grains.
 struct Variation {
@@ -59,7 +66,7 @@ struct Variation {
 /// One table of a study: cases x variations x sweep, through one observable.
 struct StudyTable {
   std::string name;
-  Observable observable = Observable::spectral_radius;
+  const Observable* observable = &observables::spectral_radius;
   std::vector<Case> cases;
   /// Parameters that change at once, from one place of their lists (of equal lengths) to the next; for each
   /// place there is every combination of `vary`.
@@ -78,6 +85,17 @@ struct StudyTable {
   bool check_relative = false;  ///< times |number| alone, for columns that fall over decades
 };
 
+/// The work of an observable on one case of a table. The monitor counts the rows of the case, where their
+/// number is known.
+struct ObservedCase {
+  const Case& one;
+  const StudyTable& table;
+  LeadIn& lead_in;
+  const RowSink& sink;
+  const Monitor& monitor;
+  Index first = 0;  ///< row of the case to begin with
+};
+
 /// A study folder, resolved.
 struct Study {
   std::string name;
@@ -92,15 +110,19 @@ std::vector<Column> study_columns(const StudyTable& table);
 /// Rows of a study table, where they are known before its cases are built: not so for links and grains.
 std::optional<Index> row_count(const StudyTable& table);
 
-/// The cells of a row (from 0) that are known before it is computed, by column: case, varied parameters and
-/// the coordinates of its point. None for links and grains.
-std::vector<std::pair<std::string, Cell>> known_cells(const StudyTable& table, Index row);
+/// What is known of a row (from 0) before it is computed: case, varied parameters and the coordinates of its
+/// point. Nothing where the number of rows is not known.
+KnownCells known_cells(const StudyTable& table, Index row);
 
 /// The case with one combination of the varied parameters, and their cells.
 struct VariedCase {
   Case one;
   Row cells;
 };
+
+/// The coordinates of a point of the sweep of a table, but for a relaxation that is the optimal one: what
+/// observables of sweeps know of a row.
+KnownCells known_of_point(const StudyTable& table, Index number);
 
 /// The cases of a table with every combination of its varied parameters, from 0, the combinations running
 /// fastest.

@@ -7,8 +7,9 @@
 #include <nscdd/study/case.hpp>
 #include <nscdd/study/contact_choice.hpp>
 
-#include <functional>
+#include <complex>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace nscdd {
@@ -35,8 +36,12 @@ struct SweepPoint {
 Index point_count(const SweepParameters& parameters);
 SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 
+/// Columns of the coordinates of a point, which are known before anything is computed.
+const ResultColumns<SweepPoint>& point_columns();
+
 /// The decomposition of a model together with what the choice of contacts makes of it.
 struct Selection {
+  ContactSet contacts = ContactSet::all;
   Decomposition stage_one;  ///< with the contacts Stage 1 works with
   Index active_contacts = 0;
   std::string rule;     ///< how they were chosen, see ContactChoice
@@ -46,24 +51,36 @@ struct Selection {
 /// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
 Selection select(const Model& model, ContactSet contacts);
 
-/// Columns common to every table about a case, and their values.
-std::vector<Column> case_columns();
-Row case_cells(const Model& model, const Selection& selection, ContactSet contacts);
+/// What tables of spectra tell of a case beside its results.
+struct CaseSummary {
+  std::string name;
+  Index grains = 0, contacts = 0;
+  Index active_contacts = 0;  ///< that Stage 1 works with
+  Index subdomains = 0;       ///< empty ones included
+  Index interface_size = 0;   ///< n_Gamma
+  ContactSet contact_set = ContactSet::all;
+  std::string rule;  ///< how the contacts of Stage 1 were chosen
+};
+CaseSummary summary(const Model& model, const Selection& selection);
+const ResultColumns<CaseSummary>& case_columns();
 
-/// The same followed by the coordinates of a point of a sweep: epsilon, eta, relaxation, sweeps.
-std::vector<Column> point_columns();
+/// What is found at a point of a sweep.
+struct SweepResult {
+  CaseSummary of_case;
+  SweepPoint point;               ///< with the relaxation used, the optimal one where that was asked for
+  SpectralRadius radius;          ///< with an inexact Stage 1 its ends are not known
+  std::complex<double> dominant;  ///< eigenvalue of largest modulus; of a pair the one above the real axis
+};
 
-/// Columns of a sweep, described in docs/formats.md; certificates and further eigenvalues add theirs at the
-/// end.
-std::vector<Column> sweep_columns(const SpectralOptions& options = {});
+/// Columns of the case and the point alone, and of everything. They are described in docs/formats.md;
+/// certificates and further eigenvalues add theirs at the end.
+const ResultColumns<SweepResult>& place_columns();
+ResultColumns<SweepResult> sweep_columns(const SpectralOptions& options = {});
 
-/// Takes the rows of a table as they come.
-using RowSink = std::function<void(const Row&)>;
-
-/// Spectral radius at every point of a sweep from row `first` on, the rows before it being known. Points that
-/// do not converge are rows with converged = false; returns how many there are. Stops early where the monitor
-/// asks for it. Rows do not depend on where a sweep starts.
-Index sweep(const Model& model, const SweepParameters& parameters, const RowSink& sink,
+/// Spectral radius at every point of a sweep from point `first` on. Points that do not converge have
+/// radius.converged = false; returns how many there are. Stops early where the monitor asks for it. Results
+/// do not depend on where a sweep starts.
+Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
             const Monitor& monitor = {}, Index first = 0);
 
 }  // namespace nscdd
