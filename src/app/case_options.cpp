@@ -46,21 +46,6 @@ Case packing_case(const std::string& path) {
 
 }  // namespace
 
-Partitioner parse_subdomains(const std::string& text) {
-  const std::string what = "--subdomains";
-  if (text.rfind("metis:", 0) == 0) {
-    MetisPartitioner metis;
-    override_field(metis, "metis", text.substr(6), what);
-    return metis;
-  }
-  const auto cross = text.find('x');
-  if (cross == std::string::npos)
-    throw Error(fmt::format("{}: expected NXxNY such as 2x1, or metis:N, met '{}'", what, text));
-  GridPartitioner grid;
-  override_field(grid, "grid", text.substr(0, cross) + "," + text.substr(cross + 1), what);
-  return grid;
-}
-
 Case read_any_case(const std::string& name, const std::vector<std::string>& outputs,
                    const std::function<void(Case&)>& change) {
   const std::string path = find_case(name);
@@ -109,7 +94,7 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
 }
 
 void CaseOptions::apply(Case& one) const {
-  if (!subdomains.empty()) one.partition = parse_subdomains(subdomains);
+  if (!subdomains.empty()) one.partition = parse_partitioner(subdomains, "--subdomains");
   if (!prescribed.empty()) one.prescribed.clear();
   for (const std::string& text : prescribed) {
     const PrescribedVelocity velocity = parse_prescribed(text);

@@ -19,9 +19,6 @@ namespace nscdd::app {
 Case read_any_case(const std::string& name, const std::vector<std::string>& outputs,
                    const std::function<void(Case&)>& change);
 
-/// The partitioner of --subdomains: NXxNY, or metis:N.
-Partitioner parse_subdomains(const std::string& text);
-
 /// Sets parameters of a case from texts KEY=VALUE.
 void apply_settings(Case& one, const std::vector<std::string>& settings);
 

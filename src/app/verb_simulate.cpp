@@ -89,7 +89,7 @@ void apply(const Options& options, Case& one) {
     throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
   const std::vector<Given> given = given_parameters(options);
   require_once(given);
-  if (!options.subdomains.empty()) one.partition = parse_subdomains(options.subdomains);
+  if (!options.subdomains.empty()) one.partition = parse_partitioner(options.subdomains, "--subdomains");
   apply_settings(one, options.settings);
   const auto set = [&](const char* key, const auto& value) {
     if (!value) return;

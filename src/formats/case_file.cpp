@@ -117,17 +117,19 @@ void read_masses_section(StrictTable section, Masses& masses) {
 }
 
 void read_partition_section(StrictTable section, Partitioner& partitioner) {
-  if (section.has("grid") == section.has("metis"))
-    section.fail("grid", "either grid = [nx, ny] or metis = n", section.has("grid") ? "both" : "neither");
-  if (section.has("grid")) {
-    GridPartitioner grid;
-    section.read_fields(grid);
-    partitioner = grid;
-  } else {
-    MetisPartitioner metis;
-    section.read_fields(metis);
-    partitioner = metis;
-  }
+  int found = 0;
+  std::string forms;
+  for_each_partitioner([&](auto one) {
+    found += section.has(one.name);
+    forms += fmt::format("{}{}", forms.empty() ? "" : " or ", one.key_form);
+  });
+  if (found != 1)
+    section.fail(GridPartitioner::name, "either " + forms, found == 0 ? "neither" : "both");
+  for_each_partitioner([&](auto one) {
+    if (!section.has(one.name)) return;
+    section.read_fields(one);
+    partitioner = one;
+  });
   section.finish();
 }
 

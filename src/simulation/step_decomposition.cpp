@@ -110,10 +110,13 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 
 Partition fresh_partition(const Simulation& simulation, const StepProblem& problem) {
   const Index disks = simulation.system.disks();
-  if (const auto* metis = std::get_if<MetisPartitioner>(&simulation.partitioner))
-    return by_metis(normal_problem(problem, disks), *metis);
-  return by_grid(free_grains(simulation.system, simulation.state, simulation.dynamics.time),
-                 network_of(problem, disks), std::get<GridPartitioner>(simulation.partitioner));
+  return distribute(
+      simulation.partitioner,
+      [&] {
+        return std::pair(free_grains(simulation.system, simulation.state, simulation.dynamics.time),
+                         network_of(problem, disks));
+      },
+      [&] { return normal_problem(problem, disks); });
 }
 
 // Known contacts stay where they were; a new one goes to the subdomain of a known one that shares a free

@@ -51,14 +51,15 @@ struct MassFields {
 // One subdomain, or by the graph of contacts.
 Partition partition_without_geometry(const Partitioner& partitioner, const ReferenceProblem& problem,
                                      const std::string& path) {
-  if (const auto* metis = std::get_if<MetisPartitioner>(&partitioner)) return by_metis(problem, *metis);
-  const auto [nx, ny] = std::get<GridPartitioner>(partitioner).grid;
-  if (nx != 1 || ny != 1)
+  if (subdomains(partitioner) == 1)
+    return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
+  const auto refuse = [&]() -> std::pair<Packing, ContactNetwork> {
     throw Error(fmt::format(
         "{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is "
-        "known, met a grid of {} x {}",
-        path, nx, ny));
-  return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
+        "known, met {} subdomains by another partitioner",
+        path, subdomains(partitioner)));
+  };
+  return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
 }
 
 Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
@@ -249,7 +250,9 @@ Model build(const Case& one, const Monitor& monitor) {
   model.network = detect_contacts(model.packing, one.contacts);
   const std::vector<PrescribedVelocity> prescribed = numbered(one.prescribed, model.packing.size());
   model.problem = assemble(model.packing, model.network, prescribed, one.loads);
-  model.partition = partition(one.partition, model.packing, model.network, model.problem);
+  model.partition = distribute(
+      one.partition, [&] { return std::tie(model.packing, model.network); },
+      [&]() -> const ReferenceProblem& { return model.problem; });
   model.parts = decompose(model.problem, model.partition);
   return model;
 }

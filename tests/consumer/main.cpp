@@ -14,7 +14,7 @@ int main() {
   const ContactNetwork network = detect_contacts(packing);
 
   const auto problem = assemble(packing, network);
-  const auto parts = decompose(problem, by_grid(packing, network, {{2, 1}}));
+  const auto parts = decompose(problem, partition(GridPartitioner{{2, 1}}, packing, network));
   const auto b = contraction(parts, Generic{}, LinearViscous{.epsilon = 0});
   const auto rho = spectral_radius(b);  // value, ends of the spectrum, residual, applications, converged
 

@@ -31,27 +31,31 @@ TEST_CASE("grid: a midpoint on a line goes to the lower cell, outer points stay 
   const Packing packing{{0.0, 1.0, 2.0, 0.0}, {0.0, 0.0, 0.0, 1.0}, {0.5, 0.5, 0.5, 0.5}, {1, 1, 1, 1}};
   const ContactNetwork network = detect_contacts(packing);
   REQUIRE(network.size() == 3);  // (0,1) at x = 0.5, (0,3) at x = 0, (1,2) at x = 1.5
-  CHECK(by_grid(packing, network, {{2, 1}}).subdomain_of_contact == std::vector<Index>{0, 0, 1});
-  CHECK(by_grid(packing, network, {{4, 1}}).subdomain_of_contact == std::vector<Index>{0, 0, 2});
-  CHECK(by_grid(packing, network, {{1, 2}}).subdomain_of_contact == std::vector<Index>{0, 0, 0});
-  CHECK(by_grid(packing, network, {{1, 4}}).subdomain_of_contact == std::vector<Index>{0, 1, 0});
-  CHECK_THROWS_AS(by_grid(packing, network, {{0, 1}}), Error);
-  CHECK_THROWS_AS(by_grid(packing, network, {{10000, 10000}}), Error);
+  CHECK(partition(GridPartitioner{{2, 1}}, packing, network).subdomain_of_contact ==
+        std::vector<Index>{0, 0, 1});
+  CHECK(partition(GridPartitioner{{4, 1}}, packing, network).subdomain_of_contact ==
+        std::vector<Index>{0, 0, 2});
+  CHECK(partition(GridPartitioner{{1, 2}}, packing, network).subdomain_of_contact ==
+        std::vector<Index>{0, 0, 0});
+  CHECK(partition(GridPartitioner{{1, 4}}, packing, network).subdomain_of_contact ==
+        std::vector<Index>{0, 1, 0});
+  CHECK_THROWS_AS(partition(GridPartitioner{{0, 1}}, packing, network), Error);
+  CHECK_THROWS_AS(partition(GridPartitioner{{10000, 10000}}, packing, network), Error);
 }
 
 TEST_CASE("METIS: every contact in a part, parts of like size, same result twice, odd numbers of parts") {
   const Model model = build(random_lattice(5, 12, 12, {1, 1}));
   for (const Index parts : {1, 2, 5, 8}) {
-    const Partition partition = by_metis(model.problem, {.metis = parts, .seed = 3});
+    const Partition found = partition(MetisPartitioner{.metis = parts, .seed = 3}, model.problem);
     std::map<Index, Index> sizes;
-    for (const Index e : partition.subdomain_of_contact) ++sizes[e];
+    for (const Index e : found.subdomain_of_contact) ++sizes[e];
     CHECK(count(sizes) == parts);
     for (const auto& [part, size] : sizes) CHECK(size * parts < 2 * model.problem.contacts());
-    CHECK(by_metis(model.problem, {.metis = parts, .seed = 3}).subdomain_of_contact ==
-          partition.subdomain_of_contact);
+    CHECK(partition(MetisPartitioner{.metis = parts, .seed = 3}, model.problem).subdomain_of_contact ==
+          found.subdomain_of_contact);
   }
   const Model two = build(strip(2));
-  CHECK(by_metis(two.problem, {.metis = 7}).subdomain_of_contact == std::vector<Index>{0});
+  CHECK(partition(MetisPartitioner{.metis = 7}, two.problem).subdomain_of_contact == std::vector<Index>{0});
 }
 
 TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {

@@ -4,30 +4,49 @@
 #include <nscdd/ddm/partitioners/grid.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
 
+#include <string>
+#include <string_view>
 #include <variant>
 
 namespace nscdd {
 
-/// Every partitioner: one file, one word here, and its branch in `partition`.
+/// Every partitioner: one file and one word here. A partitioner is a struct of described fields with
+///   name, summary   the key of that name in [partition] chooses it
+///   key_form        how [partition] has that key
+///   option_form     how --subdomains has it; `value_of_option` reads the value of the key from there
+///   needs_geometry  whether it looks at centres and midpoints, or at the graph of contacts alone
+/// and functions `subdomains` and `partition`.
 using Partitioner = std::variant<GridPartitioner, MetisPartitioner>;
+
+/// Calls f with one of each, with its defaults.
+template <class Function>
+void for_each_partitioner(Function&& f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) { (f(std::variant_alternative_t<I, Partitioner>{}), ...); }
+  (std::make_index_sequence<std::variant_size_v<Partitioner>>());
+}
+
+/// The partitioner of --subdomains, such as "2x1" or "metis:6". Throws Error naming `what` for other texts.
+Partitioner parse_partitioner(std::string_view text, std::string_view what);
 
 /// Subdomains asked for.
 inline Index subdomains(const Partitioner& partitioner) {
-  const auto* grid = std::get_if<GridPartitioner>(&partitioner);
-  return grid != nullptr ? subdomains(*grid) : std::get<MetisPartitioner>(partitioner).metis;
+  return std::visit([](const auto& one) { return subdomains(one); }, partitioner);
 }
 
-/// Distributes the contacts of a packing; each partitioner takes of it what it needs.
-inline Partition partition(const Partitioner& partitioner, const Packing& packing,
-                           const ContactNetwork& network, const ReferenceProblem& problem) {
-  struct Visitor {
-    const Packing& packing;
-    const ContactNetwork& network;
-    const ReferenceProblem& problem;
-    Partition operator()(const GridPartitioner& grid) const { return by_grid(packing, network, grid); }
-    Partition operator()(const MetisPartitioner& metis) const { return by_metis(problem, metis); }
-  };
-  return std::visit(Visitor{packing, network, problem}, partitioner);
+/// Distributes contacts. `geometry()` gives a pair of Packing and ContactNetwork, `graph()` a
+/// ReferenceProblem of the same contacts; only what the partitioner looks at is asked for.
+template <class Geometry, class Graph>
+Partition distribute(const Partitioner& partitioner, Geometry&& geometry, Graph&& graph) {
+  return std::visit(
+      [&](const auto& one) {
+        if constexpr (std::decay_t<decltype(one)>::needs_geometry) {
+          const auto& [packing, network] = geometry();
+          return partition(one, packing, network);
+        } else {
+          return partition(one, graph());
+        }
+      },
+      partitioner);
 }
 
 }  // namespace nscdd

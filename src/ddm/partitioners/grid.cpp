@@ -27,18 +27,19 @@ Index subdomains(const GridPartitioner& partitioner) {
   return nx * ny;
 }
 
-Partition by_grid(const Packing& packing, const ContactNetwork& network, const GridPartitioner& partitioner) {
+Partition partition(const GridPartitioner& partitioner, const Packing& packing,
+                    const ContactNetwork& network) {
   const auto [nx, ny] = partitioner.grid;
-  Partition partition{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
-  if (packing.size() == 0) return partition;
+  Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
+  if (packing.size() == 0) return result;
   const auto [x_low, x_high] = std::minmax_element(packing.x.begin(), packing.x.end());
   const auto [y_low, y_high] = std::minmax_element(packing.y.begin(), packing.y.end());
   for (const Contact& contact : network.contacts) {
     const Index column = cell(contact.midpoint[0], *x_low, *x_high, nx);
     const Index row = cell(contact.midpoint[1], *y_low, *y_high, ny);
-    partition.subdomain_of_contact.push_back(row * nx + column);
+    result.subdomain_of_contact.push_back(row * nx + column);
   }
-  return partition;
+  return result;
 }
 
 }  // namespace nscdd

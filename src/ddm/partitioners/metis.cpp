@@ -50,15 +50,15 @@ Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
 
 }  // namespace
 
-Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& partitioner) {
-  Partition partition{.subdomains = partitioner.metis,
-                      .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
+Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem) {
+  Partition result{.subdomains = partitioner.metis,
+                   .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
   // METIS takes neither an empty graph nor more parts than vertices; one contact per part is then as good.
-  if (partitioner.metis == 1 || problem.contacts() == 0) return partition;
+  if (partitioner.metis == 1 || problem.contacts() == 0) return result;
   const Index columns = problem.columns_per_contact, contacts = problem.contacts() / columns;
   if (partitioner.metis >= contacts) {
-    for (Index c = 0; c < problem.contacts(); ++c) partition.subdomain_of_contact[at(c)] = c / columns;
-    return partition;
+    for (Index c = 0; c < problem.contacts(); ++c) result.subdomain_of_contact[at(c)] = c / columns;
+    return result;
   }
   Graph graph = contact_graph(problem, contacts);
   idx_t vertices = static_cast<idx_t>(contacts), constraints = 1;
@@ -74,9 +74,8 @@ Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& part
   if (status != METIS_OK)
     throw Error(fmt::format("METIS: expected a partition into {} subdomains, met status {}",
                             partitioner.metis, status));
-  for (Index c = 0; c < problem.contacts(); ++c)
-    partition.subdomain_of_contact[at(c)] = part[at(c / columns)];
-  return partition;
+  for (Index c = 0; c < problem.contacts(); ++c) result.subdomain_of_contact[at(c)] = part[at(c / columns)];
+  return result;
 }
 
 }  // namespace nscdd

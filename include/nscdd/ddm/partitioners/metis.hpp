@@ -5,6 +5,10 @@
 #include <nscdd/ddm/partition.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
+#include <optional>
+#include <string>
+#include <string_view>
+
 namespace nscdd {
 
 /// METIS k-way partition of the contact graph: its vertices are the contacts, two of them joined where they
@@ -13,6 +17,8 @@ namespace nscdd {
 struct MetisPartitioner {
   static constexpr std::string_view name = "metis";
   static constexpr std::string_view summary = "METIS k-way partition of the contact graph";
+  static constexpr std::string_view key_form = "metis = n", option_form = "metis:N";
+  static constexpr bool needs_geometry = false;
   Index metis = 2;
   Index seed = 1;
 
@@ -22,9 +28,15 @@ struct MetisPartitioner {
     visit("seed", self.seed,
           Field{.description = "seed of METIS's random choices", .minimum = 0, .maximum = 2147483647});
   }
+  static std::optional<std::string> value_of_option(std::string_view text) {
+    if (!text.starts_with("metis:")) return std::nullopt;
+    return std::string(text.substr(6));
+  }
 };
 
+inline Index subdomains(const MetisPartitioner& partitioner) { return partitioner.metis; }
+
 /// Subdomains may come out empty where there are few contacts. Throws Error where METIS fails.
-Partition by_metis(const ReferenceProblem& problem, const MetisPartitioner& partitioner);
+Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem);
 
 }  // namespace nscdd

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nscdd/core/error.hpp>
+#include <nscdd/ddm/partitioner.hpp>
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace nscdd {
+
+Partitioner parse_partitioner(std::string_view text, std::string_view what) {
+  std::optional<Partitioner> found;
+  std::string forms;
+  for_each_partitioner([&](auto one) {
+    forms += fmt::format("{}{}", forms.empty() ? "" : ", or ", one.option_form);
+    const std::optional<std::string> value = one.value_of_option(text);
+    if (!value || found) return;
+    override_field(one, one.name, *value, what);
+    found = one;
+  });
+  if (!found) throw Error(fmt::format("{}: expected {}, met '{}'", what, forms, text));
+  return *found;
+}
+
+}  // namespace nscdd
