@@ -45,7 +45,7 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   fmt::print("subdomains           {} ({} without a contact)\n", model.partition.subdomains,
              found.empty_subdomains);
   fmt::print("interface unknowns   {}{}\n", found.interface_dofs,
-             found.interface_dofs == 0 ? " (empty interface)" : "");
+             found.interface_dofs > 0 ? "" : fmt::format(" (empty interface: {})", why_empty(model)));
   for (const auto& [multiplicity, grains] : found.interface_grains)
     fmt::print("  grains shared by {:<3} {}\n", multiplicity, grains);
   if (found.ranks) {
@@ -68,6 +68,8 @@ void print_geometry(const Inspection& found) {
              found.solid_fraction.box);
   fmt::print("  in the middle      {:.6g} (in that box at half width and half height)\n",
              found.solid_fraction.middle);
+  if (found.largest_overlap > ContactDetection{}.overlap_tolerance)
+    fmt::print("largest overlap      {:.6g} of the smaller radius\n", found.largest_overlap);
   fmt::print("rattlers             {} (fewer than 2 contacts, without other rattlers)\n", found.rattlers);
   fmt::print("  coordination number without them  {}\n\n",
              std::isnan(found.coordination_without_rattlers)
@@ -91,7 +93,7 @@ int run(const Options& options) {
   Model model;
   {
     Progress progress("generate");
-    model = build(one, progress.monitor());
+    model = build(with_overlaps_of_motion(one), progress.monitor());
   }
   InspectionOptions inspection;
   if (options.ranks) inspection.ranks_up_to = std::numeric_limits<Index>::max();
@@ -122,7 +124,10 @@ std::function<int()> declare_inspect(Command& command, const Context&) {
       "Examples:\n"
       "  nscdd inspect disks12\n"
       "  nscdd inspect mine.csv --subdomains 3x2\n"
-      "  nscdd inspect deposit --histogram sizes.csv");
+      "  nscdd inspect deposit --histogram sizes.csv\n"
+      "A case that moves is inspected at its start, without its boundaries; overlaps are accepted up to "
+      "those\n"
+      "that its simulation accepts.");
   return [options] { return run(*options); };
 }
 

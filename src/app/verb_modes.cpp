@@ -192,6 +192,7 @@ std::function<int()> declare_modes(Command& command, const Context&) {
       "The mode is the error that the iteration is left with in the end: interface impulses F with\n"
       "B F = (eigenvalue) F, and the velocities that Stage 1 answers them with. Draw it with\n"
       "  plots/modes.py PREFIX mode.svg\n"
+      "A contact problem has no geometry to place a mode in and is refused.\n"
       "Examples:\n"
       "  nscdd modes hexagonal --epsilon 1e-3 --output slow\n"
       "  nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low");

@@ -6,6 +6,7 @@
 #include "study/network_tables.hpp"
 #include <nscdd/files/csv.hpp>
 #include <nscdd/files/output_file.hpp>
+#include <nscdd/study/inspection.hpp>
 
 #include <fmt/format.h>
 
@@ -22,8 +23,18 @@ struct Options {
   MemoryLimit memory;
 };
 
+// A contact problem has neither grains to place nor loads of its own to solve for.
+int write_problem(const Options& options, const Model& model) {
+  if (!options.grains.empty()) require_geometry(model, "--grains");
+  CsvWriter csv(options.csv, options.force, headings(problem_contact_columns()));
+  problem_contacts(model, [&](const ProblemContact& one) { csv.write(row(problem_contact_columns(), one)); });
+  csv.finish();
+  return 0;
+}
+
 int run(const Options& options) {
-  const Model model = build(options.one.resolve({options.csv, options.grains}));
+  const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
+  if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   const ContactSet contacts = contact_set(options.contacts).value_or(ContactSet::active);
   options.memory.require(estimated_link_bytes(model, contacts), model.name,
@@ -67,11 +78,14 @@ std::function<int()> declare_network(Command& command, const Context&) {
       "prescribed\n"
       "velocity (the least-norm solution for a hyperstatic network, said in impulse_solution), active or "
       "not;\n"
-      "with --contacts unilateral those of the frictionless unilateral problem.\n"
+      "with --contacts unilateral those of the frictionless unilateral problem. Of a contact problem: "
+      "bodies\n"
+      "and subdomain of every contact.\n"
       "Examples:\n"
       "  nscdd network disks4\n"
       "  nscdd network hexagonal --contacts unilateral --set loads.compression=1,1\n"
-      "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv");
+      "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv\n"
+      "  nscdd network problem.hdf5 --subdomains metis:4");
   return [options] { return run(*options); };
 }
 

@@ -10,6 +10,7 @@
 #include "linalg/threads.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
+#include <nscdd/study/inspection.hpp>
 #include <nscdd/study/optimum.hpp>
 
 #include <fmt/format.h>
@@ -63,6 +64,9 @@ int run(const Options& options) {
   if (nothing_to_resume(options.csv, "", how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
+  if (model.parts.interface_size() == 0)
+    note(fmt::format("{}: the interface is empty ({}): there is nothing to optimise", model.name,
+                     why_empty(model)));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.csv.empty()) {
     report_all(work, model);

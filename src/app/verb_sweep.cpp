@@ -14,6 +14,7 @@
 #include <nscdd/core/error.hpp>
 #include <nscdd/files/hdf5.hpp>
 #include <nscdd/files/output_file.hpp>
+#include <nscdd/study/inspection.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>
@@ -122,9 +123,8 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
-    note(fmt::format(
-        "{}: the interface is empty ({} subdomain(s), no shared grain): nothing to contract, radius 0",
-        model.name, model.partition.subdomains));
+    note(fmt::format("{}: the interface is empty ({}): nothing to contract, radius 0", model.name,
+                     why_empty(model)));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.redo) {
     Interruption interruption;

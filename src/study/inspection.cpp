@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/range_projector.hpp"
+#include <nscdd/mechanics/time_stepping.hpp>
 #include <nscdd/study/inspection.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
@@ -19,8 +22,10 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
   return result;
 }
 
-// Connected pieces of the contact graph, by union-find over its grains.
-Index components(const ReferenceProblem& problem) {
+}  // namespace
+
+// By union-find over the grains.
+Index connected_pieces(const ReferenceProblem& problem) {
   std::vector<Index> parent(at(problem.grains()));
   std::iota(parent.begin(), parent.end(), Index{0});
   const auto root = [&](Index i) {
@@ -41,12 +46,37 @@ Index components(const ReferenceProblem& problem) {
   return pieces;
 }
 
+std::string why_empty(const Model& model) {
+  if (model.parts.interface_size() > 0) return "";
+  const Index subdomains = model.partition.subdomains, pieces = connected_pieces(model.problem);
+  std::string why = fmt::format("{} subdomain(s), no shared grain", subdomains);
+  if (subdomains > 1 && pieces > 1)
+    why += fmt::format("; the network has {} separate pieces, and the partition cuts none of them", pieces);
+  return why;
+}
+
+Case with_overlaps_of_motion(Case one) {
+  double& tolerance = one.contacts.overlap_tolerance;
+  if (one.dynamics && tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
+  return one;
+}
+
+namespace {
+
 // Contacts per grain, on average; a contact with a support counts for one grain.
 double coordination_number(const Model& model) {
   Index touches = 0;
   for (Index c = 0; c < model.contacts(); ++c)
     touches += count(grains_of_contact(model.problem, model.problem.columns_per_contact * c));
   return static_cast<double>(touches) / static_cast<double>(model.grains());
+}
+
+double largest_overlap_of(const Model& model) {
+  const std::vector<double>& radius = model.packing.radius;
+  double largest = 0;
+  for (const Contact& c : model.network.contacts)
+    largest = std::max(largest, -c.gap / std::min(radius[at(c.a)], radius[at(c.b)]));
+  return largest;
 }
 
 // Rattlers and the coordination number of what remains without them.
@@ -83,11 +113,12 @@ Inspection inspect(const Model& model, const InspectionOptions& options) {
     if (multiplicity == 0) ++result.isolated_grains;
     if (multiplicity >= 2) ++result.interface_grains[multiplicity];
   }
-  result.components = components(model.problem);
+  result.components = connected_pieces(model.problem);
   result.coordination_number = coordination_number(model);
   result.interface_dofs = model.parts.interface_size();
   if (!model.has_geometry()) return result;
   result.solid_fraction = solid_fraction(model.packing);
+  result.largest_overlap = largest_overlap_of(model);
   count_rattlers(model.network, result);
   result.sizes = size_histogram(model.packing);
   return result;

@@ -3,6 +3,8 @@
 
 #include <nscdd/study/study.hpp>
 
+#include <set>
+
 namespace nscdd {
 
 ResultColumns<Link> link_columns(ContactSet contacts) {
@@ -49,6 +51,28 @@ ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet conta
   for (Index c = 0; c < model.network.size(); ++c)
     sink({model, choice, c, loaded ? choice.impulses[c] : not_a_number});
   return choice;
+}
+
+const ResultColumns<ProblemContact>& problem_contact_columns() {
+  static const ResultColumns<ProblemContact> columns{
+      {"case", "", "name of the case", [](const ProblemContact& c) { return c.model.name; }},
+      {"contact", "1", "number of the contact in the file", &ProblemContact::number},
+      {"body_a", "1", "first body", &ProblemContact::body_a},
+      {"body_b", "1", "second body, the larger number; -1 for a support", &ProblemContact::body_b},
+      {"subdomain", "1", "subdomain that owns the contact", [](const ProblemContact& c) {
+         return c.model.partition.subdomain_of_contact[at(c.model.problem.columns_per_contact * c.number)];
+       }}};
+  return columns;
+}
+
+void problem_contacts(const Model& model, const Sink<ProblemContact>& sink) {
+  const Index columns = model.problem.columns_per_contact;
+  for (Index c = 0; c < model.contacts(); ++c) {
+    std::set<Index> bodies;
+    for (Index k = 0; k < columns; ++k)
+      for (const Index body : grains_of_contact(model.problem, columns * c + k)) bodies.insert(body);
+    sink({model, c, bodies.empty() ? -1 : *bodies.begin(), bodies.size() > 1 ? *bodies.rbegin() : -1});
+  }
 }
 
 const ResultColumns<Grain>& grain_columns() {

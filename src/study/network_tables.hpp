@@ -25,6 +25,15 @@ ResultColumns<Link> link_columns(ContactSet contacts = ContactSet::active);
 /// no geometry is known.
 ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts = ContactSet::active);
 
+/// A contact of a contact problem, of which no geometry is known: its bodies and its subdomain.
+struct ProblemContact {
+  const Model& model;
+  Index number;
+  Index body_a, body_b;  ///< the second is -1 for a contact with a support
+};
+const ResultColumns<ProblemContact>& problem_contact_columns();
+void problem_contacts(const Model& model, const Sink<ProblemContact>& sink);
+
 /// A grain with its multiplicity and prescribed velocity.
 struct Grain {
   const Model& model;

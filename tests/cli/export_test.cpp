@@ -112,6 +112,34 @@ TEST_CASE("export --fclib: solved again, a step gives the velocities of the run"
   CHECK(mass[5] == doctest::Approx(header.system.mass[1] * std::pow(header.system.radius[1], 2) / 2));
 }
 
+TEST_CASE("network of a contact problem: every contact with its bodies and its subdomain of METIS") {
+  const Session session;
+  session.file("box.toml", small_case());
+  answer(session, "simulate box.toml --algorithm nlgs -o run.h5");
+  answer(session, "export run.h5 --fclib 12 -o p.hdf5");
+  const CsvTable contacts = table(session, "network p.hdf5 --subdomains metis:3");
+  const FclibFile file = fclib(session, "p.hdf5");
+  REQUIRE(count(contacts.rows) == global(file).contacts());
+  std::map<std::string, std::set<std::string>> subdomains_of;
+  std::set<std::string> all;
+  for (std::size_t row = 0; row < contacts.rows.size(); ++row) {
+    CHECK(contacts.text(row, "contact") == std::to_string(row));
+    all.insert(contacts.text(row, "subdomain"));
+    for (const char* body : {"body_a", "body_b"})
+      if (contacts.text(row, body) != "-1")
+        subdomains_of[contacts.text(row, body)].insert(contacts.text(row, "subdomain"));
+  }
+  CHECK(all == std::set<std::string>{"0", "1", "2"});
+  // Each further copy of a body is glued by three unknowns: the partition is the one that a sweep works with.
+  std::size_t copies = 0;
+  for (const auto& [body, subdomains] : subdomains_of) copies += subdomains.size() - 1;
+  const CsvTable swept = table(session, "sweep p.hdf5 --subdomains metis:3 --epsilon 1");
+  CHECK(copies > 0);
+  CHECK(swept.number(0, "interface_dofs") == static_cast<double>(3 * copies));
+  check_refused(session, "network p.hdf5 --subdomains metis:3 --grains g.csv --csv c.csv",
+                {"--grains", "expected a packing"});
+}
+
 TEST_CASE("export --fclib: impulses agree where they are unique") {
   const Session session;
   std::string text = replaced(small_case(), "friction = 0.3", "law = \"frictionless\"");

@@ -248,6 +248,38 @@ TEST_CASE("inspect: hyperstaticity of a lattice") {
   CHECK(contains(report, "grains shared by 4"));
 }
 
+TEST_CASE("inspect and network: a case that moves may overlap as its simulation accepts") {
+  const Session session;
+  session.file("pair.csv", "x,y,radius,mass\n0,0,1,1\n1.93,0,1,1\n");
+  session.file("pair.toml",
+               "[packing]\nfile = \"pair.csv\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n");
+  answer(session, "simulate pair.toml -o run.h5");
+  CHECK(std::stod(entry(answer(session, "inspect pair.toml"), "largest overlap")) == doctest::Approx(0.07));
+  CHECK(table(session, "network pair.toml").number(0, "gap") == doctest::Approx(-0.07));
+  check_refused(session, "inspect pair.csv", {"overlap by 0.07", "overlap_tolerance"});  // nothing moves it
+  check_refused(session, "inspect pair.toml --overlap-tolerance 0.01", {"overlap by 0.07"});
+  CHECK(!contains(answer(session, "inspect disks12"), "overlap"));
+}
+
+TEST_CASE("sweep, optimum and inspect say why an interface is empty") {
+  const Session session;
+  std::string pairs = "x,y,radius\n";  // six pairs of disks, far from each other
+  for (int x = 0; x < 60; x += 10)
+    pairs += std::to_string(x) + ",0,0.5\n" + std::to_string(x + 1) + ",0,0.5\n";
+  session.file("pairs.csv", pairs);
+  const std::string why =
+      "3 subdomain(s), no shared grain; the network has 6 separate pieces, and the partition cuts none of "
+      "them";
+  CHECK(contains(answer(session, "inspect pairs.csv --subdomains metis:3"), why));
+  for (const std::string line : {"sweep pairs.csv --subdomains metis:3 --epsilon 1 --csv -",
+                                 "optimum pairs.csv --subdomains metis:3 --contacts all --csv -"}) {
+    const Outcome outcome = session.run(words(line));
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.standard_error, why));
+  }
+  CHECK(contains(answer(session, "inspect disks12 --subdomains 1x1"), "1 subdomain(s), no shared grain)"));
+}
+
 TEST_CASE("optimum: report and table agree") {
   const Session session;
   const std::string report = answer(session, "optimum disks4");

@@ -156,6 +156,24 @@ TEST_CASE("friction takes motions away: fewer rigid modes, the same network") {
   CHECK(problem.whole.rigid_modes < packing.whole.rigid_modes + packing.whole.grains);
 }
 
+TEST_CASE("contacts of a problem: its bodies and subdomains are those of the packing it comes from") {
+  const Model packing = build(lattice());
+  for (const bool with_tangents : {false, true}) {
+    const Model problem = build(as_problem(lattice(), with_tangents));
+    Index contacts = 0;
+    problem_contacts(problem, [&](const ProblemContact& one) {
+      const Row cells = row(problem_contact_columns(), one);
+      const Contact& contact = packing.network.contacts[at(contacts)];
+      const Index owner = problem.partition.subdomain_of_contact[at(2 * contacts)];
+      CHECK(cells ==
+            Row{problem.name, to_cell(contacts), to_cell(contact.a), to_cell(contact.b), to_cell(owner)});
+      if (with_tangents) CHECK(owner == packing.partition.subdomain_of_contact[at(contacts)]);
+      ++contacts;
+    });
+    CHECK(contacts == packing.network.size());
+  }
+}
+
 TEST_CASE("what a contact problem cannot do is refused") {
   Case one = as_problem(lattice(), true);
   const Model model = build(one);

@@ -5,6 +5,7 @@
 #include "study/mode_tables.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/two_stage.hpp>
+#include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>
 

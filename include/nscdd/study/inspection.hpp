@@ -5,6 +5,7 @@
 #include <nscdd/study/case.hpp>
 
 #include <map>
+#include <string>
 #include <vector>
 
 namespace nscdd {
@@ -34,7 +35,8 @@ struct Inspection {
   bool ranks = false;  ///< ranks were computed
   // What follows is of packings alone.
   SolidFraction solid_fraction;
-  Index rattlers = 0;  ///< grains that no load can reach, see rattlers() in packing/statistics.hpp
+  double largest_overlap = 0;  ///< of two grains, in units of the smaller radius; 0 without one
+  Index rattlers = 0;          ///< grains that no load can reach, see rattlers() in packing/statistics.hpp
   double coordination_without_rattlers = 0;  ///< of the other grains among themselves; nan without any
   std::vector<SizeClass> sizes;              ///< ten classes of radii
 };
@@ -44,6 +46,17 @@ struct InspectionOptions {
   /// network.
   Index ranks_up_to = 100'000;
 };
+
+/// A case that moves, with the overlaps that its simulation accepts where it says nothing of its own; other
+/// cases as they are.
+Case with_overlaps_of_motion(Case one);
+
+/// Connected pieces of the contact network, isolated grains left out.
+Index connected_pieces(const ReferenceProblem& problem);
+
+/// Why the interface of a model is empty: "1 subdomain(s), no shared grain", and how many separate pieces the
+/// partition leaves whole; "" for an interface that is not empty.
+std::string why_empty(const Model& model);
 
 /// Ranks are those of H, which are those of W, by `sparse_rank`.
 Inspection inspect(const Model& model, const InspectionOptions& options = {});
