@@ -84,8 +84,7 @@ std::function<int()> declare_network(Command& command, const Context&) {
       "Examples:\n"
       "  nscdd network disks4\n"
       "  nscdd network hexagonal --contacts unilateral --set loads.compression=1,1\n"
-      "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv\n"
-      "  nscdd network problem.hdf5 --subdomains metis:4");
+      "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv");
   return [options] { return run(*options); };
 }
 

@@ -123,8 +123,7 @@ void read_partition_section(StrictTable section, Partitioner& partitioner) {
     found += section.has(one.name);
     forms += fmt::format("{}{}", forms.empty() ? "" : " or ", one.key_form);
   });
-  if (found != 1)
-    section.fail(GridPartitioner::name, "either " + forms, found == 0 ? "neither" : "both");
+  if (found != 1) section.fail(GridPartitioner::name, "either " + forms, found == 0 ? "neither" : "both");
   for_each_partitioner([&](auto one) {
     if (!section.has(one.name)) return;
     section.read_fields(one);

@@ -20,8 +20,8 @@ inline constexpr Index dense_impulse_limit = 4000;
 
 /// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts that neither open nor close, in tension or compression.
 /// It is the least-squares problem min || M^-1/2 H r + M^1/2 V^- ||, least norm among its solutions.
-/// Dense complete orthogonal decomposition up to `dense_impulse_limit`; above, preconditioned conjugate gradients
-/// from zero, which may stop short: see the residual.
+/// Dense complete orthogonal decomposition up to `dense_impulse_limit`; above, preconditioned conjugate
+/// gradients from zero, which may stop short: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
 /// The active contacts by the paper's rule ([ADI12] section 4.3): those in compression, r > 0. An impulse
