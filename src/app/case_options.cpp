@@ -31,45 +31,34 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
   return velocity;
 }
 
-// A packing file, or a contact problem, in place of a case.
-Case packing_case(const std::string& path) {
-  if (!packing_format(path))
-    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
-  Case one;
-  one.name = std::filesystem::path(path).stem().string();
-  if (packing_format(path) == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
-    one.packing = ContactProblemFile{path, read_global_problem(path)};
-  else
-    one.packing = PackingFile{path, read_packing(path)};
-  return one;
-}
-
 }  // namespace
 
-Case read_any_case(const std::string& name, const std::vector<std::string>& outputs,
-                   const std::function<void(Case&)>& change) {
+CaseSpec find_spec(const std::string& name) {
   const std::string path = find_case(name);
-  Case one;
-  if (std::filesystem::path(path).extension() == ".toml") {
-    one = read_unsettled_case_file(path);
-    change(one);
-    require_no_input(outputs, files_behind(one, path));
-    if (!std::holds_alternative<SettledPacking>(one.packing)) return one;
-    one = read_case_file(path);
-  } else {
-    one = packing_case(path);
-    require_no_input(outputs, files_behind(one, path));
-  }
-  change(one);
-  return one;
+  if (std::filesystem::path(path).extension() == ".toml") return read_case(path);
+  const auto format = packing_format(path);
+  if (!format)
+    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
+  CaseSpec spec;
+  spec.name = std::filesystem::path(path).stem().string();
+  if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
+    spec.packing = ContactProblemFile{path};
+  else
+    spec.packing = PackingFile{path};
+  return spec;
 }
 
-void apply_settings(Case& one, const std::vector<std::string>& settings) {
+Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
+  require_no_input(outputs, files_behind(spec));
+  return resolve_settled(spec);
+}
+
+void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos)
       throw Error(fmt::format("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting));
-    override_case(one, setting.substr(0, equals), setting.substr(equals + 1));
+    override_case(spec, setting.substr(0, equals), setting.substr(equals + 1));
   }
 }
 
@@ -90,24 +79,29 @@ void CaseOptions::declare(Command& command) {
 }
 
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
-  return read_any_case(name, outputs, [this](Case& one) { apply(one); });
+  CaseSpec spec = find_spec(name);
+  apply(spec);
+  return resolve_case(spec, outputs);
 }
 
-void CaseOptions::apply(Case& one) const {
-  if (!subdomains.empty()) one.partition = parse_partitioner(subdomains, "--subdomains");
-  if (!prescribed.empty()) one.prescribed.clear();
+void CaseOptions::apply(CaseSpec& spec) const {
+  if (!subdomains.empty()) spec.partition = parse_partitioner(subdomains, "--subdomains");
+  if (!prescribed.empty()) {
+    spec.prescribed.clear();
+    std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("prescribed"); });
+  }
   for (const std::string& text : prescribed) {
     const PrescribedVelocity velocity = parse_prescribed(text);
-    for (const PrescribedVelocity& other : one.prescribed)
+    for (const PrescribedVelocity& other : spec.prescribed)
       if (other.grain == velocity.grain)
         throw Error(
             fmt::format("--prescribed: expected each grain once, met grain {} again", velocity.grain));
-    one.prescribed.push_back(velocity);
+    spec.prescribed.push_back(velocity);
   }
-  if (density) override_case(one, "masses.density", field_text(*density));
-  if (tolerance) override_case(one, "contacts.tolerance", field_text(*tolerance));
-  if (overlap_tolerance) override_case(one, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
-  apply_settings(one, settings);
+  if (density) override_case(spec, "masses.density", field_text(*density));
+  if (tolerance) override_case(spec, "contacts.tolerance", field_text(*tolerance));
+  if (overlap_tolerance) override_case(spec, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
+  apply_settings(spec, settings);
 }
 
 }  // namespace nscdd::app

@@ -4,23 +4,22 @@
 #include "app/command.hpp"
 #include <nscdd/study/case.hpp>
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace nscdd::app {
 
-/// The case behind a name: a case file, a known case, or a packing file with everything else as by default,
-/// with what the options change. Where its packing is to be settled from another case, which may take long,
-/// `change` has refused what it refuses before. `outputs` are the files that the verb writes (empty names:
-/// not asked for): Throws Error where one of them is a file that the case comes from, and for whatever cannot
-/// be used.
-Case read_any_case(const std::string& name, const std::vector<std::string>& outputs,
-                   const std::function<void(Case&)>& change);
+/// What is behind a name: a case file, a known case, or a packing file or contact problem with everything
+/// else as by default.
+CaseSpec find_spec(const std::string& name);
+
+/// The case that a verb works on. `outputs` are the files that the verb writes (empty names: not asked for).
+/// Throws Error where one of them is a file that the case comes from, and for whatever cannot be used.
+Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs);
 
 /// Sets parameters of a case from texts KEY=VALUE.
-void apply_settings(Case& one, const std::vector<std::string>& settings);
+void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings);
 
 /// CASE and the options that go with it, the same for every verb that takes a case.
 struct CaseOptions {
@@ -39,7 +38,7 @@ struct CaseOptions {
   Case resolve(const std::vector<std::string>& outputs) const;
 
  private:
-  void apply(Case& one) const;
+  void apply(CaseSpec& spec) const;
 };
 
 }  // namespace nscdd::app

@@ -57,7 +57,7 @@ FclibInfo info_of(const FclibExport& what, const TrajectoryHeader& header, const
   const double h = before.dynamics.time.step;
   info.description = fmt::format(
       "Contact problem of disks from t = {:.12g} s to {:.12g} s, law {}. Contacts ascend by their bodies.",
-      before.state.time, before.state.time + h, before.dynamics.interaction.law);
+      before.state.time, before.state.time + h, to_string(before.dynamics.interaction.law));
   if (!what.local)
     *info.description += what.subdomain
                              ? " Bodies: free disks of the subdomain's contacts, ascending, split masses."

@@ -12,8 +12,8 @@ Provenance provenance(const Context& context, const std::vector<Case>& cases) {
   for (const auto& [name, version] : dependency_versions())
     libraries += fmt::format("{} {}\n", name, version);
   for (const Case& one : cases) {
-    resolved += fmt::format("# case {}\n{}\n", one.name, to_toml(one));
-    if (const auto* settled = std::get_if<SettledPacking>(&one.packing)) resolved += settled->resolved + "\n";
+    resolved += fmt::format("# case {}\n{}\n", one.spec.name, to_toml(one.spec));
+    if (!one.settled_from.empty()) resolved += one.settled_from + "\n";
   }
   return {{"program", "nscdd " + version()},
           {"libraries", libraries},

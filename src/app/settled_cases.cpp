@@ -85,7 +85,7 @@ Packing free_grains(const Simulation& simulation, Index grains) {
 }
 
 Packing simulate_to_the_end(const Case& one) {
-  Progress progress("settle " + one.name, 0, "step");
+  Progress progress("settle " + one.spec.name, 0, "step");
   const Packing packing = packing_of(one);
   Simulation simulation = simulation_of(one);
   double kinetic = 0;
@@ -96,9 +96,9 @@ Packing simulate_to_the_end(const Case& one) {
   sinks.monitor = progress.monitor();
   const RunOutcome outcome = run_simulation(simulation, sinks);
   if (outcome.end == RunEnd::broke_down)
-    throw Error(fmt::format("case '{}': cannot be settled: {}", one.name, outcome.reason));
-  if (outcome.end == RunEnd::completed && one.dynamics->time.rest_speed > 0)
-    note(fmt::format("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.name,
+    throw Error(fmt::format("case '{}': cannot be settled: {}", one.spec.name, outcome.reason));
+  if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
+    note(fmt::format("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name,
                      simulation.state.step, mean_speed(simulation.system, kinetic)));
   return free_grains(simulation, packing.size());
 }
@@ -108,75 +108,66 @@ std::string canonical(const std::string& path) {
   return fs::weakly_canonical(fs::absolute(path), ignored).string();
 }
 
-// The case file named as settled in a case file of that folder.
-std::string find_settled(const std::string& name, const fs::path& folder) {
+// The case file that a case is settled from.
+std::string settled_file(const CaseSpec& spec) {
+  const std::string& name = std::get<SettledFrom>(spec.packing).name;
   std::error_code ignored;
-  const fs::path beside = fs::path(name).is_absolute() ? fs::path(name) : folder / name;
+  const fs::path beside = fs::path(spec.source).parent_path() / name;
   const std::string path = fs::is_regular_file(beside, ignored) ? beside.string() : find_case(name);
   if (fs::path(path).extension() != ".toml")
     throw Error(fmt::format("{}: expected a case file (.toml) to settle, met another", path));
   return path;
 }
 
-// Where nothing is settled: two grains stand for the packing.
-SettledPacking stand_in(const std::string& name) {
-  SettledPacking settled;
-  settled.from = name;
-  settled.packing = {{0, 2}, {0, 0}, {1, 1}, {1, 1}};
-  return settled;
-}
-
-// Adds the files behind a case that was read from `path`, those of the case it is settled from included.
-void add_files(const Case& one, const fs::path& path, std::vector<fs::path>& files) {
-  files.push_back(path);
-  const fs::path folder = path.parent_path();
-  if (const auto* file = std::get_if<PackingFile>(&one.packing)) files.push_back(folder / file->path);
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing)) files.push_back(folder / file->path);
-  if (!std::holds_alternative<SettledPacking>(one.packing)) return;
-  read_case(path.string(), [&](const std::string& name) {
-    const fs::path inner = find_settled(name, folder);
+void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
+  if (!spec.source.empty()) files.push_back(spec.source);
+  const fs::path folder = fs::path(spec.source).parent_path();
+  if (const auto* file = std::get_if<PackingFile>(&spec.packing)) files.push_back(folder / file->path);
+  if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing)) files.push_back(folder / file->path);
+  if (!std::holds_alternative<SettledFrom>(spec.packing)) return;
+  at_key(spec, "packing.settled", [&] {
+    const std::string inner = settled_file(spec);
     std::error_code ignored;
     const bool known = std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
       return fs::equivalent(file, inner, ignored);
     });
-    if (!known)  // a case that is settled from itself is refused when it is settled
-      add_files(read_unsettled_case_file(inner.string()), inner, files);
-    return stand_in(name);
+    // A case that is settled from itself is refused when it is settled.
+    if (!known) add_files(read_case(inner), files);
   });
 }
 
-// `open`: the case files that are being read, from the one asked for inwards.
-Case read_nested(const std::string& path, std::vector<std::string> open);
+// `open`: the case files that are being resolved, from the one asked for inwards.
+Case resolve_nested(const CaseSpec& spec, std::vector<std::string> open);
 
-SettledPacking settle(const std::string& name, const fs::path& folder, const std::vector<std::string>& open) {
-  const std::string path = find_settled(name, folder);
-  const Case one = read_nested(path, open);
-  if (!one.dynamics)
+// The case at rest: its packing, and what it was settled from.
+Case settle(const CaseSpec& spec, const std::vector<std::string>& open) {
+  const std::string path = settled_file(spec);
+  const Case start = resolve_nested(read_case(path), open);
+  if (!start.spec.dynamics)
     throw Error(
         fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
-  SettledPacking settled;
-  settled.from = name;
-  settled.resolved = fmt::format("# case {}\n{}", one.name, to_toml(one));
-  if (const auto* inner = std::get_if<SettledPacking>(&one.packing)) settled.resolved += inner->resolved;
-  if (const auto* file = std::get_if<PackingFile>(&one.packing))
-    settled.resolved += fmt::format("# content of {}: {} {} {} {}\n", file->path,
-                                    fingerprint(file->packing.x), fingerprint(file->packing.y),
-                                    fingerprint(file->packing.radius), fingerprint(file->packing.mass));
+  Case settled{spec};
+  settled.settled_from =
+      fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
+  if (const auto* file = std::get_if<PackingFile>(&start.spec.packing))
+    settled.settled_from += fmt::format("# content of {}: {} {} {} {}\n", file->path,
+                                        fingerprint(start.packing.x), fingerprint(start.packing.y),
+                                        fingerprint(start.packing.radius), fingerprint(start.packing.mass));
   const auto cache = cache_folder();
-  const std::string key = fingerprint(settled.resolved + build_fingerprint());
-  const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", one.name, key) : fs::path();
+  const std::string key = fingerprint(settled.settled_from + build_fingerprint());
+  const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", start.spec.name, key) : fs::path();
   if (cache)
     if (std::optional<Packing> found = cached(entry)) {
       settled.packing = *std::move(found);
       return settled;
     }
-  settled.packing = simulate_to_the_end(one);
-  if (cache) remember(entry, entry_text(settled.packing, settled.resolved));
+  settled.packing = simulate_to_the_end(start);
+  if (cache) remember(entry, entry_text(settled.packing, settled.settled_from));
   return settled;
 }
 
-Case read_nested(const std::string& path, std::vector<std::string> open) {
-  const std::string full = canonical(path);
+Case resolve_nested(const CaseSpec& spec, std::vector<std::string> open) {
+  const std::string full = canonical(spec.source);
   const bool cycle = std::find(open.begin(), open.end(), full) != open.end();
   open.push_back(full);
   if (cycle) {
@@ -185,8 +176,8 @@ Case read_nested(const std::string& path, std::vector<std::string> open) {
       chain += (chain.empty() ? "" : " -> ") + fs::path(each).filename().string();
     throw Error(fmt::format("expected a case that is not settled from itself, met {}", chain));
   }
-  return read_case(path,
-                   [&](const std::string& name) { return settle(name, fs::path(path).parent_path(), open); });
+  if (!std::holds_alternative<SettledFrom>(spec.packing)) return resolve(spec);
+  return at_key(spec, "packing.settled", [&] { return settle(spec, open); });
 }
 
 }  // namespace
@@ -203,14 +194,11 @@ std::optional<fs::path> cache_folder() {
   return std::nullopt;
 }
 
-Case read_case_file(const std::string& path) { return read_nested(path, {}); }
+Case resolve_settled(const CaseSpec& spec) { return resolve_nested(spec, {}); }
 
-Case read_unsettled_case_file(const std::string& path) { return read_case(path, stand_in); }
-
-std::vector<fs::path> files_behind(const Case& one, const std::string& path) {
-  if (fs::path(path).extension() != ".toml") return {path};
+std::vector<fs::path> files_behind(const CaseSpec& spec) {
   std::vector<fs::path> files;
-  add_files(one, path, files);
+  add_files(spec, files);
   return files;
 }
 

@@ -10,18 +10,15 @@
 
 namespace nscdd::app {
 
-/// A case from a file. Where its packing is settled from another case, that one is looked for beside the
-/// file, then among the known cases, and simulated unless the cache has its end. Throws Error for whatever
-/// cannot be used, for a case that is settled from itself, and for one that breaks down.
-Case read_case_file(const std::string& path);
+/// The case with the packing or contact problem that it names. Where the packing is settled from another
+/// case, that one is looked for beside the case file, then among the known cases, and simulated unless the
+/// cache has its end. Throws Error for whatever cannot be used, for a case that is settled from itself, and
+/// for one that breaks down.
+Case resolve_settled(const CaseSpec& spec);
 
-/// The same without settling anything, for a case that is judged by its text or will not be used: two grains
-/// stand for the packing.
-Case read_unsettled_case_file(const std::string& path);
-
-/// Every file that a case read from `path` (a case file, a packing file or a contact problem) comes from:
-/// that one, its packing or contact problem, and those of the case it is settled from, at any depth.
-std::vector<std::filesystem::path> files_behind(const Case& one, const std::string& path);
+/// Every file that a case comes from: its case file, its packing or contact problem, and those of the case it
+/// is settled from, at any depth.
+std::vector<std::filesystem::path> files_behind(const CaseSpec& spec);
 
 /// Throws Error where an output (empty: none) is one of these files, under whatever name: it would be lost,
 /// and --force does not ask for that.

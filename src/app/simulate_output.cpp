@@ -170,12 +170,13 @@ std::string RunSummary::warnings(const StepSolver& solver) const {
         relative_overlap_);
   const auto converged = statuses_.find(to_string(SolverStatus::converged));
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
-  if (open > 0 && solver.criterion != "none")
+  if (open > 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: {} of {} steps ended before {} fell to {} and jumps to {}; --iterations allows more than "
         "{}\n",
-        open, steps_, solver.criterion, solver.tolerance, solver.gluing_tolerance, solver.maximum_iterations);
-  if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != "none")
+        open, steps_, to_string(solver.criterion), solver.tolerance, solver.gluing_tolerance,
+        solver.maximum_iterations);
+  if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this "
         "scheme "

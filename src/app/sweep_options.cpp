@@ -12,13 +12,13 @@ void SpectralCommandOptions::declare(Command& command, const std::string& defaul
       .add_option("--contacts", contacts,
                   "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear "
                   "rigid problem; unilateral: carrying in the frictionless unilateral problem")
-      ->one_of({"all", "active", "unilateral"})
+      ->one_of(all_names<ContactSet>())
       ->shows_default();
   command
       .add_option("--solver", solver,
                   "auto, dense, arpack, or shift-invert; auto: dense for small interfaces, else "
                   "shift-invert; arpack: matrix-free Lanczos")
-      ->one_of(spectral_solver_names())
+      ->one_of(all_names<SpectralSolver>())
       ->shows_default();
   command.add_option("--residual-tolerance", tolerance, "largest residual that counts as converged")
       ->shows_default();
@@ -42,7 +42,7 @@ void declare_threads(Command& command, Index& threads) {
 }
 
 ContactSet SpectralCommandOptions::contact_set() const {
-  return nscdd::contact_set(contacts).value_or(ContactSet::all);  // the option admits no other name
+  return named<ContactSet>(contacts).value_or(ContactSet::all);  // the option admits no other name
 }
 
 SpectralOptions SpectralCommandOptions::spectral() const {
@@ -50,7 +50,8 @@ SpectralOptions SpectralCommandOptions::spectral() const {
                "--residual-tolerance");
   SpectralOptions options;
   options.tolerance = tolerance;
-  options.solver = spectral_solver(solver).value_or(SpectralSolver::automatic);  // no other name is admitted
+  options.solver =
+      named<SpectralSolver>(solver).value_or(SpectralSolver::automatic);  // no other name is admitted
   options.certify = certify;
   check_bounds(eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
   options.eigenvalues = eigenvalues;

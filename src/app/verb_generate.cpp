@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
-#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -20,35 +20,25 @@ struct Options {
   bool force = false;
 };
 
-// A case with the generator of that name, at its defaults.
-template <std::size_t I = 0>
-std::optional<Case> bare_generator(const std::string& name) {
-  if constexpr (I == std::variant_size_v<Generator>) {
-    return std::nullopt;
-  } else {
-    using Alternative = std::variant_alternative_t<I, Generator>;
-    if (name != Alternative::name) return bare_generator<I + 1>(name);
-    Case one;
-    one.name = name;
-    one.packing = Generator{Alternative{}};
-    return one;
-  }
+// What the name stands for: a generator at its defaults, or a case.
+CaseSpec spec_of(const std::string& name) {
+  using Generators = Alternatives<Generator>;
+  const auto found = std::find(Generators::names.begin(), Generators::names.end(), name);
+  if (found == Generators::names.end()) return find_spec(name);
+  CaseSpec spec;
+  spec.name = name;
+  spec.packing = Generators::at(static_cast<std::size_t>(found - Generators::names.begin()));
+  return spec;
 }
 
-void apply(const Options& options, Case& one) {
+Case resolve(const Options& options) {
+  CaseSpec spec = spec_of(options.spec);
   for (const std::string& setting : options.settings)
     if (setting.rfind("packing.", 0) != 0 && setting.rfind("masses.", 0) != 0)
       throw Error(
           fmt::format("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting));
-  apply_settings(one, options.settings);
-}
-
-Case resolve(const Options& options) {
-  std::optional<Case> generator = bare_generator(options.spec);
-  if (!generator)
-    return read_any_case(options.spec, {options.output}, [&](Case& one) { apply(options, one); });
-  apply(options, *generator);
-  return *std::move(generator);
+  apply_settings(spec, options.settings);
+  return resolve_case(spec, {options.output});
 }
 
 PackingFormat output_format(const std::string& output) {

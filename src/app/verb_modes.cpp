@@ -41,7 +41,8 @@ ModeParameters parameters(const Options& options) {
   result.epsilon = one_of(parse_epsilon(options.epsilon), "--epsilon", options.epsilon);
   result.eta = one_of(parse_eta(options.eta), "--eta", options.eta);
   result.contacts = options.spectral.contact_set();
-  result.side = spectrum_side(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
+  result.side =
+      named<SpectrumSide>(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
   result.spectral = options.spectral.spectral();
   return result;
 }

@@ -36,7 +36,7 @@ int run(const Options& options) {
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
-  const ContactSet contacts = contact_set(options.contacts).value_or(ContactSet::active);
+  const ContactSet contacts = named<ContactSet>(options.contacts).value_or(ContactSet::active);
   options.memory.require(estimated_link_bytes(model, contacts), model.name,
                          fmt::format("the impulses of {} contacts", model.contacts()), "fewer grains");
   const ResultColumns<Link> columns = link_columns(contacts);

@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -40,15 +41,23 @@ std::string baseline_name(const Study& study, std::size_t table) {
   return table == 0 ? "baseline.csv" : "baseline-" + study.tables[table].name + ".csv";
 }
 
-// `settle`: whether packings are settled from other cases, which may take long; not those of tables that are
-// left out.
-Study read_study(const std::string& folder, bool with_large, bool settle) {
+Study read_study(const std::string& folder) {
   const std::string file = (fs::path(folder) / "study.toml").string();
-  return parse_study(read_text(file), file, [&](const std::string& name, bool large) {
+  return parse_study(read_text(file), file, [&](const std::string& name) {
     const fs::path beside = fs::path(folder) / name;  // a case file of the study's own
-    const std::string path = fs::exists(beside) ? beside.string() : find_case(name);
-    return !settle || (large && !with_large) ? read_unsettled_case_file(path) : read_case_file(path);
+    return read_case(fs::exists(beside) ? beside.string() : find_case(name));
   });
+}
+
+// Each case once, however many tables it is in.
+void resolve_cases(Study& study) {
+  std::map<std::string, Case> known;
+  for (StudyTable& table : study.tables)
+    for (Case& one : table.cases) {
+      const auto found = known.find(one.spec.source);
+      one = found != known.end() ? found->second
+                                 : known.emplace(one.spec.source, resolve_settled(one.spec)).first->second;
+    }
 }
 
 // Every case of a study once.
@@ -57,7 +66,7 @@ std::vector<Case> cases_of(const Study& study) {
   std::set<std::string> seen;
   for (const StudyTable& table : study.tables)
     for (const Case& one : table.cases)
-      if (seen.insert(one.name).second) cases.push_back(one);
+      if (seen.insert(one.spec.name).second) cases.push_back(one);
   return cases;
 }
 
@@ -155,10 +164,8 @@ Outputs prepare(const Study& study, const Options& options) {
   return outputs;
 }
 
-// What can be refused before anything is settled: what the study says, and results in the place of what they
-// come from.
-void check_study(const std::string& folder, const Options& options) {
-  const Study study = read_study(folder, options.large, false);
+// Results must not take the place of what they come from.
+void check_outputs(const Study& study, const std::string& folder, const Options& options) {
   const Outputs outputs = outputs_of(study, options);
   std::vector<fs::path> inputs{fs::path(folder) / "study.toml"};
   std::vector<std::string> names{outputs.hdf5.string()};
@@ -166,7 +173,7 @@ void check_study(const std::string& folder, const Options& options) {
     names.push_back(outputs.table(study.tables[i]));
     inputs.push_back(fs::path(folder) / baseline_name(study, i));
     for (const Case& one : study.tables[i].cases)
-      for (const fs::path& input : files_behind(one, one.source)) inputs.push_back(input);
+      for (const fs::path& input : files_behind(one.spec)) inputs.push_back(input);
   }
   require_no_input(names, inputs);
 }
@@ -187,10 +194,11 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
-  check_study(folder, options);
-  Study study = read_study(folder, options.large, true);
+  Study study = read_study(folder);
+  check_outputs(study, folder, options);
   if (!options.large) leave_out_large(study);
   if (options.check) require_baselines(study, folder);
+  resolve_cases(study);
   const Outputs outputs = prepare(study, options);
   if (how.resume && !how.force && is_complete(study, outputs))
     return nothing_to_do(study, outputs, folder, options.check);

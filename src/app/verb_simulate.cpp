@@ -67,36 +67,36 @@ void require_once(const std::vector<Given>& given) {
 }
 
 // What is asked for on the command line must not be passed over in silence.
-void require_effect(const Given& given, const Case& one) {
-  const Dynamics& dynamics = *one.dynamics;
+void require_effect(const Given& given, const CaseSpec& spec) {
+  const Dynamics& dynamics = *spec.dynamics;
   if (given.key.rfind("contacts.", 0) == 0)
     throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone",
                             given.option));
-  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == "nlgs")
+  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs)
     throw Error(fmt::format(
         "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
         given.option));
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;  // one subdomain has no interface, as nlgs has none
-  undivided.solver.algorithm = "nlgs";
-  if (!has_effect(undivided, given.key) && subdomains(one.partition) == 1)
+  undivided.solver.algorithm = StepAlgorithm::nlgs;
+  if (!has_effect(undivided, given.key) && subdomains(spec.partition) == 1)
     throw Error(fmt::format("{}: expected two subdomains or more with it, met one, which has no interface",
                             given.option));
 }
 
-void apply(const Options& options, Case& one) {
-  if (!one.dynamics)
+void apply(const Options& options, CaseSpec& spec) {
+  if (!spec.dynamics)
     throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
   const std::vector<Given> given = given_parameters(options);
   require_once(given);
-  if (!options.subdomains.empty()) one.partition = parse_partitioner(options.subdomains, "--subdomains");
-  apply_settings(one, options.settings);
+  if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
+  apply_settings(spec, options.settings);
   const auto set = [&](const char* key, const auto& value) {
     if (!value) return;
     if constexpr (std::is_same_v<typename std::decay_t<decltype(value)>::value_type, std::string>)
-      override_case(one, key, *value);
+      override_case(spec, key, *value);
     else
-      override_case(one, key, field_text(*value));
+      override_case(spec, key, field_text(*value));
   };
   set("solver.algorithm", options.algorithm);
   set("solver.gauss_seidel_sweeps", options.gauss_seidel_sweeps);
@@ -105,11 +105,11 @@ void apply(const Options& options, Case& one) {
   set("solver.tolerance", options.tolerance);
   set("solver.maximum_iterations", options.iterations);
   set("dynamics.steps", options.steps);
-  for (const Given& parameter : given) require_effect(parameter, one);
+  for (const Given& parameter : given) require_effect(parameter, spec);
   try {
-    check_dynamics(one);
+    check_dynamics(spec);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", one.source, error.what()));
+    throw located(spec, error);
   }
 }
 
@@ -145,10 +145,10 @@ std::vector<double> speeds_of(const std::string& path, const GranularSystem& sys
 }
 
 // Whether the run in the file is the one asked for, before its grains are known.
-void check_restart(const Options& options, const Case& one) {
+void check_restart(const Options& options, const CaseSpec& spec) {
   const std::string& path = options.output;
-  require_same_case(path, read_trajectory_header(path), to_toml(one), build_fingerprint());
-  const Index done = read_last_step(path).state.step, steps = one.dynamics->time.steps;
+  require_same_case(path, read_trajectory_header(path), to_toml(spec), build_fingerprint());
+  const Index done = read_last_step(path).state.step, steps = spec.dynamics->time.steps;
   if (done > steps)
     throw Error(
         fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
@@ -194,13 +194,13 @@ void check_partition(const Simulation& simulation) {
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
-  const Case one = read_any_case(options.name, {options.output, options.convergence}, [&](Case& read) {
-    apply(options, read);
-    if (options.restart) check_restart(options, read);
-  });
+  CaseSpec spec = find_spec(options.name);
+  apply(options, spec);
+  if (options.restart) check_restart(options, spec);
+  const Case one = resolve_case(spec, {options.output, options.convergence});
   Simulation simulation = simulation_of(one);
   check_partition(simulation);
-  const TrajectoryHeader header{to_toml(one), build_fingerprint(), provenance(options.context, {one}),
+  const TrajectoryHeader header{to_toml(spec), build_fingerprint(), provenance(options.context, {one}),
                                 simulation.system};
   if (options.restart) take_up(simulation, options.output);
   const Index before = simulation.state.step;
@@ -216,7 +216,7 @@ int run(const Options& options) {
   else
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}},
                        headings(step_columns()));
-  Progress progress("simulate " + one.name, before, "step");
+  Progress progress("simulate " + spec.name, before, "step");
   RunSummary summary;
   RunSinks sinks;
   sinks.iteration = table.sink();

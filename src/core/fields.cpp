@@ -124,16 +124,5 @@ void check_bounds(const std::array<double, 2>& value, const Field& field, std::s
 void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key) {
   for (const Index component : value) check_bounds(component, field, key);
 }
-void check_bounds(const std::string& value, const Field& field, std::string_view key) {
-  if (field.choices.empty()) return;
-  std::string known;
-  for (std::string_view rest = field.choices; !rest.empty();) {
-    const std::string_view choice = rest.substr(0, rest.find(' '));
-    if (choice == value) return;
-    known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", choice);
-    rest.remove_prefix(std::min(choice.size() + 1, rest.size()));
-  }
-  throw Error(fmt::format("{}: expected one of {}, met {}", key, known, field_text(value)));
-}
 
 }  // namespace nscdd

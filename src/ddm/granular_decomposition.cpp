@@ -22,7 +22,7 @@ void check(const StepProblem& problem, const Partition& partition) {
 
 // Puts the contacts of one subdomain in sweep order and numbers its bodies as the sweep meets them:
 // neighbours of the sweep are neighbours in memory then, however the grains of the packing are numbered.
-void fill(GranularSubdomain& subdomain, const StepProblem& problem, const std::string& order,
+void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<ContactOrder> order,
           std::uint64_t seed, std::vector<std::int32_t>& local) {
   std::vector<DiskContact> natural;
   std::vector<std::array<double, 2>> points;
@@ -89,7 +89,7 @@ void put(std::vector<Eigen::Triplet<double>>& entries, Index row, Index column, 
 }  // namespace
 
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
-                                const std::string& order, std::uint64_t seed) {
+                                Choice<ContactOrder> order, std::uint64_t seed) {
   check(problem, partition);
   GranularDecomposition parts;
   parts.subdomains.resize(at(partition.subdomains));

@@ -111,7 +111,7 @@ SweepSums GranularTwoStage::stage_one() {
 }
 
 Vector GranularTwoStage::preconditioned(const Vector& g) const {
-  const bool use = enriched_ && (solver_.enrichment == "every_iteration" || iteration_ == 1);
+  const bool use = enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
   return use ? enriched_->solve(g) : generic_interface_solve(parts_, g);
 }
 
@@ -154,9 +154,9 @@ IterationRecord GranularTwoStage::iterate() {
     const Vector g = interface_jumps(parts_);
     // Copies that come to rest, and copies that an impact sets going, both have a scale.
     record.gluing = ratio(g.squaredNorm(), at_least(free_speed_squared_, glued_speed_squared(parts_)));
-    if (solver_.enrichment != "semi_implicit" || !enriched_ || iteration_ == 1) {
+    if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
-      if (solver_.interface_method == "conjugate_gradient") {
+      if (solver_.interface_method == InterfaceMethod::conjugate_gradient) {
         change = conjugate_step(g, sums);
       } else {
         change = solver_.interface_relaxation * preconditioned(g);

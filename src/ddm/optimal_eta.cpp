@@ -106,24 +106,6 @@ void find_relaxed(Optimum& best, Spectra& spectra, double low, double high) {
 
 }  // namespace
 
-std::string_view to_string(OptimumStatus status) {
-  switch (status) {
-    case OptimumStatus::interior:
-      return "interior";
-    case OptimumStatus::eta_to_zero:
-      return "eta_to_zero";
-    case OptimumStatus::eta_to_infinity:
-      return "eta_to_infinity";
-    case OptimumStatus::no_interface:
-      return "no_interface";
-    case OptimumStatus::already_exact:
-      return "already_exact";
-    case OptimumStatus::not_converged:
-      return "not_converged";
-  }
-  return "";
-}
-
 Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, double epsilon,
                 const SpectralOptions& options) {
   Optimum best;

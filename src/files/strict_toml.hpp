@@ -95,6 +95,14 @@ class StrictTable {
     if (const toml::array* pair = pair_of(key, "two integers [a, b]"))
       for (std::size_t i = 0; i < 2; ++i) value[i] = integer((*pair)[i], key);
   }
+  /// A value that has a text, such as a Choice.
+  template <class Value>
+  void read(std::string_view key, Value& value) {
+    std::string text;
+    if (!has(key)) return void(node(key));
+    read(key, text);
+    parse_value(text, value, where(key));
+  }
 
   /// Every field of a parameter struct, checked against its bounds.
   template <class Parameters>
@@ -110,10 +118,12 @@ class StrictTable {
   void finish() const {
     for (const auto& [key, value] : *table_) {
       if (known_.count(std::string(key.str())) > 0) continue;
+      const std::vector<std::string> known(known_.begin(), known_.end());
       std::string expected;
-      for (const std::string& name : known_) expected += (expected.empty() ? "" : ", ") + name;
-      throw Error(fmt::format("{}:{}: unknown key '{}'; expected {}", file_, key.source().begin.line,
-                              key_path(key.str()), expected.empty() ? "none" : "one of " + expected));
+      for (const std::string& name : known) expected += (expected.empty() ? "" : ", ") + name;
+      throw Error(fmt::format("{}:{}: unknown key '{}'; expected {}{}", file_, key.source().begin.line,
+                              key_path(key.str()), expected.empty() ? "none" : "one of " + expected,
+                              suggestion(key.str(), known)));
     }
   }
 

@@ -81,14 +81,6 @@ void require_effects(const StrictTable& section, const Dynamics& dynamics, const
       require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key));
 }
 
-BoundaryShape read_shape(StrictTable& section) {
-  std::string name;
-  section.read("shape", name);
-  for (const BoundaryShape shape : {BoundaryShape::wall, BoundaryShape::disks, BoundaryShape::grains})
-    if (name == to_string(shape)) return shape;
-  section.fail("shape", "\"wall\", \"disks\" or \"grains\"", fmt::format("\"{}\"", name));
-}
-
 void read_ends(StrictTable& section, BoundarySpec& spec) {
   require_keys(section, {"from", "to"});
   section.read("from", spec.from);
@@ -110,7 +102,7 @@ BoundarySpec read_boundary(StrictTable section) {
   BoundarySpec spec;
   require_keys(section, {"name", "shape"});
   read_name(section, spec.name);
-  spec.shape = read_shape(section);
+  section.read("shape", spec.shape);
   if (spec.shape == BoundaryShape::grains) {
     require_keys(section, {"first", "last"});
     section.read("first", spec.first);
@@ -153,7 +145,6 @@ std::optional<Dynamics> read_dynamics(StrictTable& root) {
   time.finish();
   StrictTable solver = root.section("solver", false);
   solver.read_fields(dynamics.solver);
-  check_eta(dynamics.solver.eta, solver.where("eta"));
   solver.finish();
   require_effects(interaction, dynamics, dynamics.interaction);
   require_effects(time, dynamics, dynamics.time);

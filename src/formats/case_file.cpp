@@ -11,108 +11,49 @@
 namespace nscdd {
 namespace {
 
-// Sets `chosen` to the alternative of that name, with its fields read from the section.
-template <std::size_t I = 0>
-bool read_generator(StrictTable& section, std::string_view name, Generator& chosen) {
-  if constexpr (I == std::variant_size_v<Generator>) {
-    return false;
-  } else {
-    using Alternative = std::variant_alternative_t<I, Generator>;
-    if (Alternative::name != name) return read_generator<I + 1>(section, name, chosen);
-    Alternative parameters;
-    section.read_fields(parameters);
-    chosen = parameters;
-    return true;
-  }
-}
-
-std::string generator_names() {
-  std::string names;
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    ((names += (I == 0 ? "\"" : ", \"") + std::string(std::variant_alternative_t<I, Generator>::name) + "\""),
-     ...);
-  }
-  (std::make_index_sequence<std::variant_size_v<Generator>>());
-  return names;
-}
-
-template <class Read>
-auto read_named(StrictTable& section, const char* key, Read&& read) {
-  std::string name;
-  section.read(key, name);
-  try {
-    return read(name);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: packing.{}: {}", section.location(section.node(key)), key, error.what()));
-  }
-}
-
-Generator named_generator(StrictTable& section) {
+Generator read_generator(StrictTable& section) {
+  using Generators = Alternatives<Generator>;
   std::string name;
   section.read("generator", name);
-  Generator generator;
-  if (!read_generator(section, name, generator))
-    section.fail("generator", fmt::format("one of {}", generator_names()), fmt::format("\"{}\"", name));
+  Generator generator = Generators::at(position_of(name, Generators::names, section.where("generator")));
+  std::visit([&](auto& parameters) { section.read_fields(parameters); }, generator);
   return generator;
 }
 
-void read_packing_section(StrictTable section, Case& one, const PackingReader& read,
-                          const SettledReader& settle) {
+void read_packing_section(StrictTable section, CaseSpec& spec) {
   const int forms = section.has("generator") + section.has("file") + section.has("settled");
   if (section.has("settled") && forms > 1)
     section.fail("settled", "one of generator = ..., file = ... and settled = ...", "more");
   if (forms != 1)
     section.fail("generator", "either generator = ... or file = ...", forms > 0 ? "both" : "neither");
-  if (section.has("file")) {
-    one.packing = read_named(section, "file", [&](const std::string& name) {
-      return PackingFile{name, read(name)};
-    });
-  } else if (section.has("settled")) {
-    one.packing = read_named(section, "settled", [&](const std::string& name) {
-      if (!settle) throw Error("expected a generator or a file: nothing can be settled here");
-      return settle(name);
-    });
+  if (section.has("generator")) {
+    spec.packing = read_generator(section);
+  } else if (section.has("file")) {
+    section.read("file", spec.packing.emplace<PackingFile>().path);
   } else {
-    one.packing = named_generator(section);
+    section.read("settled", spec.packing.emplace<SettledFrom>().name);
   }
   section.finish();
 }
 
-void read_problem_section(StrictTable section, Case& one, const ProblemReader& read) {
+void read_problem_section(StrictTable section, CaseSpec& spec) {
   if (!section.has("file")) section.fail("file", "the name of a contact problem", "none");
-  ContactProblemFile file;
-  section.read("file", file.path);
-  try {
-    if (!read) throw Error(fmt::format("{}: expected no contact problem here, met one", file.path));
-    file.problem = read(file.path);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: problem.file: {}", section.location(section.node("file")), error.what()));
-  }
-  one.packing = std::move(file);
+  section.read("file", spec.packing.emplace<ContactProblemFile>().path);
   section.finish();
 }
 
 void read_masses_section(StrictTable section, Masses& masses) {
-  std::string model;
+  const bool dense = section.has("density");
+  Choice<MassModel> model = dense ? MassModel::density : MassModel::given;
   section.read("model", model);
   section.read("density", masses.density);
-  if (section.has("density") && model.empty()) model = "density";
-  if (model == "given") {
-    masses.model = MassModel::given;
-  } else if (model == "unit") {
-    masses.model = MassModel::unit;
-  } else if (model == "density") {
-    masses.model = MassModel::density;
-    if (!section.has("density")) section.fail("density", "a number for model \"density\"", "none");
-  } else if (section.has("model")) {
-    section.fail("model", "\"given\", \"unit\" or \"density\"", fmt::format("\"{}\"", model));
-  }
-  if (section.has("density")) {
-    if (masses.model != MassModel::density)
-      section.fail("density", "no density", fmt::format("one, with model \"{}\"", model));
+  if (dense || section.has("model")) masses.model = model;
+  if (dense != (masses.model == MassModel::density))
+    section.fail("density", dense ? "no density" : "a number for model \"density\"",
+                 dense ? fmt::format("one, with model \"{}\"", to_string(model)) : "none");
+  if (dense)
     check_bounds(masses.density, Field{.description = "", .minimum = 0, .minimum_excluded = true},
-                 fmt::format("{}: masses.density", section.location(section.node("density"))));
-  }
+                 section.where("density"));
   section.finish();
 }
 
@@ -132,7 +73,7 @@ void read_partition_section(StrictTable section, Partitioner& partitioner) {
   section.finish();
 }
 
-void read_prescribed(StrictTable section, Case& one) {
+void read_prescribed(StrictTable section, CaseSpec& spec) {
   PrescribedVelocity velocity;
   for (const char* key : {"grain", "velocity"})
     if (!section.has(key)) section.fail(key, "a value", "none");
@@ -142,53 +83,73 @@ void read_prescribed(StrictTable section, Case& one) {
       velocity.velocity, Field{.description = ""},
       fmt::format("{}: {}", section.location(section.node("velocity")), section.key_path("velocity")));
   section.finish();
-  for (const PrescribedVelocity& other : one.prescribed)
+  for (const PrescribedVelocity& other : spec.prescribed)
     if (other.grain == velocity.grain)
       section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
-  one.prescribed.push_back(velocity);
+  spec.prescribed.push_back(velocity);
+}
+
+// The lines of everything below a node, by its path.
+void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec) {
+  if (const auto line = node.source().begin.line; line > 0) spec.lines[path] = line;
+  if (const toml::table* table = node.as_table())
+    for (const auto& [key, value] : *table)
+      note_lines(value, (path.empty() ? "" : path + ".") + std::string(key.str()), spec);
+  if (const toml::array* array = node.as_array())
+    for (std::size_t i = 0; i < array->size(); ++i)
+      note_lines((*array)[i], fmt::format("{}[{}]", path, i), spec);
+}
+
+// A contact problem has none of the sections of a packing: they are unknown keys, and named as such.
+void read_sections(StrictTable& root, CaseSpec& spec) {
+  root.read("title", spec.title);
+  if (root.has("problem")) {
+    read_problem_section(root.section("problem", true), spec);
+    read_partition_section(root.section("partition", true), spec.partition);
+    return;
+  }
+  read_packing_section(root.section("packing", true), spec);
+  StrictTable contacts = root.section("contacts", false);
+  contacts.read_fields(spec.contacts);
+  contacts.finish();
+  if (root.has("masses")) read_masses_section(root.section("masses", false), spec.masses);
+  root.node("masses");
+  read_partition_section(root.section("partition", true), spec.partition);
+  StrictTable loads = root.section("loads", false);
+  loads.read_fields(spec.loads);
+  loads.finish();
+  for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, spec);
+  spec.dynamics = read_dynamics(root);
 }
 
 }  // namespace
 
-Case parse_case(std::string_view text, const std::string& file, const PackingReader& read,
-                const SettledReader& settle, const ProblemReader& read_problem) {
+CaseSpec parse_case(std::string_view text, const std::string& file) {
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
-  Case one;
-  one.name = std::filesystem::path(file).stem().string();
-  one.source = file;
-  root.read("title", one.title);
-  if (root.has("problem")) {
-    // The sections of packings are unknown keys then, and named as such.
-    read_problem_section(root.section("problem", true), one, read_problem);
-    read_partition_section(root.section("partition", true), one.partition);
-    root.finish();
-    return one;
-  }
-  read_packing_section(root.section("packing", true), one, read, settle);
-  StrictTable contacts = root.section("contacts", false);
-  contacts.read_fields(one.contacts);
-  contacts.finish();
-  if (root.has("masses")) read_masses_section(root.section("masses", false), one.masses);
-  root.node("masses");
-  read_partition_section(root.section("partition", true), one.partition);
-  StrictTable loads = root.section("loads", false);
-  loads.read_fields(one.loads);
-  loads.finish();
-  for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, one);
-  one.dynamics = read_dynamics(root);
+  CaseSpec spec;
+  spec.name = std::filesystem::path(file).stem().string();
+  spec.source = file;
+  read_sections(root, spec);
   root.finish();
-  return one;
+  note_lines(document, "", spec);
+  return spec;
 }
 
-Case read_case(const std::string& path, const SettledReader& settle) {
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  const auto beside = [&](const std::string& name) {
-    return std::filesystem::path(name).is_absolute() ? name : (folder / name).string();
-  };
-  return parse_case(
-      read_text(path), path, [&](const std::string& name) { return read_packing(beside(name)); }, settle,
-      [&](const std::string& name) { return read_global_problem(beside(name)); });
+CaseSpec read_case(const std::string& path) { return parse_case(read_text(path), path); }
+
+Case resolve(CaseSpec spec) {
+  Case one{std::move(spec)};
+  const auto beside = [folder = std::filesystem::path(one.spec.source).parent_path()](
+                          const std::string& name) { return (folder / name).string(); };
+  if (const auto* file = std::get_if<PackingFile>(&one.spec.packing))
+    one.packing = at_key(one.spec, "packing.file", [&] { return read_packing(beside(file->path)); });
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
+    one.problem = at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path)); });
+  if (std::holds_alternative<SettledFrom>(one.spec.packing))
+    throw Error(where(one.spec, "packing.settled") +
+                ": expected a generator or a file: nothing can be settled here");
+  return one;
 }
 
 }  // namespace nscdd

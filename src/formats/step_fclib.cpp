@@ -16,9 +16,9 @@ namespace nscdd {
 namespace {
 
 void require_coulomb(const Interaction& interaction) {
-  if (interaction.law != Coulomb::name && interaction.law != Frictionless::name)
+  if (to_string(interaction.law) != Coulomb::name && to_string(interaction.law) != Frictionless::name)
     throw Error(fmt::format("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}",
-                            interaction.law));
+                            to_string(interaction.law)));
 }
 
 // The step as it was prepared in the run, but for impulses to start from.
@@ -136,7 +136,7 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
   require_same_contacts(step, after);
   const Partition partition = partition_of(after);
   require_contacts(partition, subdomain, after.state.step);
-  const GranularDecomposition parts = decompose(step, partition, "natural", 0);
+  const GranularDecomposition parts = decompose(step, partition, ContactOrder::natural, 0);
   const GranularSubdomain part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
   std::vector<DiskContact> contacts;
   for (std::size_t k = 0; k < part.contacts.size(); ++k)

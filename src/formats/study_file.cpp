@@ -66,7 +66,7 @@ std::vector<Variation> read_variations(StrictTable& table, std::string_view name
   for (const Variation& variation : variations)
     for (const std::string& value : variation.values)
       for (Case one : cases) try {
-          override_case(one, variation.parameter, value);
+          override_case(one.spec, variation.parameter, value);
         } catch (const Error& error) {
           throw Error(
               fmt::format("{}: {}", section.location(section.node(variation.parameter)), error.what()));
@@ -123,12 +123,11 @@ void read_steps(StrictTable& section, StudyTable& table) {
 
 void read_lead_in(StrictTable& section, StudyTable& table) {
   const bool always_own = table.observable->own_solver;
-  std::string name(to_string(always_own ? LeadInSolver::own : table.lead_in));
-  section.read("lead_in", name);
-  if (name != "own" && (always_own || name != "plain"))
-    section.fail("lead_in", always_own ? "\"own\", as runs always are" : "\"plain\" or \"own\"",
-                 "\"" + name + "\"");
-  table.lead_in = name == "own" ? LeadInSolver::own : LeadInSolver::plain;
+  Choice<LeadInSolver> solver = always_own ? LeadInSolver::own : table.lead_in;
+  section.read("lead_in", solver);
+  if (always_own && solver != LeadInSolver::own)
+    section.fail("lead_in", "\"own\", as runs always are", "\"plain\"");
+  table.lead_in = solver;
 }
 
 // A key that the observable does not look at would be passed over.
@@ -143,7 +142,7 @@ void require_uses(const StrictTable& section, const Observable& observable) {
 void check_moving(StrictTable& section, const StudyTable& table) {
   if (!table.observable->moving) return;
   for (Index number = 0; number < varied_case_count(table); ++number) {
-    const Case one = varied_case(table, number).one;
+    const CaseSpec one = varied_case(table, number).one.spec;
     try {
       check_dynamics(one);
       if (table.observable->check != nullptr) table.observable->check(one);
@@ -154,7 +153,7 @@ void check_moving(StrictTable& section, const StudyTable& table) {
   }
 }
 
-StudyTable read_table(StrictTable section, const CaseReader& read) {
+StudyTable read_table(StrictTable section, const CaseFinder& find) {
   StudyTable table;
   section.read("name", table.name);
   if (table.name.empty() ||
@@ -168,7 +167,7 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");
   for (const std::string& name : cases) try {
-      table.cases.push_back(read(name, table.large));
+      table.cases.push_back({find(name)});
     } catch (const Error& error) {
       throw Error(
           fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
@@ -179,15 +178,12 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
   read_spec(section, "eta", table.sweep.eta, parse_eta);
   read_spec(section, "relaxation", table.sweep.relaxation, parse_relaxation);
   read_spec(section, "gauss_seidel_sweeps", table.sweep.gauss_seidel_sweeps, parse_sweeps);
-  std::string contacts = "all", solver = "auto";
+  Choice<ContactSet> contacts = table.sweep.contacts;
   section.read("contacts", contacts);
-  const std::optional<ContactSet> chosen = contact_set(contacts);
-  if (!chosen) section.fail("contacts", "\"all\", \"active\" or \"unilateral\"", "\"" + contacts + "\"");
-  table.sweep.contacts = *chosen;
+  table.sweep.contacts = contacts;
+  Choice<SpectralSolver> solver = table.sweep.spectral.solver;
   section.read("solver", solver);
-  if (!spectral_solver(solver))
-    section.fail("solver", "\"auto\", \"dense\", \"arpack\" or \"shift-invert\"", "\"" + solver + "\"");
-  table.sweep.spectral.solver = *spectral_solver(solver);
+  table.sweep.spectral.solver = solver;
   section.read("certify", table.sweep.spectral.certify);
   if (table.sweep.spectral.certify && table.sweep.spectral.solver == SpectralSolver::arpack)
     section.fail("certify", "a solver other than \"arpack\", which proves nothing", "\"arpack\"");
@@ -206,13 +202,13 @@ StudyTable read_table(StrictTable section, const CaseReader& read) {
 
 }  // namespace
 
-Study parse_study(std::string_view text, const std::string& file, const CaseReader& read) {
+Study parse_study(std::string_view text, const std::string& file, const CaseFinder& find) {
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
   Study study;
   study.name = std::filesystem::absolute(file).lexically_normal().parent_path().filename().string();
   root.read("title", study.title);
-  for (const StrictTable& section : root.tables("table")) study.tables.push_back(read_table(section, read));
+  for (const StrictTable& section : root.tables("table")) study.tables.push_back(read_table(section, find));
   root.finish();
   if (study.tables.empty()) throw Error(fmt::format("{}: expected at least one [[table]], met none", file));
   if (study.tables[0].large)

@@ -16,15 +16,11 @@ void require_fit(const std::string& path, const Simulation& simulation) {
 }
 
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
-  // The grains are those of the file, wherever they came from.
-  const Case one = parse_case(
-      header.case_text, path + ": case", [](const std::string&) { return Packing{}; },
-      [](const std::string& name) {
-        return SettledPacking{name, {}, {}};
-      });
-  if (!one.dynamics)
+  // The grains are those of the trajectory, wherever the case has them from.
+  const CaseSpec spec = parse_case(header.case_text, path + ": case");
+  if (!spec.dynamics)
     throw Error(fmt::format("{}: case: expected a section [dynamics], met a case without", path));
-  const auto& specs = one.dynamics->boundaries;
+  const auto& specs = spec.dynamics->boundaries;
   GranularSystem system = header.system;
   if (system.boundaries.size() != specs.size())
     throw Error(fmt::format("{}: expected the {} boundaries of its case, met {}", path, specs.size(),
@@ -35,7 +31,7 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
                               system.boundaries[k].name));
     system.boundaries[k].motion = specs[k].motion;
   }
-  Simulation simulation{std::move(system), std::move(state), *one.dynamics, one.partition};
+  Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
   require_fit(path, simulation);
   return simulation;
 }

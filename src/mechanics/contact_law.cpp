@@ -5,20 +5,6 @@
 
 namespace nscdd {
 
-std::string_view to_string(ContactStatus status) {
-  switch (status) {
-    case ContactStatus::open:
-      return "open";
-    case ContactStatus::stick:
-      return "stick";
-    case ContactStatus::slide_forward:
-      return "slide_forward";
-    case ContactStatus::slide_backward:
-      return "slide_backward";
-  }
-  return "open";
-}
-
 ContactStatus contact_status(LocalVector impulse, double friction, double tolerance) {
   if (impulse.n <= 0) return ContactStatus::open;
   const double edge = friction * impulse.n;

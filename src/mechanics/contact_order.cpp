@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/contact_order.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
@@ -93,16 +90,16 @@ std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::spa
   return colours;
 }
 
-std::vector<Index> contact_order(const std::string& order, std::span<const DiskContact> contacts,
+std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
                                  std::span<const DiskVelocity> bodies, std::uint64_t seed,
                                  std::span<const std::array<double, 2>> points) {
   std::vector<Index> result(contacts.size());
   std::iota(result.begin(), result.end(), Index{0});
-  if (order == "coloured") {
+  if (order == ContactOrder::coloured) {
     const Index all = std::max<Index>(1, count(result));
     return by_colour(std::move(result), contact_colours(contacts, bodies, all), all);
   }
-  if (order == "interleaved") {
+  if (order == ContactOrder::interleaved) {
     if (!points.empty()) result = along_curve(points);
     std::vector<DiskContact> curve;
     curve.reserve(contacts.size());
@@ -112,13 +109,11 @@ std::vector<Index> contact_order(const std::string& order, std::span<const DiskC
     for (std::size_t k = 0; k < result.size(); ++k) colours[at(result[k])] = along[k];
     return by_colour(std::move(result), colours, interleaved_block);
   }
-  if (order == "random") {
+  if (order == ContactOrder::random) {
     RandomStream stream(seed);
     for (Index k = count(result) - 1; k > 0; --k) std::swap(result[at(k)], result[at(stream.below(k + 1))]);
-  } else if (order == "reverse") {
+  } else if (order == ContactOrder::reverse) {
     std::reverse(result.begin(), result.end());
-  } else if (order != "natural") {
-    throw Error(fmt::format("order of contacts: expected one of {}, met '{}'", contact_orders, order));
   }
   return result;
 }

@@ -192,24 +192,6 @@ class Judge {
 
 }  // namespace
 
-std::string_view to_string(FrictionStatus status) {
-  switch (status) {
-    case FrictionStatus::converged:
-      return "converged";
-    case FrictionStatus::stalled:
-      return "stalled";
-    case FrictionStatus::maximum_reached:
-      return "maximum_reached";
-    case FrictionStatus::diverged:
-      return "diverged";
-    case FrictionStatus::not_finite:
-      return "not_finite";
-    case FrictionStatus::stopped:
-      return "stopped";
-  }
-  return "stopped";
-}
-
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
   return state_of(problem, impulses, lone_impulses(problem));
 }

@@ -84,6 +84,15 @@ std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index cont
   return grains;
 }
 
+double mean_normal_delassus(const ReferenceProblem& problem) {
+  double sum = 0;
+  for (Index c = 0; c < problem.h.cols(); c += problem.columns_per_contact)
+    for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e)
+      sum += e.value() * e.value() / problem.inertia[e.row()];
+  const Index contacts = problem.h.cols() / problem.columns_per_contact;
+  return contacts == 0 ? 0 : sum / static_cast<double>(contacts);
+}
+
 SparseMatrix scaled_connectivity(const Vector& inertia, const SparseMatrix& h) {
   return inertia.cwiseSqrt().cwiseInverse().asDiagonal() * h;
 }

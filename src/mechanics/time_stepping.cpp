@@ -141,6 +141,12 @@ void start_from(std::vector<DiskContact>& contacts, const std::vector<StepContac
 
 }  // namespace
 
+double mean_normal_delassus(const StepProblem& problem) {
+  double sum = 0;
+  for (const DiskContact& c : problem.contacts) sum += 1 / c.inverse_w.inverse_n;
+  return problem.contacts.empty() ? 0 : sum / static_cast<double>(problem.contacts.size());
+}
+
 void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
   for (const StepContact& c : problem.geometry) {
     if (c.gap < -largest * smaller_radius(system, c))

@@ -39,11 +39,16 @@ std::function<double(double)> radius_quantile(const SizeDistribution& sizes) {
   });
   const double a = sizes.radius_min, b = sizes.radius_max;
   if (a > b) throw Error(fmt::format("packing.radius_min: expected at most radius_max = {}, met {}", b, a));
-  if (sizes.distribution == "uniform") return [=](double u) { return std::min(a + u * (b - a), b); };
-  if (sizes.distribution == "uniform_volume")
-    return [=](double u) { return std::clamp(1 / (1 / a - u * (1 / a - 1 / b)), a, b); };
-  if (sizes.distribution == "two_sizes")
-    return [a, b, small = 1 - sizes.fraction_large](double u) { return u < small ? a : b; };
+  switch (sizes.distribution) {
+    case Distribution::uniform:
+      return [=](double u) { return std::min(a + u * (b - a), b); };
+    case Distribution::uniform_volume:
+      return [=](double u) { return std::clamp(1 / (1 / a - u * (1 / a - 1 / b)), a, b); };
+    case Distribution::two_sizes:
+      return [a, b, small = 1 - sizes.fraction_large](double u) { return u < small ? a : b; };
+    case Distribution::lognormal:
+      break;
+  }
   return lognormal_quantile(sizes);
 }
 

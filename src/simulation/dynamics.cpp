@@ -38,18 +38,17 @@ void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<doubl
 }
 
 void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index boundary, Index grains) {
+  const std::string key = fmt::format("boundary[{}].first", boundary);
   const Index first = spec.first < 0 ? spec.first + grains : spec.first;
   const Index last = spec.last < 0 ? spec.last + grains : spec.last;
   if (first < 0 || last >= grains || first > last)
-    throw Error(fmt::format(
-        "boundary '{}': first, last: expected grains first <= last in 0..{} (or negative, from the end), "
-        "met {} and {}",
-        spec.name, grains - 1, spec.first, spec.last));
+    throw Error(key, fmt::format("expected grains first <= last in 0..{} (or negative, from the end), "
+                                 "met {} and {} of boundary '{}'",
+                                 grains - 1, spec.first, spec.last, spec.name));
   for (Index i = first; i <= last; ++i) {
     if (system.driven_by[at(i)] >= 0)
-      throw Error(fmt::format(
-          "boundary '{}': first, last: expected grains driven once, met grain {} of boundary '{}'", spec.name,
-          i, system.boundaries[at(system.driven_by[at(i)])].name));
+      throw Error(key, fmt::format("expected grains driven once, met grain {} of boundaries '{}' and '{}'", i,
+                                   system.boundaries[at(system.driven_by[at(i)])].name, spec.name));
     system.driven_by[at(i)] = boundary;
   }
 }

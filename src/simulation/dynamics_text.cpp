@@ -56,29 +56,12 @@ std::string boundary_lines(const BoundarySpec& spec) {
 
 }  // namespace
 
-std::string_view to_string(BoundaryShape shape) {
-  switch (shape) {
-    case BoundaryShape::disks:
-      return "disks";
-    case BoundaryShape::grains:
-      return "grains";
-    case BoundaryShape::wall:
-      break;
-  }
-  return "wall";
-}
-
 std::string to_toml(const Dynamics& dynamics) {
   std::string text = "\n[interaction]\n" + effective_lines(dynamics, "interaction", dynamics.interaction);
   text += "\n[dynamics]\n" + effective_lines(dynamics, "dynamics", dynamics.time);
   text += "\n[solver]\n" + effective_lines(dynamics, "solver", dynamics.solver);
   for (const BoundarySpec& spec : dynamics.boundaries) text += "\n[[boundary]]\n" + boundary_lines(spec);
   return text;
-}
-
-void check_eta(std::string_view eta, std::string_view key) {
-  if (eta == "optimal") return;
-  check_bounds(parse_number(eta, key), Field{.description = "", .minimum = 0, .minimum_excluded = true}, key);
 }
 
 }  // namespace nscdd

@@ -51,20 +51,6 @@ class RestWatch {
 
 }  // namespace
 
-std::string_view to_string(RunEnd end) {
-  switch (end) {
-    case RunEnd::at_rest:
-      return "at rest";
-    case RunEnd::stopped:
-      return "stopped";
-    case RunEnd::broke_down:
-      return "broke down";
-    case RunEnd::completed:
-      break;
-  }
-  return "completed";
-}
-
 double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;
   for (Index i = 0; i < system.disks(); ++i)

@@ -24,18 +24,26 @@ double seconds_since(Clock::time_point start) {
 constexpr Index patience = 10000;
 constexpr double explosion = 1e6;
 
-double criterion_value(const std::string& criterion, const IterationRecord& record,
-                       const ContactResidual& residual) {
-  if (criterion == "zeta") return record.zeta;
-  // Where F did not change (no interface, or one that is left alone), or nothing jumps, they cannot tell that
-  // the iterations ended.
-  if (criterion == "interface_change")
-    return record.interface_change == 0 ? record.zeta : record.interface_change;
-  if (criterion == "gluing") return record.gluing == 0 ? record.zeta : record.gluing;
-  if (criterion == "natural_map") return residual.relative_natural_map();
-  if (criterion == "quad_dv") return residual.quad_dv();
-  if (criterion == "mean_dv_over_r") return std::abs(residual.mean_dv_over_r());
-  return infinity;  // none: as many iterations as allowed
+// The change of F, and the jumps, are 0 where there is no interface or it is left alone: they cannot tell
+// then that the iterations ended, and zeta stands in for them.
+double criterion_value(Criterion criterion, const IterationRecord& record, const ContactResidual& residual) {
+  switch (criterion) {
+    case Criterion::zeta:
+      return record.zeta;
+    case Criterion::interface_change:
+      return record.interface_change == 0 ? record.zeta : record.interface_change;
+    case Criterion::gluing:
+      return record.gluing == 0 ? record.zeta : record.gluing;
+    case Criterion::natural_map:
+      return residual.relative_natural_map();
+    case Criterion::quad_dv:
+      return residual.quad_dv();
+    case Criterion::mean_dv_over_r:
+      return std::abs(residual.mean_dv_over_r());
+    case Criterion::none:
+      break;
+  }
+  return infinity;  // as many iterations as allowed
 }
 
 bool all_finite(const std::vector<DiskVelocity>& velocities) {
@@ -81,24 +89,9 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
 
 }  // namespace
 
-std::string_view to_string(SolverStatus status) {
-  switch (status) {
-    case SolverStatus::converged:
-      return "converged";
-    case SolverStatus::stalled:
-      return "stalled";
-    case SolverStatus::maximum_reached:
-      return "maximum_reached";
-    case SolverStatus::diverged:
-      return "diverged";
-    case SolverStatus::no_number:
-      return "no_number";
-  }
-  return "no_number";
-}
-
-bool needs_residual(const std::string& criterion) {
-  return criterion == "natural_map" || criterion == "quad_dv" || criterion == "mean_dv_over_r";
+bool needs_residual(Criterion criterion) {
+  return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
+         criterion == Criterion::mean_dv_over_r;
 }
 
 IterationWatch::IterationWatch(const StepSolver& solver) : solver_(solver) {}
@@ -110,7 +103,8 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
   if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   if (record.impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
   // The contacts may have settled within subdomains that have not met yet.
-  const bool semi_implicit = solver_.algorithm == "enriched" && solver_.enrichment == "semi_implicit";
+  const bool semi_implicit =
+      solver_.algorithm == StepAlgorithm::enriched && solver_.enrichment == Enrichment::semi_implicit;
   const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
   if (value <= solver_.tolerance && glued) return SolverStatus::converged;
   if (value < best_) {
@@ -134,11 +128,9 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
   double eta = not_a_number;
   std::optional<InterfaceOperator> enriched;
-  if (solver.algorithm == "enriched" && parts.interface_size() > 0) {
-    eta = solver.eta == "optimal" ? best_eta(simulation, problem, partition)
-                                  : parse_number(solver.eta, "solver.eta");
-    if (!(eta > 0))
-      throw Error(fmt::format("solver.eta: expected a number > 0 or \"optimal\", met {}", solver.eta));
+  if (solver.algorithm == StepAlgorithm::enriched && parts.interface_size() > 0) {
+    eta = solver.eta.optimal() ? best_eta(simulation, problem, partition)
+                               : solver.eta.flexibility().at_scale(mean_normal_delassus(problem));
     enriched = enriched_operator(simulation, problem, partition, eta);
   }
   GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver,

@@ -147,7 +147,7 @@ Partition kept_partition(const Simulation& simulation, const StepProblem& proble
 
 Partition partition_step(const Simulation& simulation, const StepProblem& problem) {
   const StepSolver& solver = simulation.dynamics.solver;
-  if (solver.algorithm == "nlgs")
+  if (solver.algorithm == StepAlgorithm::nlgs)
     return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
   return decomposes_afresh(simulation, simulation.state.step) ? fresh_partition(simulation, problem)
                                                               : kept_partition(simulation, problem);
@@ -162,7 +162,8 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
                                     const Partition& partition, double eta) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
-  if (solver.network == "active" || solver.enrichment == "semi_implicit")  // frozen from the step before
+  if (solver.network == StageTwoNetwork::active ||
+      solver.enrichment == Enrichment::semi_implicit)  // frozen from the step before
     return InterfaceFamily(restrict_contacts(all, active_columns(simulation, problem))).at(eta);
   return InterfaceFamily(all).at(eta);
 }
@@ -170,7 +171,8 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
-  const bool relaxed = solver.interface_method == "richardson";  // conjugate gradients choose their own steps
+  const bool relaxed =
+      solver.interface_method == InterfaceMethod::richardson;  // conjugate gradients choose their own steps
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found

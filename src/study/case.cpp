@@ -3,25 +3,21 @@
 #include <nscdd/study/case.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nscdd {
 namespace {
-
-template <class Parameters>
-std::string keys_of(std::string_view section, const Parameters& parameters) {
-  std::string keys;
-  for (const FieldDescription& field : describe_fields(parameters))
-    keys += fmt::format("{}{}.{}", keys.empty() ? "" : ", ", section, field.key);
-  return keys;
-}
 
 // Overrides a field of a section, or says which fields the section has.
 template <class Parameters>
 void override_section(std::string_view section, Parameters& parameters, std::string_view key,
                       std::string_view path, std::string_view value) {
-  if (!override_field(parameters, key, value, path))
-    throw Error(fmt::format("{}: no such parameter in this case; expected one of {}", path,
-                            keys_of(section, parameters)));
+  if (override_field(parameters, key, value, path)) return;
+  std::vector<std::string> known;
+  for (const FieldDescription& field : describe_fields(parameters))
+    known.push_back(fmt::format("{}.{}", section, field.key));
+  throw Error(fmt::format("{}: no such parameter in this case; expected one of {}{}", path,
+                          fmt::join(known, ", "), suggestion(path, known)));
 }
 
 void override_dynamics(std::optional<Dynamics>& dynamics, std::string_view section, std::string_view key,
@@ -33,7 +29,6 @@ void override_dynamics(std::optional<Dynamics>& dynamics, std::string_view secti
   } else if (section == "dynamics") {
     override_section(section, dynamics->time, key, path, value);
   } else {
-    if (key == "eta") check_eta(value, path);
     override_section(section, dynamics->solver, key, path, value);
   }
 }
@@ -63,127 +58,128 @@ Partition partition_without_geometry(const Partitioner& partitioner, const Refer
 }
 
 Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
-  if (!one.prescribed.empty())
+  if (!one.spec.prescribed.empty())
     throw Error(fmt::format(
         "{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
-        file.path, one.prescribed.size()));
+        file.path, one.spec.prescribed.size()));
   Model model;
-  model.name = one.name;
-  model.problem = reference_problem(file.problem, file.path);
-  model.partition = partition_without_geometry(one.partition, model.problem, file.path);
+  model.name = one.spec.name;
+  model.problem = reference_problem(one.problem, file.path);
+  model.partition = partition_without_geometry(one.spec.partition, model.problem, file.path);
   model.parts = decompose(model.problem, model.partition);
   return model;
 }
+
+// "file:line: ", as far as they are known.
+std::string place(const CaseSpec& spec, std::string_view key) {
+  if (spec.source.empty()) return {};
+  const auto line = spec.lines.find(key);
+  if (line == spec.lines.end()) return spec.source + ": ";
+  return fmt::format("{}:{}: ", spec.source, line->second);
+}
+
+std::string grain_key(std::size_t k) { return fmt::format("prescribed[{}].grain", k); }
 
 // Prescribed velocities with their grains counted from 0, each once.
 std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, Index grains) {
   for (std::size_t k = 0; k < prescribed.size(); ++k) {
     PrescribedVelocity& velocity = prescribed[k];
     if (velocity.grain < -grains || velocity.grain >= grains)
-      throw Error(
-          fmt::format("prescribed[{}].grain: expected a grain in 0..{} (or -1 for the last), met grain {}", k,
-                      grains - 1, velocity.grain));
+      throw Error(grain_key(k), fmt::format("expected a grain in 0..{} (or -1 for the last), met grain {}",
+                                            grains - 1, velocity.grain));
     if (velocity.grain < 0) velocity.grain += grains;
     for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
       if (other->grain == velocity.grain)
-        throw Error(fmt::format("prescribed[{}].grain: expected each grain once, met grain {} again", k,
-                                velocity.grain));
+        throw Error(grain_key(k),
+                    fmt::format("expected each grain once, met grain {} again", velocity.grain));
   }
   return prescribed;
 }
 
 }  // namespace
 
-void override_case(Case& one, std::string_view path, std::string_view value) {
+std::string where(const CaseSpec& spec, std::string_view key) { return place(spec, key).append(key); }
+
+Error located(const CaseSpec& spec, const Error& error) {
+  return Error(place(spec, error.key()) + error.what());
+}
+
+void override_case(CaseSpec& spec, std::string_view path, std::string_view value) {
   const auto dot = path.find('.');
   const std::string_view section = path.substr(0, dot);
   const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
-  if (std::holds_alternative<ContactProblemFile>(one.packing) && section != "partition")
+  if (std::holds_alternative<ContactProblemFile>(spec.packing) && section != "partition")
     throw Error(fmt::format("{}: this case is a contact problem; expected partition.* alone", path));
   if (section == "packing") {
-    auto* generator = std::get_if<Generator>(&one.packing);
+    auto* generator = std::get_if<Generator>(&spec.packing);
     if (generator == nullptr)
       throw Error(fmt::format("{}: the packing of this case is {} and has no parameters", path,
-                              std::holds_alternative<PackingFile>(one.packing) ? "a file" : "settled"));
+                              std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled"));
     std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
                *generator);
   } else if (section == "contacts") {
-    override_section(section, one.contacts, key, path, value);
+    override_section(section, spec.contacts, key, path, value);
   } else if (section == "masses") {
-    MassFields masses{one.masses.density};
+    MassFields masses{spec.masses.density};
     override_section(section, masses, key, path, value);
-    one.masses = {MassModel::density, masses.density};
+    spec.masses = {MassModel::density, masses.density};
   } else if (section == "partition") {
     std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
-               one.partition);
+               spec.partition);
   } else if (section == "loads") {
-    override_section(section, one.loads, key, path, value);
+    override_section(section, spec.loads, key, path, value);
   } else if (section == "interaction" || section == "dynamics" || section == "solver") {
-    override_dynamics(one.dynamics, section, key, path, value);
+    override_dynamics(spec.dynamics, section, key, path, value);
   } else {
-    throw Error(
-        fmt::format("{}: no such parameter; expected packing.*, contacts.*, masses.*, partition.*, loads.*, "
-                    "interaction.*, dynamics.* or solver.*",
-                    path));
+    static const std::vector<std::string> sections{"packing", "contacts",    "masses",   "partition",
+                                                   "loads",   "interaction", "dynamics", "solver"};
+    throw Error(fmt::format("{}: no such parameter; expected one of {}.*{}", path,
+                            fmt::join(sections, ".*, "), suggestion(section, sections)));
   }
+  spec.lines.erase(std::string(path));  // the value is no longer that of the file
 }
 
-std::string to_toml(const Case& one) {
+std::string to_toml(const CaseSpec& spec) {
   const std::string partition =
-      "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, one.partition);
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
-    return fmt::format("title = {}\n\n[problem]\nfile = {}\n", field_text(one.title),
+      "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, spec.partition);
+  if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing))
+    return fmt::format("title = {}\n\n[problem]\nfile = {}\n", field_text(spec.title),
                        field_text(file->path)) +
            partition;
-  std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(one.title));
-  if (const auto* file = std::get_if<PackingFile>(&one.packing)) {
+  std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(spec.title));
+  if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
     text += fmt::format("file = {}\n", field_text(file->path));
-  } else if (const auto* settled = std::get_if<SettledPacking>(&one.packing)) {
-    text += fmt::format("settled = {}\n", field_text(settled->from));
+  } else if (const auto* settled = std::get_if<SettledFrom>(&spec.packing)) {
+    text += fmt::format("settled = {}\n", field_text(settled->name));
   } else {
     std::visit(
         [&](const auto& parameters) {
           text += fmt::format("generator = \"{}\"\n{}", parameters.name, field_lines(parameters));
         },
-        std::get<Generator>(one.packing));
+        std::get<Generator>(spec.packing));
   }
-  text += "\n[contacts]\n" + field_lines(one.contacts);
-  if (one.masses.model) {
-    text += "\n[masses]\n";
-    switch (*one.masses.model) {
-      case MassModel::given:
-        text += "model = \"given\"\n";
-        break;
-      case MassModel::unit:
-        text += "model = \"unit\"\n";
-        break;
-      case MassModel::density:
-        text += fmt::format("model = \"density\"\ndensity = {}\n", one.masses.density);
-        break;
-    }
+  text += "\n[contacts]\n" + field_lines(spec.contacts);
+  if (spec.masses.model) {
+    text += fmt::format("\n[masses]\nmodel = \"{}\"\n", to_string(*spec.masses.model));
+    if (spec.masses.model == MassModel::density) text += fmt::format("density = {}\n", spec.masses.density);
   }
   text += partition;
-  if (!one.loads.none()) text += "\n[loads]\n" + field_lines(one.loads);
-  for (const PrescribedVelocity& velocity : one.prescribed)
+  if (!spec.loads.none()) text += "\n[loads]\n" + field_lines(spec.loads);
+  for (const PrescribedVelocity& velocity : spec.prescribed)
     text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain,
                         field_text(velocity.velocity));
-  if (one.dynamics) text += to_toml(*one.dynamics);
+  if (spec.dynamics) text += to_toml(*spec.dynamics);
   return text;
 }
 
 Packing packing_of(const Case& one, const Monitor& monitor) {
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     throw Error(
         fmt::format("{}: expected a packing, met a contact problem, which has no geometry", file->path));
-  Packing packing;
-  if (const auto* file = std::get_if<PackingFile>(&one.packing))
-    packing = file->packing;
-  else if (const auto* settled = std::get_if<SettledPacking>(&one.packing))
-    packing = settled->packing;
-  else
-    packing = generate(std::get<Generator>(one.packing), monitor);
+  const auto* generator = std::get_if<Generator>(&one.spec.packing);
+  Packing packing = generator ? generate(*generator, monitor) : one.packing;
   check(packing);
-  return one.masses.model ? with_masses(std::move(packing), one.masses) : packing;
+  return one.spec.masses.model ? with_masses(std::move(packing), one.spec.masses) : packing;
 }
 
 void require_geometry(const Model& model, std::string_view what) {
@@ -207,12 +203,11 @@ void check_first_step(const Simulation& simulation) {
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   ContactNetwork none;
   none.grains = packing.size();
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.prescribed, packing.size());
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing.size());
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain))
-      throw Error(fmt::format("prescribed[{}].grain: expected a free grain, met {}", k,
-                              body_name(start.system, grain)));
-  const Vector v = assemble(packing, none, prescribed, one.loads).arriving_velocity;
+      throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
+  const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
   for (Index i = 0; i < packing.size(); ++i) {
     if (!start.system.free(i)) continue;
     start.state.velocity_x[at(i)] = v[2 * i];
@@ -220,41 +215,38 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   }
 }
 
-Simulation unnamed_simulation_of(const Case& one, const Monitor& monitor) {
-  check_dynamics(one);
-  const Packing packing = with_masses(packing_of(one, monitor), one.masses);
-  GranularScene start = scene(packing, *one.dynamics);
-  set_moving(one, packing, start);
-  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
-  check_first_step(simulation);
-  return simulation;
-}
-
 }  // namespace
 
-Simulation simulation_of(const Case& one, const Monitor& monitor) {
-  try {
-    return unnamed_simulation_of(one, monitor);
-  } catch (const Error& error) {
-    if (one.source.empty()) throw;
-    throw Error(fmt::format("{}: {}", one.source, error.what()));
-  }
+Simulation simulation_of(const Case& one, const Monitor& monitor) try {
+  check_dynamics(one.spec);
+  const Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  GranularScene start = scene(packing, *one.spec.dynamics);
+  set_moving(one, packing, start);
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics,
+                        one.spec.partition};
+  check_first_step(simulation);
+  return simulation;
+} catch (const Error& error) {
+  throw located(one.spec, error);
 }
 
-Model build(const Case& one, const Monitor& monitor) {
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.packing))
+Model build(const Case& one, const Monitor& monitor) try {
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     return build_contact_problem(one, *file);
   Model model;
-  model.name = one.name;
-  model.packing = with_masses(packing_of(one, monitor), one.masses);
-  model.network = detect_contacts(model.packing, one.contacts);
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.prescribed, model.packing.size());
-  model.problem = assemble(model.packing, model.network, prescribed, one.loads);
+  model.name = one.spec.name;
+  model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  model.network = detect_contacts(model.packing, one.spec.contacts);
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing.size());
+  model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
   model.partition = distribute(
-      one.partition, [&] { return std::tie(model.packing, model.network); },
+      one.spec.partition, [&] { return std::tie(model.packing, model.network); },
       [&]() -> const ReferenceProblem& { return model.problem; });
   model.parts = decompose(model.problem, model.partition);
   return model;
+} catch (const Error& error) {
+  if (error.key().empty()) throw;
+  throw located(one.spec, error);
 }
 
 }  // namespace nscdd

@@ -63,12 +63,6 @@ ContactChoice complementary(const ReferenceProblem& problem) {
 
 }  // namespace
 
-std::optional<ContactSet> contact_set(std::string_view name) {
-  const auto found = std::find(contact_set_names.begin(), contact_set_names.end(), name);
-  if (found == contact_set_names.end()) return std::nullopt;
-  return static_cast<ContactSet>(found - contact_set_names.begin());
-}
-
 ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
   if (contacts != ContactSet::all && model.problem.columns_per_contact > 1)
     throw Error(

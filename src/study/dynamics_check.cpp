@@ -4,123 +4,30 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 
-// A parameter that is looked at only where another has one of these values.
-struct Effect {
-  std::string_view path, with, values;
-};
-constexpr std::string_view criteria = "zeta interface_change gluing natural_map quad_dv mean_dv_over_r";
-constexpr Effect effects[] = {
-    {"interaction.friction", "interaction.law", "coulomb cohesive"},
-    {"interaction.boundary_friction", "interaction.law", "coulomb cohesive"},
-    {"interaction.cohesion", "interaction.law", "cohesive"},
-    {"interaction.epsilon", "interaction.law", "linear_viscous"},
-    {"interaction.tangential_restitution", "interaction.law", "coulomb cohesive linear_viscous"},
-    {"dynamics.penetration_correction", "interaction.restitution", "0"},
-    {"solver.tolerance", "solver.criterion", criteria},
-    {"solver.gluing_tolerance", "solver.algorithm", "generic enriched"},
-    {"solver.gluing_tolerance", "solver.criterion", criteria},
-    {"solver.seed", "solver.order", "random"},
-    {"solver.eta", "solver.algorithm", "enriched"},
-    {"solver.network", "solver.algorithm", "enriched"},
-    {"solver.network", "solver.enrichment", "every_iteration first_iteration"},
-    {"solver.enrichment", "solver.algorithm", "enriched"},
-    {"solver.interface_method", "solver.algorithm", "generic enriched"},
-    {"solver.interface_relaxation", "solver.algorithm", "generic enriched"},
-    {"solver.interface_relaxation", "solver.interface_method", "richardson"},
-    {"solver.redecompose", "solver.algorithm", "generic enriched"},
-};
-
-std::string value_of(const Dynamics& dynamics, std::string_view path) {
-  const Interaction& interaction = dynamics.interaction;
-  const StepSolver& solver = dynamics.solver;
-  if (path == "interaction.law") return interaction.law;
-  if (path == "interaction.restitution")
-    return interaction.restitution > 0 ? field_text(interaction.restitution) : "0";
-  if (path == "solver.order") return solver.order;
-  if (path == "solver.criterion") return solver.criterion;
-  if (path == "solver.enrichment") return solver.enrichment;
-  if (path == "solver.interface_method") return solver.interface_method;
-  return solver.algorithm;
-}
-
-bool is_among(std::string_view word, std::string_view words) {
-  for (std::string_view rest = words; !rest.empty();) {
-    const std::string_view first = rest.substr(0, rest.find(' '));
-    if (first == word) return true;
-    rest.remove_prefix(std::min(first.size() + 1, rest.size()));
-  }
-  return false;
-}
-
-// "a, b or c".
-std::string any_of(std::string_view words) {
-  std::string text;
-  for (const char letter : words) text += letter == ' ' ? ", " : std::string(1, letter);
-  if (const auto last = text.rfind(", "); last != std::string::npos) text.replace(last, 2, " or ");
-  return text;
-}
-
-// What the parameter lacks; none where nothing. The first of what it needs comes first in the list.
-const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
-  for (const Effect& effect : effects)
-    if (effect.path == path && !is_among(value_of(dynamics, effect.with), effect.values)) return &effect;
-  return nullptr;
-}
-
-void check_criterion(const Case& one) {
-  const StepSolver& solver = one.dynamics->solver;
-  if (solver.criterion != "gluing") return;
+void check_criterion(const CaseSpec& spec) {
+  const StepSolver& solver = spec.dynamics->solver;
+  if (solver.criterion != Criterion::gluing) return;
   const auto refuse = [](std::string_view expected, std::string_view met) {
-    throw Error(fmt::format("solver.criterion: expected {} with criterion gluing, met {}", expected, met));
+    throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
   };
-  if (solver.algorithm == "nlgs")
+  if (solver.algorithm == StepAlgorithm::nlgs)
     refuse("solver.algorithm generic or enriched", "nlgs, which has no interface");
-  if (subdomains(one.partition) == 1) refuse("two subdomains or more", "one, which has no interface");
-  if (solver.algorithm == "enriched" && solver.enrichment == "semi_implicit")
+  if (subdomains(spec.partition) == 1) refuse("two subdomains or more", "one, which has no interface");
+  if (solver.algorithm == StepAlgorithm::enriched && solver.enrichment == Enrichment::semi_implicit)
     refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
 }
 
 }  // namespace
 
-bool has_effect(const Dynamics& dynamics, std::string_view path) {
-  return missing_for(dynamics, path) == nullptr;
-}
-
-void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where) {
-  const Effect* missing = missing_for(dynamics, path);
-  if (missing == nullptr) return;
-  throw Error(fmt::format("{}: expected {} {} with it, met {}", where, missing->with, any_of(missing->values),
-                          value_of(dynamics, missing->with)));
-}
-
-void check(const BoundarySpec& spec) {
-  if (spec.shape == BoundaryShape::grains) return;
-  const double length = std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]);
-  if (!(length > 0) || !std::isfinite(length))
-    throw Error(fmt::format("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})",
-                            spec.name, spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
-  if (spec.shape == BoundaryShape::wall) return;
-  if (!(spec.radius > 0))
-    throw Error(
-        fmt::format("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius));
-  constexpr double most = 1e7;
-  if (!(length / spec.distance() < most))
-    throw Error(fmt::format("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m",
-                            spec.name, most, length, spec.distance()));
-}
-
-void check_dynamics(const Case& one) {
-  if (!one.dynamics)
-    throw Error(
-        fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", one.name));
-  subdomains(one.partition);
-  check_criterion(one);
+void check_dynamics(const CaseSpec& spec) {
+  if (!spec.dynamics)
+    throw Error(fmt::format("case {}: expected a section [dynamics], met a case that is not made to move",
+                            spec.name));
+  subdomains(spec.partition);
+  check_criterion(spec);
 }
 
 }  // namespace nscdd

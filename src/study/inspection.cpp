@@ -56,8 +56,8 @@ std::string why_empty(const Model& model) {
 }
 
 Case with_overlaps_of_motion(Case one) {
-  double& tolerance = one.contacts.overlap_tolerance;
-  if (one.dynamics && tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
+  double& tolerance = one.spec.contacts.overlap_tolerance;
+  if (one.spec.dynamics && tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
   return one;
 }
 

@@ -14,8 +14,8 @@ namespace {
 StepSolver plain_solver() {
   StepSolver solver;
   solver.warm_start = true;
-  solver.order = "interleaved";
-  solver.criterion = "zeta";
+  solver.order = ContactOrder::interleaved;
+  solver.criterion = Criterion::zeta;
   solver.tolerance = 1e-6;
   solver.maximum_iterations = 2000;
   return solver;
@@ -31,8 +31,6 @@ void advance(Arrival& arrival) {
 
 }  // namespace
 
-std::string_view to_string(LeadInSolver solver) { return solver == LeadInSolver::own ? "own" : "plain"; }
-
 void RunTotals::add(const StepReport& report) {
   iterations += report.last.iteration;
   converged += report.status == SolverStatus::converged;
@@ -47,7 +45,7 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
   Simulation fresh = simulation_of(one);
   const StepSolver of_case = fresh.dynamics.solver;
   const StepSolver used = solver == LeadInSolver::own ? of_case : plain_solver();
-  Case way = one;
+  CaseSpec way = one.spec;
   way.dynamics->solver = used;
   way.dynamics->time.steps = 0;
   std::map<Index, Arrival>& kept = known_[to_toml(way)];
@@ -62,7 +60,7 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
 
 SolvedStep next_step(Simulation simulation, LeadInSolver solver) {
   StepSolver decomposing = simulation.dynamics.solver;
-  if (decomposing.algorithm == "nlgs") decomposing.algorithm = "generic";
+  if (decomposing.algorithm == StepAlgorithm::nlgs) decomposing.algorithm = StepAlgorithm::generic;
   if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
   SolvedStep step = solve_step(simulation);
   simulation.dynamics.solver = std::move(decomposing);

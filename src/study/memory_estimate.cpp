@@ -162,7 +162,7 @@ MemoryNeed largest_need(const StudyTable& table, Index first) {
       const double bytes = estimated_bytes(model, table.sweep);
       if (bytes > largest.bytes) largest = {bytes, model.name, model.parts.interface_size()};
     } catch (const Error& error) {
-      throw Error(fmt::format("case {}: {}", one.name, error.what()));
+      throw Error(fmt::format("case {}: {}", one.spec.name, error.what()));
     }
   }
   return largest;

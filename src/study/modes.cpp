@@ -50,12 +50,6 @@ void derive(Mode& mode, const Contraction& b) {
 
 }  // namespace
 
-std::optional<SpectrumSide> spectrum_side(std::string_view name) {
-  for (std::size_t i = 0; i < spectrum_side_names.size(); ++i)
-    if (spectrum_side_names[i] == name) return static_cast<SpectrumSide>(i);
-  return std::nullopt;
-}
-
 Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
   const double threshold = (1 - tie) * f.cwiseAbs().maxCoeff();
   Index leading = 0;

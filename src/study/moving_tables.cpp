@@ -64,7 +64,7 @@ Index disks(const ObservedCase& work, Index steps, const Sink<PlacedDisk>& sink)
   const Index number = simulation.system.disks();
   const Membership of = membership(next_step(simulation, work.table.lead_in), number);
   for (Index i = 0; i < number; ++i)
-    sink({work.one.name, simulation, i, of.first[at(i)], of.multiplicity[at(i)]});
+    sink({work.one.spec.name, simulation, i, of.first[at(i)], of.multiplicity[at(i)]});
   return 0;
 }
 
@@ -104,7 +104,7 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
     const StepContact& g = step.problem.geometry[k];
     if (c.impulse_n == 0 && c.impulse_t == 0) continue;
     const bool wall = g.b >= simulation.system.disks();
-    sink({work.one.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b),
+    sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b),
           c.impulse_n, c.impulse_t, status_of(law, c), step.partition.subdomain_of_contact[k]});
   }
   return 0;

@@ -103,19 +103,21 @@ bool PredictedObserved::agree() const {
 
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
   const StepSolver& solver = dynamics.solver;
-  const auto expect = [](bool right, const char* key, const char* expected, const std::string& met) {
+  const auto expect = [](bool right, const char* key, const char* expected, std::string_view met) {
     if (!right)
       throw Error(fmt::format("{}: expected {} for a rate that is predicted, met {}", key, expected, met));
   };
-  expect(solver.algorithm != "nlgs", "solver.algorithm", "generic or enriched", solver.algorithm);
+  expect(solver.algorithm != StepAlgorithm::nlgs, "solver.algorithm", "generic or enriched",
+         to_string(solver.algorithm));
   expect(subdomains(partitioner) > 1, "partition", "two subdomains or more", "one");
-  expect(solver.interface_method == "richardson", "solver.interface_method", "richardson",
-         solver.interface_method);
-  expect(solver.enrichment == "every_iteration", "solver.enrichment", "every_iteration", solver.enrichment);
+  expect(solver.interface_method == InterfaceMethod::richardson, "solver.interface_method", "richardson",
+         to_string(solver.interface_method));
+  expect(solver.enrichment == Enrichment::every_iteration, "solver.enrichment", "every_iteration",
+         to_string(solver.enrichment));
   expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1",
          field_text(solver.contact_relaxation));
   expect(opens(contact_law(dynamics.interaction, dynamics.time.step)), "interaction.law",
-         "a law with open contacts", dynamics.interaction.law);
+         "a law with open contacts", to_string(dynamics.interaction.law));
 }
 
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {

@@ -13,7 +13,7 @@ namespace {
 struct SolverSummary {
   std::string name;  // of the case
   Index disks = 0;   // free ones
-  std::string algorithm;
+  StepAlgorithm algorithm = StepAlgorithm::nlgs;
   Index gauss_seidel_sweeps = 0;
   double eta = infinity;  // of the enriched Stage 2, 1/kg
   Index interface_size = 0;
@@ -33,11 +33,11 @@ const ResultColumns<SolverSummary>& solver_columns() {
 
 SolverSummary summary(const Case& one, const Simulation& simulation, double eta, Index interface_size) {
   const StepSolver& solver = simulation.dynamics.solver;
-  return {one.name,
+  return {one.spec.name,
           simulation.system.free_disks(),
           solver.algorithm,
           solver.gauss_seidel_sweeps,
-          solver.algorithm == "enriched" ? eta : infinity,
+          solver.algorithm == StepAlgorithm::enriched ? eta : infinity,
           interface_size};
 }
 
@@ -191,7 +191,7 @@ constinit const Observable observables::predicted_observed{
           return KnownCells{{"step", table.steps[at(row)]}};
         },
     .moving = true,
-    .check = [](const Case& one) { require_comparable(*one.dynamics, one.partition); }};
+    .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }};
 
 constinit const Observable observables::runs{
     .name = "runs",

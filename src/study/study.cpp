@@ -95,7 +95,7 @@ KnownCells known_cells(const StudyTable& table, Index row) {
   if (!rows) return {};
   const Combination combination = combination_of(table, row / *rows);
   const Row varied = varied_cells(table, combination);
-  KnownCells cells{{"case", table.cases[at(combination.base)].name}};
+  KnownCells cells{{"case", table.cases[at(combination.base)].spec.name}};
   const std::vector<Variation> parameters = variations(table);
   for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(parameters[i].parameter, varied[i]);
   const KnownCells more = table.observable->known(table, row % *rows);
@@ -114,7 +114,7 @@ VariedCase varied_case(const StudyTable& table, Index number) {
   VariedCase varied{table.cases[at(combination.base)], varied_cells(table, combination)};
   const std::vector<Variation> parameters = variations(table);
   for (std::size_t i = 0; i < parameters.size(); ++i)
-    override_case(varied.one, parameters[i].parameter, parameters[i].values[at(combination.values[i])]);
+    override_case(varied.one.spec, parameters[i].parameter, parameters[i].values[at(combination.values[i])]);
   return varied;
 }
 
@@ -144,7 +144,7 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
       const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
       failed += table.observable->run({one, table, states, with_varied, within, known});
     } catch (const Error& error) {
-      throw Error(fmt::format("case {}: {}", one.name, error.what()));
+      throw Error(fmt::format("case {}: {}", one.spec.name, error.what()));
     }
     if (!rows) stopped = !report(monitor, number + 1, total);
   }

@@ -43,15 +43,15 @@ std::string file_text(const std::string& path, const std::string& content) {
   return fmt::format("{} ({})", std::filesystem::path(path).filename().string(), content);
 }
 
-std::string case_text(Case one) {
-  std::string text = fmt::format("name = {}\n", field_text(one.name));
-  if (auto* file = std::get_if<PackingFile>(&one.packing))
-    file->path = file_text(file->path, content(file->packing));
-  if (auto* file = std::get_if<ContactProblemFile>(&one.packing))
-    file->path = file_text(file->path, content(file->problem));
-  if (auto* settled = std::get_if<SettledPacking>(&one.packing))
-    settled->from = fmt::format("{} ({})", settled->from, content(settled->packing));
-  return text + to_toml(one);
+std::string case_text(const Case& one) {
+  CaseSpec spec = one.spec;
+  if (auto* file = std::get_if<PackingFile>(&spec.packing))
+    file->path = file_text(file->path, content(one.packing));
+  if (auto* file = std::get_if<ContactProblemFile>(&spec.packing))
+    file->path = file_text(file->path, content(one.problem));
+  if (auto* settled = std::get_if<SettledFrom>(&spec.packing))
+    settled->name = fmt::format("{} ({})", settled->name, content(one.packing));
+  return fmt::format("name = {}\n", field_text(spec.name)) + to_toml(spec);
 }
 
 std::string list_text(const std::vector<std::string>& items) {
@@ -98,9 +98,8 @@ std::string effort_text(const SpectralOptions& options) {
   return fmt::format(
       "solver = {}\ndense_limit = {}\ntolerance = {}\nbasis = {}\nmaximum_restarts = {}\n"
       "arpack_tolerance = {}\ncertify = {}\neigenvalues = {}\n",
-      spectral_solver_names()[static_cast<std::size_t>(options.solver)], options.dense_limit,
-      options.tolerance, options.arpack.basis, options.arpack.maximum_restarts, options.arpack.tolerance,
-      options.certify, options.eigenvalues);
+      to_string(options.solver), options.dense_limit, options.tolerance, options.arpack.basis,
+      options.arpack.maximum_restarts, options.arpack.tolerance, options.certify, options.eigenvalues);
 }
 
 // First line in which two texts differ.

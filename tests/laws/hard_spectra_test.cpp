@@ -37,8 +37,8 @@ std::vector<std::string> rows_of(const Model& model, const SweepParameters& para
 // 12 x 12 disks of a lattice in each.
 Case thin_strips(Index strips) {
   Case one = lattice_in_grid(1, {1, 1});
-  one.packing = Generator{HexagonalLattice{.columns = 12 * strips, .rows = 12, .radius = 0.5}};
-  one.partition = GridPartitioner{{strips, 1}};
+  one.spec.packing = Generator{HexagonalLattice{.columns = 12 * strips, .rows = 12, .radius = 0.5}};
+  one.spec.partition = GridPartitioner{{strips, 1}};
   return one;
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("shift-invert: several eigenvalues at each end") {
   for (const Case& one :
        {random_lattice(22, 12, 10, {4, 4}), deposit(150, {4, 3}), lattice_in_grid(200, {2, 1}),
         with_unequal_masses(random_lattice(23, 10, 9, {3, 3}), 7)}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const InterfaceFamily family(model.parts);
     for (const auto& [epsilon, eta] :
@@ -147,7 +147,7 @@ TEST_CASE("rigid limit by shift-invert: unit eigenvalues from ranks, the rest as
   for (const Case& one :
        {thin_strips(32), deposit(150, {4, 3}), deposit(600, {2, 2}), lattice_in_grid(200, {8, 1}),
         lattice_in_grid(45 * 45, {2, 1}), lattice_in_grid(400, {4, 4})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     const Contraction b{family.at(infinity), family.at(0)};
     const SpectralRadius found = spectral_radius(b, shift_invert());
@@ -193,11 +193,11 @@ TEST_CASE("certificates: a shift that must be moved stays on its side of the end
 
 TEST_CASE("certificates of the dense solver count every copy of a multiple eigenvalue") {
   for (const Case& one : packings_up_to(200)) {
-    if (one.name.find("twice") == std::string::npos) continue;
+    if (one.spec.name.find("twice") == std::string::npos) continue;
     const InterfaceFamily family(build(one).parts);
     const Contraction b{family.at(infinity), family.at(0.1)};
     for (const SpectralSolver solver : {SpectralSolver::shift_invert, SpectralSolver::dense}) {
-      CAPTURE(spectral_solver_names()[static_cast<std::size_t>(solver)]);
+      CAPTURE(to_string(solver));
       const SpectralRadius found = spectral_radius(b, {.solver = solver, .certify = true});
       CHECK(found.certified);
       CHECK(found.within_max == 2);
@@ -207,9 +207,10 @@ TEST_CASE("certificates of the dense solver count every copy of a multiple eigen
 
 TEST_CASE("fifteen near-copies next to a bound known beforehand are told apart from it") {
   Case one;
-  one.packing = Generator{HexagonalLattice{.columns = 40, .rows = 40, .radius = 0.5}};
-  one.partition = GridPartitioner{{16, 1}};
-  one.masses = {.model = MassModel::density, .density = 2500};  // 1 963 kg each: eigenvalues of B are near 0
+  one.spec.packing = Generator{HexagonalLattice{.columns = 40, .rows = 40, .radius = 0.5}};
+  one.spec.partition = GridPartitioner{{16, 1}};
+  one.spec.masses = {.model = MassModel::density,
+                     .density = 2500};  // 1 963 kg each: eigenvalues of B are near 0
   const InterfaceFamily family(build(one).parts);
   for (const double epsilon : {1.0, 10.0}) {
     CAPTURE(epsilon);
@@ -225,8 +226,8 @@ TEST_CASE("fifteen near-copies next to a bound known beforehand are told apart f
 
 TEST_CASE("certified intervals of the dense solver hold the eigenvalues of the exact matrices") {
   Case one = lattice_in_grid(1, {1, 1});
-  one.packing = Generator{HexagonalLattice{.columns = 7, .rows = 6, .radius = 0.5}};
-  one.partition = GridPartitioner{{2, 1}};
+  one.spec.packing = Generator{HexagonalLattice{.columns = 7, .rows = 6, .radius = 0.5}};
+  one.spec.partition = GridPartitioner{{2, 1}};
   const InterfaceFamily family(build(one).parts);
   const auto certified = [&](double epsilon, double eta) {
     return spectral_radius({family.at(eta), family.at(epsilon)},

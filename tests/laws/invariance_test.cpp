@@ -68,7 +68,7 @@ void permute_contacts(ReferenceProblem& problem, Partition& partition, std::uint
 
 TEST_CASE("rotation and translation of the packing") {
   for (const Case& one : shared_problems()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model still = build(one), turned = moved(one, 0.7, 13.0, -5.0);
     REQUIRE(turned.network.size() == still.network.size());
     require_equal(ends(turned.problem, turned.parts), ends(still.problem, still.parts));
@@ -77,10 +77,10 @@ TEST_CASE("rotation and translation of the packing") {
 
 TEST_CASE("renumbering of grains, contacts and subdomains") {
   for (const Case& one : shared_problems()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const std::vector<double> expected = ends(model.problem, model.parts);
-    if (one.name != "metis") {  // METIS makes another partition of the renumbered graph
+    if (one.spec.name != "metis") {  // METIS makes another partition of the renumbered graph
       const Model other = build(renumbered(one, 11));
       require_equal(ends(other.problem, other.parts), expected);
     }
@@ -97,7 +97,7 @@ TEST_CASE("renumbering of grains, contacts and subdomains") {
 
 TEST_CASE("another full-rank gluing: star in place of chain, and any regular combination of the rows") {
   for (const Case& one : shared_problems()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const std::vector<double> expected = ends(model.problem, model.parts);
     require_equal(ends(model.problem, decompose(model.problem, model.partition, GluingShape::star)),
@@ -113,7 +113,7 @@ TEST_CASE("another full-rank gluing: star in place of chain, and any regular com
 
 TEST_CASE("masses times a factor: flexibilities divided by it") {
   for (const Case& one : shared_problems()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     ReferenceProblem heavy = model.problem;
     heavy.inertia *= 250.0;
@@ -130,7 +130,8 @@ TEST_CASE("a grain that touches nothing, and a contact-free subdomain, change no
   packing.y.insert(packing.y.begin(), 0.577);
   packing.radius.insert(packing.radius.begin(), 0.01);
   packing.mass.insert(packing.mass.begin(), 3.0);
-  one.packing = PackingFile{"with an isolated grain", packing};
+  one.spec.packing = PackingFile{"with an isolated grain"};
+  one.packing = packing;
   const Model with = build(one);
   REQUIRE(with.network.size() == model.network.size());
   require_equal(ends(with.problem, with.parts), expected);

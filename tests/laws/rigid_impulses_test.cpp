@@ -22,8 +22,9 @@ TEST_CASE("rigid impulses: more than 1 000 contacts, masses over eight decades, 
   Packing packing = generate(HexagonalLattice{.columns = 22, .rows = 18});
   RandomStream random(3);
   for (Index i = 0; i < packing.size(); ++i) packing.mass.push_back(std::pow(10.0, 8 * random.uniform() - 4));
-  large.packing = PackingFile{"unequal masses", packing};
-  large.prescribed = {{200, {-1.0, 0.3}}};
+  large.spec.packing = PackingFile{"unequal masses"};
+  large.packing = packing;
+  large.spec.prescribed = {{200, {-1.0, 0.3}}};
   const Model model = build(large);
   REQUIRE(model.problem.contacts() > 1000);
   const RigidImpulses rigid = rigid_impulses(model.problem);
@@ -46,9 +47,9 @@ TEST_CASE("rigid impulses: the iterative solution tells how far it got (more tha
 TEST_CASE(
     "rigid impulses: a lattice of more than 4 000 contacts, no part of them a self-stress, some exactly 0") {
   Case lattice;
-  lattice.packing = Generator{HexagonalLattice{.columns = 40, .rows = 37}};
-  lattice.masses.model = MassModel::unit;
-  lattice.loads.compression = {1.0, 0.0};
+  lattice.spec.packing = Generator{HexagonalLattice{.columns = 40, .rows = 37}};
+  lattice.spec.masses.model = MassModel::unit;
+  lattice.spec.loads.compression = {1.0, 0.0};
   const Model model = build(lattice);
   REQUIRE(model.problem.contacts() > 4000);
   const RigidImpulses rigid = rigid_impulses(model.problem);

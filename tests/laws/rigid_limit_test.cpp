@@ -19,10 +19,10 @@ namespace {
 
 Case hexagons(Index columns, Index rows, std::array<Index, 2> grid) {
   Case one;
-  one.name = std::to_string(columns) + " x " + std::to_string(rows);
-  one.packing = Generator{HexagonalLattice{.columns = columns, .rows = rows, .radius = 0.5}};
-  one.masses.model = MassModel::unit;
-  one.partition = GridPartitioner{grid};
+  one.spec.name = std::to_string(columns) + " x " + std::to_string(rows);
+  one.spec.packing = Generator{HexagonalLattice{.columns = columns, .rows = rows, .radius = 0.5}};
+  one.spec.masses.model = MassModel::unit;
+  one.spec.partition = GridPartitioner{grid};
   return one;
 }
 
@@ -58,7 +58,7 @@ TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense
   for (const Case& one :
        {hexagons(40, 40, {8, 1}), hexagons(40, 40, {4, 4}), random_lattice(31, 36, 32, {4, 3}),
         with_unequal_masses(hexagons(24, 30, {4, 2}), 3), deposit(900, {3, 3})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     Continuation memory;
     for (const double eta : {0.1, infinity}) {

@@ -90,13 +90,13 @@ const std::vector<Flexibilities>& every_pair() {
 TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing") {
   int counted = 0, compared = 0;
   for (const Case& one : packings_up_to(800)) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const InterfaceFamily family(model.parts);
     CAPTURE(model.parts.interface_size());
     for (const auto& [epsilon, eta] : every_pair()) {
       // K / epsilon against the lightest grain takes all digits beyond
-      if (epsilon < 1e-4 && one.name.find("unequal") != std::string::npos) continue;
+      if (epsilon < 1e-4 && one.spec.name.find("unequal") != std::string::npos) continue;
       CAPTURE(epsilon);
       CAPTURE(eta);
       const Contraction b{family.at(eta), family.at(epsilon)};
@@ -111,7 +111,7 @@ TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing"
 TEST_CASE("shift-invert: contacts restricted in Stage 1") {
   for (const Case& one :
        {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(200, {4, 1})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     RandomStream random(4);
     std::vector<char> active(at(model.problem.contacts()));

@@ -16,7 +16,7 @@ using namespace nscdd::testing;
 
 TEST_CASE("interface operator: application, dense matrix and inverse agree, dense and sparse subdomains") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const Index n = model.parts.interface_size();
     if (n == 0) continue;
@@ -43,9 +43,9 @@ TEST_CASE("interface operator: application, dense matrix and inverse agree, dens
 TEST_CASE("dense pencil against ARPACK, generic and enriched, linear and nonsmooth, rigid and not") {
   for (const Case& one : {random_lattice(11, 12, 10, {3, 3}), random_lattice(12, 16, 8, {4, 1}), strip(40),
                           random_lattice(13, 10, 14, {2, 4})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     Case cut = one;
-    if (one.name == "strip40") cut.partition = GridPartitioner{{4, 1}};
+    if (one.spec.name == "strip40") cut.spec.partition = GridPartitioner{{4, 1}};
     const Model model = build(cut);
     const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
     for (const Index limit : {Index{0}, EnrichedInertiaFamily::default_dense_limit}) {

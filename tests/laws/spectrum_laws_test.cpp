@@ -22,7 +22,7 @@ template <class Law>
 void on_every_problem(Law&& law) {
   int problems = 0;
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     if (model.parts.interface_size() == 0) continue;
     law(model);
@@ -231,11 +231,10 @@ TEST_CASE("residuals bound the errors of the ends") {
 TEST_CASE(
     "rigid limit with masses over eight decades: multiplicity of the geometry, radii below 1, both solvers") {
   Case one = random_lattice(6, 9, 8, {2, 2});
-  auto& packing = std::get<PackingFile>(one.packing).packing;
   const Index unit = inspect(build(one)).unit_multiplicity;
   REQUIRE(unit > 0);
   RandomStream random(17);
-  for (double& mass : packing.mass) mass = std::pow(10.0, 8 * random.uniform() - 4);
+  for (double& mass : one.packing.mass) mass = std::pow(10.0, 8 * random.uniform() - 4);
   const Model model = build(one);
   const InterfaceFamily family(model.parts);
   for (const double eta : {infinity}) {

@@ -45,7 +45,7 @@ TEST_CASE("stable eta: no set of contacts diverges from there up, some do below"
   std::mt19937 random(7);
   int below = 0;
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Decomposition parts = build(one).parts;
     if (parts.interface_size() == 0) continue;
     const std::vector<char> none(at(parts.contacts), 0);

@@ -45,7 +45,7 @@ Vector literal_stage_two(const Decomposition& parts, const std::vector<Vector>& 
 
 TEST_CASE("one iteration is the paper's Stage 1 and Stage 2, generic and enriched, under loads") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     if (model.parts.interface_size() == 0) continue;
     const std::vector<Vector> loads = impact_loads(model.parts, model.problem.arriving_velocity);
@@ -63,7 +63,7 @@ TEST_CASE("one iteration is the paper's Stage 1 and Stage 2, generic and enriche
 
 TEST_CASE("without loads one iteration is the contraction operator, rigid and relaxed included") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     if (model.parts.interface_size() == 0) continue;
     const InterfaceFamily family(model.parts);
@@ -146,13 +146,13 @@ TEST_CASE("J_n tends to B as n grows, generic and enriched") {
 
 TEST_CASE("observed rates agree with the spectral radius to the error of the fit") {
   for (const Case& one : {strip(4), strip(12), random_lattice(2, 8, 6, {3, 2})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     SweepParameters parameters;
     parameters.epsilon = {0, 0.1, 1};
     parameters.eta = {0.3, infinity};
     parameters.gauss_seidel_sweeps = {2, std::nullopt};
-    if (one.name != "strip4") parameters.epsilon = {0.1, 1};
+    if (one.spec.name != "strip4") parameters.epsilon = {0.1, 1};
     Index rows = 0;
     observe(model, parameters, 7, [&](const ObservedResult& result) {
       ++rows;

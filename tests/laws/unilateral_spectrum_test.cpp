@@ -21,11 +21,11 @@ void on_every_problem(Law&& law) {
   int problems = 0;
   for (Case one : every_problem())
     for (const bool compressed : {false, true}) {
-      CAPTURE(one.name);
+      CAPTURE(one.spec.name);
       CAPTURE(compressed);
       if (compressed) {
-        one.prescribed.clear();
-        one.loads = {{1.0, 0.3}, 0.2};
+        one.spec.prescribed.clear();
+        one.spec.loads = {{1.0, 0.3}, 0.2};
       }
       const Model model = build(one);
       if (model.parts.interface_size() == 0) continue;

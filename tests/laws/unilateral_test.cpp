@@ -69,7 +69,8 @@ Case hexagon() {
     for (auto* values : {&packing.x, &packing.y, &packing.radius}) values->erase(values->begin() + corner);
   }
   Case one;
-  one.packing = PackingFile{"hexagon", packing};
+  one.spec.packing = PackingFile{"hexagon"};
+  one.packing = packing;
   return one;
 }
 
@@ -79,10 +80,10 @@ std::vector<ReferenceProblem> loaded_problems() {
   for (const std::uint64_t seed : {1, 2, 3}) {
     Case one = random_lattice(seed, 14, 12, {1, 1});
     all.push_back(build(one).problem);  // one grain hits the others
-    one.prescribed.clear();
-    one.loads = {{1.0, 1.0}, 0.0};
+    one.spec.prescribed.clear();
+    one.spec.loads = {{1.0, 1.0}, 0.0};
     all.push_back(build(one).problem);
-    one.loads = {{1.0, -0.5}, 0.7};
+    one.spec.loads = {{1.0, -0.5}, 0.7};
     all.push_back(build(one).problem);
     load_at_random(all.emplace_back(all.back()), seed);
   }
@@ -143,8 +144,8 @@ TEST_CASE(
     "unilateral: where no bilateral impulse pulls, it is the answer; least norm by projected gradients") {
   // Isotropic compression of a whole lattice of equal disks loads every contact.
   Case one;
-  one.packing = Generator{HexagonalLattice{.columns = 7, .rows = 6}};
-  one.loads = {{1.0, 1.0}, 0.0};
+  one.spec.packing = Generator{HexagonalLattice{.columns = 7, .rows = 6}};
+  one.spec.loads = {{1.0, 1.0}, 0.0};
   const ReferenceProblem problem = build(one).problem;
   const RigidImpulses bilateral = rigid_impulses(problem);
   REQUIRE(bilateral.impulses.minCoeff() > 0);
@@ -157,8 +158,8 @@ TEST_CASE(
   CHECK(inner.velocities.cwiseAbs().maxCoeff() < 1e-7);
   // An isostatic packing has one answer for all.
   Case pair = strip(3);
-  pair.prescribed.clear();
-  pair.loads = one.loads;
+  pair.spec.prescribed.clear();
+  pair.spec.loads = one.spec.loads;
   const ReferenceProblem triangle = build(pair).problem;
   REQUIRE(rigid_impulses(triangle).unique);
   REQUIRE(rigid_impulses(triangle).impulses.minCoeff() > 0);
@@ -274,8 +275,8 @@ TEST_CASE("unilateral: contacts that nothing moves are idle, a load that pulls o
   const UnilateralImpulses found = unilateral_impulses(problem);
   CHECK(found.status == std::vector<UnilateralStatus>{UnilateralStatus::carrying, UnilateralStatus::idle});
   Case one = random_lattice(1, 8, 8, {1, 1});
-  one.prescribed.clear();
-  one.loads = {{-1.0, -1.0}, 0.0};
+  one.spec.prescribed.clear();
+  one.spec.loads = {{-1.0, -1.0}, 0.0};
   const ReferenceProblem pulled = build(one).problem;
   const UnilateralImpulses apart = unilateral_impulses(pulled);
   CHECK(apart.count(UnilateralStatus::open) == pulled.contacts());
@@ -305,7 +306,7 @@ TEST_CASE("unilateral: a packing without contacts, and one without a load") {
   CHECK(none.converged);
   CHECK(none.impulses.size() == 0);
   Case still = strip(4);
-  still.prescribed.clear();
+  still.spec.prescribed.clear();
   CHECK(unilateral_impulses(build(still).problem).count(UnilateralStatus::idle) == 5);
   CHECK_THROWS_WITH_AS(choose_contacts(build(still), ContactSet::unilateral),
                        doctest::Contains("expected a prescribed velocity"), Error);
@@ -313,9 +314,9 @@ TEST_CASE("unilateral: a packing without contacts, and one without a load") {
 
 TEST_CASE("loads: a homogeneous deformation without momentum, overruled grain by grain") {
   Case one = random_lattice(1, 6, 5, {1, 1});
-  one.prescribed = {{2, {0.25, -0.5}}};
-  override_case(one, "loads.compression", "2,3");
-  override_case(one, "loads.shear", "0.5");
+  one.spec.prescribed = {{2, {0.25, -0.5}}};
+  override_case(one.spec, "loads.compression", "2,3");
+  override_case(one.spec, "loads.shear", "0.5");
   const Model model = build(one);
   const Vector& v = model.problem.arriving_velocity;
   CHECK(v[4] == 0.25);
@@ -323,15 +324,15 @@ TEST_CASE("loads: a homogeneous deformation without momentum, overruled grain by
   const double dx = model.packing.x[7] - model.packing.x[4], dy = model.packing.y[7] - model.packing.y[4];
   CHECK(v[14] - v[8] == doctest::Approx(-2 * dx + 0.5 * dy));
   CHECK(v[15] - v[9] == doctest::Approx(0.5 * dx - 3 * dy));
-  one.prescribed.clear();
+  one.spec.prescribed.clear();
   const ReferenceProblem free = build(one).problem;
   const Vector momentum = free.inertia.cwiseProduct(free.arriving_velocity);
   double x = 0;
   for (Index i = 0; i < free.grains(); ++i) x += momentum[2 * i];
   CHECK(std::abs(x) < 1e-12 * momentum.norm());
-  CHECK_THROWS_WITH_AS(override_case(one, "loads.gravity", "1"),
+  CHECK_THROWS_WITH_AS(override_case(one.spec, "loads.gravity", "1"),
                        doctest::Contains("loads.compression, loads.shear"), Error);
-  CHECK_THROWS_AS(override_case(one, "loads.shear", "inf"), Error);
+  CHECK_THROWS_AS(override_case(one.spec, "loads.shear", "inf"), Error);
 }
 
 TEST_CASE("choice of contacts: rule and solution say whether impulses are unique") {
@@ -339,8 +340,8 @@ TEST_CASE("choice of contacts: rule and solution say whether impulses are unique
   CHECK(isostatic.rule == "complementarity (unique)");
   CHECK(isostatic.certain);
   Case one = random_lattice(2, 10, 9, {2, 1});
-  one.prescribed.clear();
-  one.loads = {{1.0, 1.0}, 0.0};
+  one.spec.prescribed.clear();
+  one.spec.loads = {{1.0, 1.0}, 0.0};
   const Model compressed = build(one);
   const ContactChoice hyperstatic = choose_contacts(compressed, ContactSet::unilateral);
   CHECK(hyperstatic.rule == "complementarity (maximal)");

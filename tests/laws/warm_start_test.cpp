@@ -67,7 +67,7 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
   bool certified_before = false;
   for (const Case& one :
        {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     for (const std::vector<Point>& path : every_path()) {
       const bool certify = !certified_before;
@@ -138,7 +138,7 @@ TEST_CASE("ARPACK warm-started agrees with ARPACK from its fixed vector, with le
   Index warm_products = 0, cold_products = 0;
   for (const Case& one :
        {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     Continuation memory;
     for (double exponent = -2; exponent <= 1; exponent += 0.1) {
@@ -185,7 +185,7 @@ TEST_CASE("ARPACK: an end that was not found leaves the start of the next point 
 TEST_CASE("warm starts are not caught by a mode that is no longer the end, certified or not") {
   // The order of two modes changes between 0.158 and 0.252: the vector of the one is no way to the other.
   Case one = lattice_in_grid(10000, {1, 1});
-  one.partition = MetisPartitioner{.metis = 16};
+  one.spec.partition = MetisPartitioner{.metis = 16};
   const InterfaceFamily family(build(one).parts);
   Continuation memory, matrix_free_memory;
   for (const double exponent : {0.0, 1.0, 2.0, 3.0, 4.0}) {
@@ -264,7 +264,7 @@ TEST_CASE("sweep table: the same bits from whichever row it starts") {
 
 TEST_CASE("sweep table: the same bits with inexact rows in between, and with restricted contacts") {
   Case one = random_lattice(21, 9, 8, {3, 2});
-  one.prescribed = {{0, {1.0, 0.5}}};
+  one.spec.prescribed = {{0, {1.0, 0.5}}};
   const Model model = build(one);
   SweepParameters parameters;
   parameters.epsilon = {1e-2, 3e-2, 1e-1, 0.3, 1.0};

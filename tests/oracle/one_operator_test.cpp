@@ -37,7 +37,7 @@ void require_same(const Contraction& b, const Dense& x, const Dense& y, double t
 
 TEST_CASE("linear law: (10)-(11) and (20)-(24) against the one operator") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const LiteralFormulas literal(model.parts);
     const InterfaceFamily family(model.parts);
@@ -54,7 +54,7 @@ TEST_CASE("linear law: (10)-(11) and (20)-(24) against the one operator") {
 
 TEST_CASE("nonsmooth case: (31) and (34)-(36) against the one operator") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
     const LiteralFormulas literal(model.parts);
@@ -70,7 +70,7 @@ TEST_CASE("nonsmooth case: (31) and (34)-(36) against the one operator") {
 
 TEST_CASE("Woodbury: Y_eps = X - X_eps and Y_eps,eta = X_eta - X_eps") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     const LiteralFormulas literal(model.parts);
     const InterfaceFamily family(model.parts);

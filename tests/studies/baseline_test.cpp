@@ -86,17 +86,16 @@ void check_iterations(const StudyTable& work, const CsvText& baseline) {
   CHECK(row == table.rows.size());
 }
 
-SettledPacking settled(const std::string& path, const std::string& name) {
-  Simulation simulation = simulation_of(read_case(path));
+Packing settled(const std::string& path) {
+  Simulation simulation = simulation_of(resolve(read_case(path)));
   REQUIRE(run_simulation(simulation, {}).end != RunEnd::broke_down);
-  SettledPacking result;
-  result.from = name;
+  Packing result;
   for (std::size_t i = 0; i < simulation.state.x.size(); ++i) {
     if (!simulation.system.free(static_cast<Index>(i))) continue;
-    result.packing.x.push_back(simulation.state.x[i]);
-    result.packing.y.push_back(simulation.state.y[i]);
-    result.packing.radius.push_back(simulation.system.radius[i]);
-    result.packing.mass.push_back(simulation.system.mass[i]);
+    result.x.push_back(simulation.state.x[i]);
+    result.y.push_back(simulation.state.y[i]);
+    result.radius.push_back(simulation.system.radius[i]);
+    result.mass.push_back(simulation.system.mass[i]);
   }
   return result;
 }
@@ -107,8 +106,8 @@ TEST_CASE("predicted-observed: the rows of the smallest bed, settled afresh, equ
   const Study study = read_study("predicted-observed");
   StudyTable work = study.tables[0];
   const std::filesystem::path folder = source_folder() / "studies" / study.name;
-  work.cases = {read_case((folder / "shear-100.toml").string(),
-                          [&](const std::string& name) { return settled((folder / name).string(), name); })};
+  const CaseSpec spec = read_case((folder / "shear-100.toml").string());
+  work.cases = {{spec, settled((folder / std::get<SettledFrom>(spec.packing).name).string())}};
   for (Variation& together : work.vary_together) together.values.resize(1);  // one sweep per iteration
   const std::string path = baseline_path(study, 0);
   CsvText baseline = parse_csv(read_text(path), path);

@@ -64,9 +64,9 @@ TEST_CASE("Figures 8 and 10: two vertical strips, initial and final configuratio
       if (table.large || table.observable == &observables::runs) continue;
       CHECK(table.steps == std::vector<Index>{0, 250});
       for (const Case& one : table.cases) {
-        CHECK(one.dynamics->interaction.friction == 0.3);
-        CHECK(one.dynamics->time.steps == 250);
-        CHECK(to_toml(one).find("grid = [2, 1]") != std::string::npos);
+        CHECK(one.spec.dynamics->interaction.friction == 0.3);
+        CHECK(one.spec.dynamics->time.steps == 250);
+        CHECK(to_toml(one.spec).find("grid = [2, 1]") != std::string::npos);
       }
     }
   }

@@ -21,7 +21,7 @@ namespace {
 StudyTable table_of(const std::string& observable, const std::string& more) {
   const std::string text =
       "[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more;
-  const auto read = [](const std::string&, bool) { return parse_case(moving_case(), "small.toml", {}); };
+  const auto read = [](const std::string&) { return parse_case(moving_case(), "small.toml"); };
   return parse_study(text, "s/study.toml", read).tables[0];
 }
 

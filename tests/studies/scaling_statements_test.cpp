@@ -56,7 +56,7 @@ TEST_CASE("any packing, any partition: rho(B_eps,eta) <= 1 - eps/eta, and a latt
     work.sweep.eta = {0.1, 1.0};
     for (Case& one : work.cases)
       for (const char* size : {"packing.columns", "packing.rows", "packing.grains"}) try {
-          override_case(one, size, std::string(size) == "packing.grains" ? "500" : "24");
+          override_case(one.spec, size, std::string(size) == "packing.grains" ? "500" : "24");
         } catch (const std::exception&) {  // a parameter of the other generator
         }
     const Table table = run(work);

@@ -12,10 +12,10 @@ namespace nscdd::testing {
 
 Case strip(Index grains) {
   Case one;
-  one.name = "strip" + std::to_string(grains);
-  one.packing = Generator{TriangularStrip{.grains = grains}};
-  one.partition = GridPartitioner{{2, 1}};
-  one.prescribed = {{-1, {-1.0, 0.0}}};
+  one.spec.name = "strip" + std::to_string(grains);
+  one.spec.packing = Generator{TriangularStrip{.grains = grains}};
+  one.spec.partition = GridPartitioner{{2, 1}};
+  one.spec.prescribed = {{-1, {-1.0, 0.0}}};
   return one;
 }
 
@@ -32,10 +32,11 @@ Case random_lattice(std::uint64_t seed, Index columns, Index rows, std::array<In
     packing.mass.push_back(mass);
   }
   Case one;
-  one.name = "lattice" + std::to_string(seed);
-  one.packing = PackingFile{"made in a test", packing};
-  one.partition = GridPartitioner{grid};
-  one.prescribed = {{0, {1.0, 0.5}}};
+  one.spec.name = "lattice" + std::to_string(seed);
+  one.spec.packing = PackingFile{"made in a test"};
+  one.packing = packing;
+  one.spec.partition = GridPartitioner{grid};
+  one.spec.prescribed = {{0, {1.0, 0.5}}};
   return one;
 }
 
@@ -47,12 +48,12 @@ std::vector<Case> every_problem() {
                         random_lattice(2, 8, 6, {3, 2}),
                         random_lattice(3, 5, 9, {2, 3})};
   Case metis = random_lattice(4, 7, 6, {1, 1});
-  metis.name = "metis";
-  metis.partition = MetisPartitioner{.metis = 4, .seed = 1};
+  metis.spec.name = "metis";
+  metis.spec.partition = MetisPartitioner{.metis = 4, .seed = 1};
   all.push_back(metis);
   Case fine = strip(6);
-  fine.name = "empty cells";
-  fine.partition = GridPartitioner{{30, 3}};
+  fine.spec.name = "empty cells";
+  fine.spec.partition = GridPartitioner{{30, 3}};
   all.push_back(fine);
   return all;
 }
@@ -71,8 +72,9 @@ Case renumbered(const Case& one, std::uint64_t seed) {
     after.mass.push_back(before.mass[at(i)]);
   }
   Case result = one;
-  result.packing = PackingFile{"renumbered", after};
-  for (PrescribedVelocity& velocity : result.prescribed) {
+  result.spec.packing = PackingFile{"renumbered"};
+  result.packing = after;
+  for (PrescribedVelocity& velocity : result.spec.prescribed) {
     if (velocity.grain < 0) velocity.grain += before.size();
     velocity.grain = std::find(order.begin(), order.end(), velocity.grain) - order.begin();
   }
@@ -88,14 +90,14 @@ Model moved(const Case& one, double angle, double shift_x, double shift_y) {
     packing.x[at(i)] = c * x - s * y + shift_x;
     packing.y[at(i)] = s * x + c * y + shift_y;
   }
-  std::vector<PrescribedVelocity> prescribed = one.prescribed;
+  std::vector<PrescribedVelocity> prescribed = one.spec.prescribed;
   for (PrescribedVelocity& velocity : prescribed) {
     if (velocity.grain < 0) velocity.grain += packing.size();
     const auto [x, y] = velocity.velocity;
     velocity.velocity = {c * x - s * y, s * x + c * y};
   }
   model.packing = packing;
-  model.network = detect_contacts(packing, one.contacts);
+  model.network = detect_contacts(packing, one.spec.contacts);
   model.problem = assemble(packing, model.network, prescribed);
   model.parts = decompose(model.problem, model.partition);
   return model;

@@ -25,9 +25,10 @@ Case doubled(Case one, Index strips) {
     both.radius.push_back(single.radius[at(i)]);
     if (!single.mass.empty()) both.mass.push_back(single.mass[at(i)]);
   }
-  one.name += " twice";
-  one.packing = PackingFile{"made in a test", both};
-  one.partition = GridPartitioner{{3 * strips, 1}};
+  one.spec.name += " twice";
+  one.spec.packing = PackingFile{"made in a test"};
+  one.packing = both;
+  one.spec.partition = GridPartitioner{{3 * strips, 1}};
   return one;
 }
 
@@ -51,18 +52,19 @@ Case lattice_in_grid(Index grains, std::array<Index, 2> grid) {
   for (auto* values : {&packing.x, &packing.y, &packing.radius}) values->resize(at(grains));
   packing.mass.assign(at(grains), 1.0);
   Case one;
-  one.name = "lattice of " + std::to_string(grains);
-  one.packing = PackingFile{"made in a test", packing};
-  one.partition = GridPartitioner{grid};
+  one.spec.name = "lattice of " + std::to_string(grains);
+  one.spec.packing = PackingFile{"made in a test"};
+  one.packing = packing;
+  one.spec.partition = GridPartitioner{grid};
   return one;
 }
 
 Case deposit(Index grains, std::array<Index, 2> grid, Index parts) {
   Case one;
-  one.name = "deposit of " + std::to_string(grains);
-  one.packing = Generator{Deposit{.grains = grains, .seed = 3}};
-  one.partition = GridPartitioner{grid};
-  if (parts > 0) one.partition = MetisPartitioner{.metis = parts, .seed = 2};
+  one.spec.name = "deposit of " + std::to_string(grains);
+  one.spec.packing = Generator{Deposit{.grains = grains, .seed = 3}};
+  one.spec.partition = GridPartitioner{grid};
+  if (parts > 0) one.spec.partition = MetisPartitioner{.metis = parts, .seed = 2};
   return one;
 }
 
@@ -71,15 +73,16 @@ Case with_unequal_masses(Case one, std::uint64_t seed) {
   RandomStream random(seed);
   packing.mass.resize(at(packing.size()));
   for (double& mass : packing.mass) mass = std::pow(10.0, 4 * random.uniform() - 2);
-  one.name += ", unequal masses";
-  one.packing = PackingFile{"made in a test", packing};
+  one.spec.name += ", unequal masses";
+  one.spec.packing = PackingFile{"made in a test"};
+  one.packing = packing;
   return one;
 }
 
 std::vector<Case> packings_up_to(Index largest) {
   Case metis = random_lattice(25, 14, 12, {1, 1});
-  metis.name = "METIS";
-  metis.partition = MetisPartitioner{.metis = 9, .seed = 1};
+  metis.spec.name = "METIS";
+  metis.spec.partition = MetisPartitioner{.metis = 9, .seed = 1};
   const std::vector<Case> all{random_lattice(21, 9, 8, {3, 2}),
                               random_lattice(22, 12, 10, {4, 4}),
                               metis,

@@ -8,24 +8,12 @@
 
 namespace nscdd::testing {
 
-namespace {
-
-// Two touching grains in place of a deposit that takes minutes to settle: studies are read, not run.
-SettledPacking unsettled(const std::string& name) {
-  SettledPacking settled;
-  settled.from = name;
-  settled.packing = {{0.3, 0.7}, {0.2, 0.2}, {0.2, 0.2}, {1.0, 1.0}};
-  return settled;
-}
-
-}  // namespace
-
 Study read_study(const std::string& name) {
   const std::string folder = source_folder().string() + "/studies/" + name, file = folder + "/study.toml";
-  return parse_study(read_text(file), file, [&](const std::string& one, bool) {
+  return parse_study(read_text(file), file, [&](const std::string& one) {
     const std::string own = folder + "/" + one;
-    return read_case(
-        std::filesystem::exists(own) ? own : source_folder().string() + "/cases/" + one + ".toml", unsettled);
+    return read_case(std::filesystem::exists(own) ? own
+                                                  : source_folder().string() + "/cases/" + one + ".toml");
   });
 }
 

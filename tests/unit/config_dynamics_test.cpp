@@ -11,9 +11,7 @@ using nscdd::testing::moving_case;
 
 namespace {
 
-Packing no_file(const std::string& path) { throw Error("no file " + path); }
-
-Case parse(const std::string& text) { return parse_case(text, "c.toml", no_file); }
+CaseSpec parse(const std::string& text) { return parse_case(text, "c.toml"); }
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
   const auto position = text.find(what);
@@ -29,7 +27,7 @@ void require_error(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("moving case: everything read") {
-  const Case one = parse(moving_case());
+  const CaseSpec one = parse(moving_case());
   REQUIRE(one.dynamics.has_value());
   const Dynamics& dynamics = *one.dynamics;
   CHECK(dynamics.interaction.friction == 0.3);
@@ -48,13 +46,13 @@ TEST_CASE("moving case: everything read") {
 }
 
 TEST_CASE("moving case: written and read back it is the same case") {
-  Case one = parse(moving_case() +
-                   "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
-                   "velocity = [0.1, -1e-9]\n");
+  CaseSpec one = parse(moving_case() +
+                       "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
+                       "velocity = [0.1, -1e-9]\n");
   one.dynamics->time.rest_speed = 1.0 / 3;
   one.dynamics->solver.algorithm = "enriched";
   one.dynamics->solver.eta = "optimal";
-  const Case back = parse(to_toml(one));
+  const CaseSpec back = parse(to_toml(one));
   CHECK(to_toml(back) == to_toml(one));
   CHECK(back.dynamics->time.rest_speed == 1.0 / 3);
   const BoundarySpec& piston = back.dynamics->boundaries.at(3);
@@ -98,7 +96,7 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   require_error(replaced(good, "friction = 0.3", "boundary_friction = -0.5"),
                 "c.toml:12: interaction.boundary_friction: expected a finite number >= 0 and <= 100, or -1");
   CHECK(parse(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
-  Case one = parse(good);
+  CaseSpec one = parse(good);
   one.dynamics->solver.eta = "3";
   CHECK(to_toml(one) == to_toml(parse(good)));
 }
@@ -112,7 +110,7 @@ TEST_CASE("moving case: every error of a boundary names file, line and key") {
     require_error(replaced(good, "name = \"floor\"", "name = \"" + name + "\""),
                   "boundary[0].name: expected a text of one line");
   require_error(replaced(good, "shape = \"wall\"", "shape = \"spheres\""),
-                "boundary[2].shape: expected \"wall\", \"disks\" or \"grains\", met \"spheres\"");
+                "boundary[2].shape: expected one of \"wall\", \"disks\", \"grains\", met \"spheres\"");
   require_error(replaced(good, "shape = \"disks\"", "shape = \"wall\""), "unknown key 'boundary[0].radius'");
   require_error(replaced(good, "shape = \"wall\"", "shape = \"grains\""),
                 "boundary[2].first: expected a value, met none");
@@ -129,7 +127,7 @@ TEST_CASE("moving case: every error of a boundary names file, line and key") {
 }
 
 TEST_CASE("moving case: parameters are overridden by their path") {
-  Case one = parse(moving_case());
+  CaseSpec one = parse(moving_case());
   override_case(one, "dynamics.steps", "7");
   override_case(one, "solver.tolerance", "1e-7");
   override_case(one, "solver.eta", "0.25");
@@ -146,22 +144,38 @@ TEST_CASE("moving case: parameters are overridden by their path") {
                        doctest::Contains("expected a case with a section [dynamics]"), Error);
 }
 
-TEST_CASE("settled packing: read through its reader, written by its name") {
+TEST_CASE("settled packing: read and written by the name of its case, not settled by reading") {
   const std::string text = "[packing]\nsettled = \"bed\"\n[partition]\ngrid = [1, 1]\n";
-  const SettledReader reader = [](const std::string& name) {
-    SettledPacking settled;
-    settled.from = name;
-    settled.packing = {{0.5}, {1}, {0.25}, {3}};
-    return settled;
-  };
-  Case one = parse_case(text, "c.toml", no_file, reader);
-  CHECK(std::get<SettledPacking>(one.packing).from == "bed");
-  CHECK(packing_of(one).mass == std::vector<double>{3});
-  CHECK(to_toml(parse_case(to_toml(one), "c.toml", no_file, reader)) == to_toml(one));
-  CHECK_THROWS_WITH_AS(override_case(one, "packing.grains", "7"), doctest::Contains("is settled"), Error);
-  require_error(text, "c.toml:2: packing.settled: expected a generator or a file");
-  const SettledReader failing = [](const std::string&) -> SettledPacking { throw Error("broken bed"); };
-  CHECK_THROWS_WITH_AS(parse_case(text, "c.toml", no_file, failing),
-                       doctest::Contains("c.toml:2: packing.settled: broken bed"), Error);
+  CaseSpec spec = parse(text);
+  CHECK(std::get<SettledFrom>(spec.packing).name == "bed");
+  CHECK(to_toml(parse(to_toml(spec))) == to_toml(spec));
+  CHECK_THROWS_WITH_AS(override_case(spec, "packing.grains", "7"), doctest::Contains("is settled"), Error);
+  CHECK_THROWS_WITH_AS(resolve(spec),
+                       doctest::Contains("c.toml:2: packing.settled: expected a generator or a file"), Error);
+  const Case settled{spec, {{0.5}, {1}, {0.25}, {3}}};
+  CHECK(packing_of(settled).mass == std::vector<double>{3});
   require_error("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", "met more");
+}
+
+TEST_CASE("moving case: what grains and criteria refuse names file, line and key") {
+  const auto refused = [](const std::string& text, const std::string& part) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(simulation_of({parse(text)}), doctest::Contains(part.c_str()), Error);
+  };
+  const std::string good = moving_case();
+  refused(replaced(good, "warm_start = true",
+                   "criterion = \"gluing\"\n[[prescribed]]\ngrain = 120\nvelocity = [0, 1]"),
+          "c.toml:20: prescribed[0].grain: expected a grain in 0..119");
+  refused(good + "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 130\nlast = 3\n",
+          "c.toml:42: boundary[3].first: expected grains first <= last in 0..119");
+  const std::string plain =
+      replaced(good, "\"generic\"\nwarm_start = true", "\"nlgs\"\ncriterion = \"gluing\"");
+  refused(plain, "c.toml:18: solver.criterion: expected solver.algorithm generic or enriched");
+  CaseSpec overridden = parse(good);
+  override_case(overridden, "solver.criterion", "gluing");
+  override_case(overridden, "partition.grid", "1,1");
+  CHECK_THROWS_WITH_AS(simulation_of({overridden}),
+                       "c.toml: solver.criterion: expected two subdomains or more "
+                       "with criterion gluing, met one, which has no interface",
+                       Error);
 }

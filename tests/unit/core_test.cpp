@@ -3,6 +3,7 @@
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/core/version.hpp>
+#include <nscdd/packing/packing.hpp>
 
 #include <doctest/doctest.h>
 
@@ -123,4 +124,30 @@ TEST_CASE("columns with getters: members, functions, enumerations and parts, in 
   as_rows(pair, collect)({{}, {4, 0.25, Colour::red, "b"}});
   REQUIRE(rows.size() == 1);
   CHECK(rows[0] == Row{std::int64_t{4}, 0.25, std::string("red"), std::string("b"), false, 0.5, 0.75});
+}
+
+TEST_CASE("suggestions: the nearest name, or none that is far") {
+  const std::vector<std::string> known{"disks4", "disks8", "disks12", "shear-1k", "eta"};
+  CHECK(suggestion("disks9", known) == "; did you mean disks4?");  // the first of equally near ones
+  CHECK(suggestion("disk12", known) == "; did you mean disks12?");
+  CHECK(suggestion("sheer-1k", known) == "; did you mean shear-1k?");
+  CHECK(suggestion("shaer-1k", known) == "; did you mean shear-1k?");  // a swap is one slip, not two
+  CHECK(suggestion("ate", known).empty());                             // a swap and a change
+  CHECK(suggestion("aet", known).empty());
+  CHECK(suggestion("teh", known).empty());
+  CHECK(suggestion("eat", known) == "; did you mean eta?");
+  CHECK(suggestion("hexagonal", known).empty());
+  CHECK(suggestion("", known).empty());
+  CHECK(suggestion(std::string(1000, 'd'), known).empty());
+  CHECK(suggestion("disks4", {}).empty());
+}
+
+TEST_CASE("suggestions: keys of a file and names of a choice") {
+  Choice<MassModel> model = "unit";
+  CHECK_THROWS_WITH_AS(parse_value("densty", model, "masses.model"),
+                       doctest::Contains("met \"densty\"; did you mean density?"), Error);
+  CHECK(model == MassModel::unit);
+  CHECK(to_string(model) == "unit");
+  CHECK(named<MassModel>("given") == MassModel::given);
+  CHECK_FALSE(named<MassModel>("densty").has_value());
 }

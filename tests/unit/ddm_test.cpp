@@ -60,7 +60,7 @@ TEST_CASE("METIS: every contact in a part, parts of like size, same result twice
 
 TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {
       const Decomposition parts = decompose(model.problem, model.partition, shape);
@@ -116,12 +116,14 @@ TEST_CASE("partitions that do not fit are refused") {
 
 TEST_CASE("singleton, no_contacts, one_subdomain: legal, with an empty interface and radius 0") {
   Case singleton;
-  singleton.packing = PackingFile{"one grain", {{0.0}, {0.0}, {1.0}, {}}};
+  singleton.spec.packing = PackingFile{"one grain"};
+  singleton.packing = {{0.0}, {0.0}, {1.0}, {}};
   Case apart;
-  apart.packing = PackingFile{"two grains apart", {{0.0, 9.0}, {0.0, 0.0}, {1.0, 1.0}, {}}};
-  apart.partition = GridPartitioner{{2, 2}};
+  apart.spec.packing = PackingFile{"two grains apart"};
+  apart.packing = {{0.0, 9.0}, {0.0, 0.0}, {1.0, 1.0}, {}};
+  apart.spec.partition = GridPartitioner{{2, 2}};
   Case single = strip(12);
-  single.partition = GridPartitioner{{1, 1}};
+  single.spec.partition = GridPartitioner{{1, 1}};
   for (const Case& one : {singleton, apart, single}) {
     const Model model = build(one);
     CHECK(model.parts.interface_size() == 0);

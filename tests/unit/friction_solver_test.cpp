@@ -162,8 +162,8 @@ TEST_CASE("order and relaxation lead to the same solution, a guess that solves n
 
 TEST_CASE("without friction it is the unilateral problem") {
   Case squeezed = random_lattice(4, 6, 6, {1, 1});
-  squeezed.prescribed.clear();
-  squeezed.loads.compression = {1.0, 0.3};
+  squeezed.spec.prescribed.clear();
+  squeezed.spec.loads.compression = {1.0, 0.3};
   const ReferenceProblem reference = build(squeezed).problem;
   const SparseMatrix w =
       reference.h.transpose() * reference.inertia.cwiseInverse().asDiagonal() * reference.h;

@@ -313,8 +313,6 @@ TEST_CASE("sizes: what makes no distribution is refused") {
     CHECK_THROWS_WITH_AS(radius_quantile(sizes), doctest::Contains(part), Error);
     CHECK_THROWS_AS(generate(Deposit{.sizes = sizes}), Error);
   };
-  refused({.distribution = "gauss"}, "\"uniform\", \"uniform_volume\", \"two_sizes\", \"lognormal\"");
-  refused({.distribution = ""}, "packing.distribution");
   refused({.radius_min = 0.3, .radius_max = 0.2}, "packing.radius_min: expected at most radius_max = 0.2");
   refused({.radius_min = 0}, "packing.radius_min");
   refused({.radius_max = infinity}, "packing.radius_max");

@@ -66,7 +66,7 @@ TEST_CASE("rigid impulses of a hyperstatic network: the least-norm solution, sai
 
 TEST_CASE("the active set needs a prescribed velocity, which may load no contact") {
   Case one = strip(4);
-  one.prescribed.clear();
+  one.spec.prescribed.clear();
   const Model still = build(one);
   CHECK_THROWS_WITH_AS(active_contacts(still.problem, rigid_impulses(still.problem)),
                        doctest::Contains("expected a prescribed velocity"), Error);

@@ -60,7 +60,7 @@ TEST_CASE("mode: Stage 1 balance, jumps, eigen-equation, shares and norm on ever
       for (const double epsilon : {0.0, 1e-3, 1.0})
         for (const double eta : {0.3, infinity})
           for (const SpectrumSide side : {SpectrumSide::low, SpectrumSide::high}) {
-            CAPTURE(one.name);
+            CAPTURE(one.spec.name);
             CAPTURE(to_string(contacts));
             CAPTURE(epsilon);
             CAPTURE(eta);
@@ -180,7 +180,7 @@ TEST_CASE("mode: equal bits from run to run, and the sign does not depend on tha
 
 TEST_CASE("mode: no mode of an empty interface, and tables without rows") {
   Case one = strip(12);
-  one.partition = GridPartitioner{{1, 1}};
+  one.spec.partition = GridPartitioner{{1, 1}};
   const Model model = build(one);
   const ModeParameters parameters;
   const Mode mode = interface_mode(model, parameters);
@@ -248,6 +248,6 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
 
 TEST_CASE("mode: names of the ends of the spectrum") {
   for (const SpectrumSide side : {SpectrumSide::slowest, SpectrumSide::low, SpectrumSide::high})
-    CHECK(spectrum_side(to_string(side)) == side);
-  CHECK_FALSE(spectrum_side("fastest").has_value());
+    CHECK(named<SpectrumSide>(to_string(side)) == side);
+  CHECK_FALSE(named<SpectrumSide>("fastest").has_value());
 }

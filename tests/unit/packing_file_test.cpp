@@ -136,15 +136,16 @@ TEST_CASE("packing file: integers of an HDF5 file are numbers") {
   CHECK(p.radius == std::vector<double>{1});
 }
 
-TEST_CASE("case file: a text with choices takes those alone, with file and line") {
-  std::string value = "lognormal";
-  const Field field{.description = "", .choices = "uniform lognormal"};
-  check_bounds(value, field, "key");
-  for (const char* wrong : {"", "uni", "uniform lognormal", "uniforms", "Uniform"}) {
-    value = wrong;
-    CHECK_THROWS_WITH_AS(
-        check_bounds(value, field, "c.toml:3: packing.distribution"),
-        doctest::Contains("c.toml:3: packing.distribution: expected one of \"uniform\", \"lognormal\""),
-        Error);
-  }
+TEST_CASE("choices take their names alone, and suggest the nearest") {
+  Choice<Distribution> value = "lognormal";
+  CHECK(value == Distribution::lognormal);
+  CHECK(field_text(value) == "\"lognormal\"");
+  for (const char* wrong : {"", "uni", "uniform lognormal", "uniforms", "Uniform"})
+    CHECK_THROWS_WITH_AS(parse_value(wrong, value, "c.toml:3: packing.distribution"),
+                         doctest::Contains("c.toml:3: packing.distribution: expected one of \"uniform\", "
+                                           "\"uniform_volume\", \"two_sizes\", \"lognormal\""),
+                         Error);
+  CHECK_THROWS_WITH_AS(parse_value("twosizes", value, "d"), doctest::Contains("; did you mean two_sizes?"),
+                       Error);
+  CHECK(value == Distribution::lognormal);
 }

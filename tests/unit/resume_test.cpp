@@ -158,9 +158,9 @@ TEST_CASE("work records: the last of many values counts, and the content of a pa
   CHECK(difference(work_identity(table), work_identity(other)) != "");
   table.cases = {testing::random_lattice(1, 4, 4, {2, 1})};
   other = table;
-  std::get<PackingFile>(other.cases[0].packing).path = "elsewhere/made in a test";
+  std::get<PackingFile>(other.cases[0].spec.packing).path = "elsewhere/made in a test";
   CHECK(difference(work_identity(table), work_identity(other)) == "");
-  std::get<PackingFile>(other.cases[0].packing).packing.mass[3] *= 1 + 1e-15;
+  other.cases[0].packing.mass[3] *= 1 + 1e-15;
   CHECK(difference(work_identity(table), work_identity(other)) != "");
 }
 

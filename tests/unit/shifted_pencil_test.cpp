@@ -77,7 +77,7 @@ std::vector<char> random_choice(const Model& model, double kept, std::uint64_t s
 
 TEST_CASE("shifted pencil: counts and solves on every small packing") {
   for (const Case& one : every_problem()) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     if (model.parts.interface_size() < 2) continue;
     check_family(model, {}, 4);
@@ -86,11 +86,11 @@ TEST_CASE("shifted pencil: counts and solves on every small packing") {
 
 TEST_CASE("shifted pencil: counts and solves on deposits, METIS parts, unequal masses") {
   Case metis = random_lattice(25, 8, 7, {1, 1});
-  metis.partition = MetisPartitioner{.metis = 6, .seed = 1};
+  metis.spec.partition = MetisPartitioner{.metis = 6, .seed = 1};
   bool crossed = false;
   for (const Case& one : {deposit(60, {3, 2}), deposit(80, {1, 1}, 5), metis,
                           with_unequal_masses(random_lattice(23, 7, 6, {3, 2}), 7)}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     REQUIRE(model.parts.interface_size() > 4);
     crossed = crossed || cross_points(model.parts) > 0;
@@ -101,7 +101,7 @@ TEST_CASE("shifted pencil: counts and solves on deposits, METIS parts, unequal m
 
 TEST_CASE("shifted pencil: contacts restricted in S only") {
   for (const Case& one : {strip(12), random_lattice(2, 8, 6, {3, 2}), deposit(60, {3, 2})}) {
-    CAPTURE(one.name);
+    CAPTURE(one.spec.name);
     const Model model = build(one);
     for (const double kept : {0.0, 0.5, 0.9}) check_family(model, random_choice(model, kept, 9), 3);
   }

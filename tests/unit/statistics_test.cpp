@@ -61,12 +61,14 @@ TEST_CASE("statistics: rattlers are what no closed loop of contacts holds") {
   CHECK(rattlers(detect_contacts({{0, 2, 4}, {0, 0, 0}, {1, 1, 1}, {}})) == std::vector<char>{1, 1, 1});
   CHECK(rattlers(detect_contacts(generate(TriangularStrip{.grains = 8}))) == std::vector<char>(8, 0));
   Case one;
-  one.packing = PackingFile{"triangle and chain", p};
+  one.spec.packing = PackingFile{"triangle and chain"};
+  one.packing = p;
   const Inspection found = inspect(build(one));
   CHECK(found.rattlers == 3);
   CHECK(found.coordination_number == doctest::Approx(10.0 / 6));
   CHECK(found.coordination_without_rattlers == doctest::Approx(2));
-  one.packing = PackingFile{"row", {{0, 2}, {0, 0}, {1, 1}, {}}};
+  one.spec.packing = PackingFile{"row"};
+  one.packing = {{0, 2}, {0, 0}, {1, 1}, {}};
   CHECK(std::isnan(inspect(build(one)).coordination_without_rattlers));
 }
 

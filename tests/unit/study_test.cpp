@@ -44,28 +44,29 @@ TEST_CASE("SPEC: nonsense is refused by name") {
 
 TEST_CASE("case: parameters overridden by name, unknown ones refused with those there are") {
   Case one = strip(4);
-  override_case(one, "packing.grains", "12");
-  override_case(one, "partition.grid", "3,1");
-  override_case(one, "contacts.tolerance", "1e-5");
-  override_case(one, "masses.density", "2.5");
+  override_case(one.spec, "packing.grains", "12");
+  override_case(one.spec, "partition.grid", "3,1");
+  override_case(one.spec, "contacts.tolerance", "1e-5");
+  override_case(one.spec, "masses.density", "2.5");
   const Model model = build(one);
   CHECK(model.packing.size() == 12);
   CHECK(model.partition.subdomains == 3);
   CHECK(model.problem.arriving_velocity[22] == -1.0);  // grain -1 is the last, also of twelve
-  CHECK_THROWS_WITH_AS(override_case(one, "packing.columns", "3"),
+  CHECK_THROWS_WITH_AS(override_case(one.spec, "packing.columns", "3"),
                        doctest::Contains("packing.grains, packing.radius"), Error);
-  CHECK_THROWS_AS(override_case(one, "packing", "3"), Error);
-  CHECK_THROWS_AS(override_case(one, "color", "3"), Error);
-  CHECK_THROWS_AS(override_case(one, "packing.grains", "0"), Error);
-  one.packing = PackingFile{"a.csv", model.packing};
-  CHECK_THROWS_WITH_AS(override_case(one, "packing.grains", "3"), doctest::Contains("is a file"), Error);
+  CHECK_THROWS_AS(override_case(one.spec, "packing", "3"), Error);
+  CHECK_THROWS_AS(override_case(one.spec, "color", "3"), Error);
+  CHECK_THROWS_AS(override_case(one.spec, "packing.grains", "0"), Error);
+  one.spec.packing = PackingFile{"a.csv"};
+  one.packing = model.packing;
+  CHECK_THROWS_WITH_AS(override_case(one.spec, "packing.grains", "3"), doctest::Contains("is a file"), Error);
 }
 
 TEST_CASE("case: a prescribed grain beyond the packing is refused") {
   Case one = strip(4);
-  one.prescribed = {{4, {1.0, 0.0}}};
+  one.spec.prescribed = {{4, {1.0, 0.0}}};
   CHECK_THROWS_WITH_AS(build(one), doctest::Contains("expected a grain in 0..3"), Error);
-  one.prescribed = {{-5, {1.0, 0.0}}};
+  one.spec.prescribed = {{-5, {1.0, 0.0}}};
   CHECK_THROWS_AS(build(one), Error);
 }
 
@@ -122,8 +123,8 @@ TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross poin
   CHECK(found.unit_multiplicity == 0);
 
   Case lattice;
-  lattice.packing = Generator{HexagonalLattice{.columns = 6, .rows = 6}};
-  lattice.partition = GridPartitioner{{2, 2}};
+  lattice.spec.packing = Generator{HexagonalLattice{.columns = 6, .rows = 6}};
+  lattice.spec.partition = GridPartitioner{{2, 2}};
   const Inspection hyper = inspect(build(lattice));
   CHECK(hyper.whole.contacts == 85);
   CHECK(hyper.whole.rank == 72 - 3);
@@ -132,8 +133,9 @@ TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross poin
   CHECK(hyper.interface_grains.size() >= 2);
 
   Case apart;
-  apart.packing = PackingFile{"three grains", {{0.0, 2.0, 9.0}, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}}};
-  apart.partition = GridPartitioner{{3, 3}};
+  apart.spec.packing = PackingFile{"three grains"};
+  apart.packing = {{0.0, 2.0, 9.0}, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}};
+  apart.spec.partition = GridPartitioner{{3, 3}};
   const Inspection sparse = inspect(build(apart));
   CHECK(sparse.isolated_grains == 1);
   CHECK(sparse.components == 1);
@@ -142,7 +144,7 @@ TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross poin
 
 TEST_CASE("optimum: nothing to optimise is told as such") {
   Case single = strip(8);
-  single.partition = GridPartitioner{{1, 1}};
+  single.spec.partition = GridPartitioner{{1, 1}};
   CHECK(optimum(build(single)).status == OptimumStatus::no_interface);
   const Optimum isostatic = optimum(build(strip(8)), {.epsilon = 0, .contacts = ContactSet::all});
   CHECK(isostatic.status == OptimumStatus::eta_to_zero);

@@ -23,12 +23,8 @@ using nscdd::testing::TemporaryFolder;
 
 namespace {
 
-Packing no_file(const std::string& path) { throw Error("no file " + path); }
-
 Simulation small(Index steps) {
-  const Case one = parse_case(moving_case(), "c.toml", no_file);
-  GranularScene start = scene(packing_of(one), *one.dynamics);
-  Simulation simulation{std::move(start.system), std::move(start.state), *one.dynamics, one.partition};
+  Simulation simulation = simulation_of({parse_case(moving_case(), "c.toml")});
   simulation.dynamics.time.steps = steps;
   return simulation;
 }

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace nscdd {
 
@@ -11,7 +12,15 @@ namespace nscdd {
 /// A computation that does not converge is not an Error: it is data in the result.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  /// About the value of a key of a case ("solver.criterion"): what() is "key: message", and whoever knows the
+  /// file adds its name and line.
+  Error(std::string key, const std::string& message)
+      : std::runtime_error(key + ": " + message), key_(std::move(key)) {}
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
 };
 
 }  // namespace nscdd

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
 #include <array>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 /// One description per parameter, used to read it from a file, list it, write it and override it.
 /// A parameter struct P with defaults in place has
 ///     template <class Self, class Visitor> static void fields(Self& self, Visitor&& visit);
-/// which calls visit(key, self.member, Field{...}) once per parameter. Members are double, Index,
-/// bool, std::string, or pairs std::array<double, 2> and std::array<Index, 2>.
+/// which calls visit(key, self.member, Field{...}) once per parameter. Members are double, Index, bool,
+/// std::string, Choice<Enum>, pairs std::array<double, 2> and std::array<Index, 2>, or a type with its own
+/// parse_value, field_text, field_type and check_bounds, which is a text in TOML.
 namespace nscdd {
 
 struct Field {
@@ -22,27 +23,7 @@ struct Field {
   double minimum = -infinity;
   bool minimum_excluded = false;
   double maximum = infinity;
-  double also = not_a_number;  ///< one more number that is allowed, outside the bounds; none where no number
-  std::string_view choices = {};  ///< of a text: the values it may have, separated by blanks; empty for any
-};
-
-/// Names of the alternatives of a variant as choices of a field.
-template <class Variant>
-struct NamesOf;
-
-template <class... Alternatives>
-struct NamesOf<std::variant<Alternatives...>> {
-  static constexpr auto characters = [] {
-    std::array<char, ((Alternatives::name.size() + 1) + ...)> text{};
-    std::size_t end = 0;
-    const auto append = [&](std::string_view name) {
-      for (const char letter : name) text[end++] = letter;
-      text[end++] = ' ';
-    };
-    (append(Alternatives::name), ...);
-    return text;
-  }();
-  static constexpr std::string_view value{characters.data(), characters.size() - 1};
+  double also = not_a_number;  ///< one more number that is allowed outside of the bounds, if any
 };
 
 /// A parameter as `nscdd list` shows it and as result files record it.
@@ -64,6 +45,11 @@ void parse_value(std::string_view text, std::string& value, std::string_view key
 void parse_value(std::string_view text, std::array<double, 2>& value, std::string_view key);
 void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key);
 
+template <Named Enum>
+void parse_value(std::string_view text, Choice<Enum>& value, std::string_view key) {
+  value = Choice<Enum>::parse(text, key);
+}
+
 /// Text that parse_value reads back, in TOML syntax.
 std::string field_text(double value);
 std::string field_text(Index value);
@@ -71,6 +57,10 @@ std::string field_text(bool value);
 std::string field_text(const std::string& value);
 std::string field_text(const std::array<double, 2>& value);
 std::string field_text(const std::array<Index, 2>& value);
+template <Named Enum>
+std::string field_text(Choice<Enum> value) {
+  return field_text(std::string(to_string(value)));
+}
 
 std::string_view field_type(double);
 std::string_view field_type(Index);
@@ -78,15 +68,20 @@ std::string_view field_type(bool);
 std::string_view field_type(const std::string&);
 std::string_view field_type(const std::array<double, 2>&);
 std::string_view field_type(const std::array<Index, 2>&);
+template <Named Enum>
+std::string_view field_type(Choice<Enum>) {
+  return "text";
+}
 
-/// Throws Error unless every component of the value is finite and within the bounds of its field, or the text
-/// is one of its choices.
+/// Throws Error unless every component of the value is finite and within the bounds of its field.
 void check_bounds(double value, const Field& field, std::string_view key);
 void check_bounds(Index value, const Field& field, std::string_view key);
 void check_bounds(const std::array<double, 2>& value, const Field& field, std::string_view key);
 void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key);
 inline void check_bounds(bool, const Field&, std::string_view) {}
-void check_bounds(const std::string& value, const Field& field, std::string_view key);
+inline void check_bounds(const std::string&, const Field&, std::string_view) {}
+template <Named Enum>
+void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
 
 /// Every parameter of a struct with its present value.
 template <class Parameters>

@@ -4,6 +4,7 @@
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/partition.hpp>
+#include <nscdd/mechanics/contact_order.hpp>
 #include <nscdd/mechanics/contact_rows.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/mechanics/time_stepping.hpp>
@@ -35,7 +36,7 @@ struct GranularDecomposition {
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
 /// them. `order`, `seed`: see contact_order. Throws Error where the partition does not fit.
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
-                                const std::string& order, std::uint64_t seed);
+                                Choice<ContactOrder> order, std::uint64_t seed);
 
 /// M, H of a step for the linear analysis: three rows per disk (x, y, rim; inertia m, m, m/2), columns 2 c
 /// and 2 c + 1 the normal and tangential direction of contact c; driven bodies have no rows in H. The

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
 
@@ -17,7 +18,10 @@ enum class OptimumStatus {
   already_exact,    ///< the generic algorithm converges in one iteration
   not_converged,    ///< some spectrum needed did not converge
 };
-std::string_view to_string(OptimumStatus status);
+constexpr auto names_of(OptimumStatus) {
+  return std::to_array<std::string_view>(
+      {"interior", "eta_to_zero", "eta_to_infinity", "no_interface", "already_exact", "not_converged"});
+}
 
 /// The best flexibility eta of Stage 2. With lambda_min(eta) <= lambda_max(eta) the ends of the spectrum of
 /// X_eta^-1 S outside ker S, both decreasing in eta:

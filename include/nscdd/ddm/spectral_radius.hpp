@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/ddm/shifted_pencil.hpp>
@@ -21,17 +22,8 @@ enum class SpectralSolver {
   shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them
 };
 
-/// Name of each solver as options, studies and records have it, in the order of the enumeration.
-inline std::vector<std::string> spectral_solver_names() {
-  return {"auto", "dense", "arpack", "shift-invert"};
-}
-
-/// The solver of that name, if there is one.
-inline std::optional<SpectralSolver> spectral_solver(std::string_view name) {
-  const std::vector<std::string> names = spectral_solver_names();
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == name) return static_cast<SpectralSolver>(i);
-  return std::nullopt;
+constexpr auto names_of(SpectralSolver) {
+  return std::to_array<std::string_view>({"auto", "dense", "arpack", "shift-invert"});
 }
 
 struct SpectralOptions {

@@ -10,29 +10,23 @@
 
 namespace nscdd {
 
-/// Reads a packing named in a case file; the path is as written there.
-using PackingReader = std::function<Packing(const std::string& path)>;
+/// What a case file says, from its text alone. Strict: an unknown key, a wrong type, a missing section or a
+/// value out of its bounds throws Error "file:line: key: expected ..., met ...".
+CaseSpec parse_case(std::string_view text, const std::string& file);
 
-/// Reads a contact problem named in a case file; the path is as written there.
-using ProblemReader = std::function<GlobalFrictionProblem(const std::string& path)>;
+/// What a case file says, named by its stem.
+CaseSpec read_case(const std::string& path);
 
-/// Settles the case named in a case file ([packing] settled = "..."), the name as written there.
-using SettledReader = std::function<SettledPacking(const std::string& name)>;
+/// The case with the packing or contact problem of the file that it names, which lies beside the case file.
+/// Throws Error "file:line: packing.file: ..." for a file that cannot be used, and for a packing that is to
+/// be settled by a simulation.
+Case resolve(CaseSpec spec);
 
-/// Finds the case named in a study file ("disks4", or a path) and reads it.
-/// `large`: the table it is for is run only where large tables are asked for.
-using CaseReader = std::function<Case(const std::string& name, bool large)>;
+/// Finds the case named in a study file ("disks4", or a path) and reads its case file.
+using CaseFinder = std::function<CaseSpec(const std::string& name)>;
 
-/// A case from the text of a case file. Strict: an unknown key, a wrong type, a missing section or a value
-/// out of its bounds throws Error "file:line: key: expected ..., met ...". Without a reader for it, a settled
-/// packing or a contact problem is refused.
-Case parse_case(std::string_view text, const std::string& file, const PackingReader& read,
-                const SettledReader& settle = {}, const ProblemReader& read_problem = {});
-
-/// A case from a file, named by its stem; a packing file or contact problem is looked for beside it.
-Case read_case(const std::string& path, const SettledReader& settle = {});
-
-/// A study from the text of a study file, as strict.
-Study parse_study(std::string_view text, const std::string& file, const CaseReader& read);
+/// A study from the text of a study file, as strict. Its cases are not resolved: what they name may take long
+/// to settle, and tables may be left out.
+Study parse_study(std::string_view text, const std::string& file, const CaseFinder& find);
 
 }  // namespace nscdd

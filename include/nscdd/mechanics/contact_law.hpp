@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/mechanics/laws/cohesive.hpp>
 #include <nscdd/mechanics/laws/coulomb.hpp>
 #include <nscdd/mechanics/laws/frictionless.hpp>
@@ -26,6 +27,10 @@ namespace nscdd {
 ///       whether touching bodies hold each other, and the largest impulse with which they do, N s; a law that
 ///       pulls is made from that impulse
 using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
+
+/// A law by its place in ContactLaw.
+enum class LawName {};
+constexpr auto names_of(LawName) { return Alternatives<ContactLaw>::names; }
 
 inline bool opens(const ContactLaw& law) {
   return std::visit([](const auto& one) { return one.opens; }, law);

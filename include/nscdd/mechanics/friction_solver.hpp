@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
@@ -48,7 +49,10 @@ enum class FrictionStatus {
   stopped,          ///< by the observer
 };
 
-std::string_view to_string(FrictionStatus status);
+constexpr auto names_of(FrictionStatus) {
+  return std::to_array<std::string_view>(
+      {"converged", "stalled", "maximum_reached", "diverged", "not_finite", "stopped"});
+}
 
 /// One evaluation of the residual, after that many sweeps.
 struct FrictionCheck {

@@ -70,7 +70,7 @@ void check(const GranularSystem& system, const GranularState& state);
 
 /// How bodies touch.
 struct Interaction {
-  std::string law = "coulomb";
+  Choice<LawName> law;  ///< Coulomb's by default
   double friction = 0.3, boundary_friction = -1;
   double restitution = 0, tangential_restitution = 0;
   double cohesion = 0;  ///< N
@@ -80,7 +80,7 @@ struct Interaction {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("law", self.law, Field{.description = "contact law", .choices = NamesOf<ContactLaw>::value});
+    visit("law", self.law, Field{.description = "contact law"});
     visit("friction", self.friction,
           Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
     visit("boundary_friction", self.boundary_friction,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
 #include <string_view>
@@ -17,7 +18,9 @@ struct LocalVector {
 /// (sliding forward, v_t >= 0) or +friction r_n (sliding backward, v_t <= 0).
 enum class ContactStatus : signed char { open, stick, slide_forward, slide_backward };
 
-std::string_view to_string(ContactStatus status);
+constexpr auto names_of(ContactStatus) {
+  return std::to_array<std::string_view>({"open", "stick", "slide_forward", "slide_backward"});
+}
 
 /// The diagonal block W_c of the Delassus operator of one contact, s.p.d. 2 x 2, 1/kg. Of two disks it is
 /// diagonal, for the contact point lies on the line of centres: normal impulses cause no spin.

@@ -79,6 +79,10 @@ struct StepProblem {
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
 
+/// Scale of flexibilities in a step: the mean of W_nn over its contacts, 1/kg (see ReferenceProblem). A body
+/// whose motion is prescribed adds nothing to W_nn. 0 without contacts.
+double mean_normal_delassus(const StepProblem& problem);
+
 /// Overlap that ends a run, and one that deserves attention, times the smaller radius. Overlaps are pushed
 /// apart within a step, which would make larger ones explode; beyond the radius they are forgotten.
 inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -28,6 +28,7 @@ enum class MassModel {
   unit,     ///< 1 kg each
   density,  ///< surface density x pi radius^2
 };
+constexpr auto names_of(MassModel) { return std::to_array<std::string_view>({"given", "unit", "density"}); }
 
 struct Masses {
   /// Left open: the masses the packing came with, or unit masses where it came with none.

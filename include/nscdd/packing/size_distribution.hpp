@@ -7,6 +7,11 @@
 
 namespace nscdd {
 
+enum class Distribution { uniform, uniform_volume, two_sizes, lognormal };
+constexpr auto names_of(Distribution) {
+  return std::to_array<std::string_view>({"uniform", "uniform_volume", "two_sizes", "lognormal"});
+}
+
 /// Radii of polydisperse grains, all within [radius_min, radius_max]. Equal bounds are one size.
 ///
 ///   uniform         number density constant: r = a + u (b - a)
@@ -20,7 +25,7 @@ namespace nscdd {
 /// with a = radius_min, b = radius_max and u uniform in [0, 1). Parameters that a distribution has no use for
 /// are ignored.
 struct SizeDistribution {
-  std::string distribution = "uniform";
+  Choice<Distribution> distribution = Distribution::uniform;
   double radius_min = 0.1, radius_max = 0.2;  ///< m
   double fraction_large = 0.5;
   double median = 0;  ///< m
@@ -29,8 +34,7 @@ struct SizeDistribution {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("distribution", self.distribution,
-          Field{.description = "of the radii: uniform, uniform_volume, two_sizes or lognormal",
-                .choices = "uniform uniform_volume two_sizes lognormal"});
+          Field{.description = "of the radii: uniform, uniform_volume, two_sizes or lognormal"});
     visit("radius_min", self.radius_min,
           Field{.description = "smallest radius", .unit = "m", .minimum = 1e-100, .maximum = 1e100});
     visit("radius_max", self.radius_max,
@@ -50,7 +54,7 @@ struct SizeDistribution {
 };
 
 /// The radius of each u in [0, 1), increasing: the inverse of the distribution function, one uniform number
-/// per grain. Throws Error for a distribution it does not know, for radius_min > radius_max, and where no
+/// per grain. Throws Error for radius_min > radius_max, and where no
 /// lognormal radius lies between them in double precision.
 std::function<double(double u)> radius_quantile(const SizeDistribution& sizes);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/ddm/partitioner.hpp>
 #include <nscdd/ddm/step_solver.hpp>
 #include <nscdd/mechanics/granular_system.hpp>
@@ -19,11 +20,14 @@ enum class BoundaryShape {
   disks,   ///< a row of disks from `from` to `to`, both ends included
   grains,  ///< grains first ... last of the packing, driven as one rigid body
 };
+constexpr auto names_of(BoundaryShape) {
+  return std::to_array<std::string_view>({"wall", "disks", "grains"});
+}
 
 /// A boundary as a case file has it ([[boundary]]).
 struct BoundarySpec {
   std::string name;
-  BoundaryShape shape = BoundaryShape::wall;
+  Choice<BoundaryShape> shape = BoundaryShape::wall;
   std::array<double, 2> from{0, 0}, to{1, 0};  ///< m, wall and disks
   double radius = 0;                           ///< m, disks
   double spacing = 0;          ///< m between centres at the most, disks; 0: touching (two radii)
@@ -42,9 +46,6 @@ struct Dynamics {
   std::vector<BoundarySpec> boundaries;
 };
 
-/// The names of shapes in a case file.
-std::string_view to_string(BoundaryShape shape);
-
 /// The sections as a case file has them, a blank line before each. A parameter without effect is written with
 /// its default.
 std::string to_toml(const Dynamics& dynamics);
@@ -58,9 +59,6 @@ void require_effect(const Dynamics& dynamics, std::string_view path, std::string
 
 /// Throws Error naming the boundary for a wall or row of disks without extent, and for a row of too many.
 void check(const BoundarySpec& spec);
-
-/// Throws Error naming `key` unless the text is "optimal" or a number > 0.
-void check_eta(std::string_view eta, std::string_view key);
 
 /// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
 /// their order. Throws Error naming the boundary for a shape without extent, a radius or range of grains that

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/monitor.hpp>
 #include <nscdd/simulation/simulation.hpp>
 
@@ -19,7 +20,9 @@ enum class RunEnd {
   broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values that are no
                ///< numbers
 };
-std::string_view to_string(RunEnd end);
+constexpr auto names_of(RunEnd) {
+  return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down"});
+}
 
 /// Steps in a row that grains must be slow for, so that no turning point of their motion passes for rest.
 inline constexpr Index rest_steps = 10;

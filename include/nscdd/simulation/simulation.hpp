@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/ddm/granular_two_stage.hpp>
 #include <nscdd/simulation/dynamics.hpp>
 
@@ -20,7 +21,10 @@ enum class SolverStatus {
   diverged,   ///< impulses grew a million times beyond their first size, or energy beyond what there was
   no_number,  ///< an impulse or velocity is no number
 };
-std::string_view to_string(SolverStatus status);
+constexpr auto names_of(SolverStatus) {
+  return std::to_array<std::string_view>(
+      {"converged", "stalled", "maximum_reached", "diverged", "no_number"});
+}
 
 /// One iteration with all its indicators: a row of `--convergence`.
 struct IterationRow {
@@ -59,7 +63,7 @@ struct SolvedStep {
 };
 
 /// Whether a criterion of StepSolver looks at the residual of the contact law.
-bool needs_residual(const std::string& criterion);
+bool needs_residual(Criterion criterion);
 
 /// Decides when the iterations of a step end.
 class IterationWatch {

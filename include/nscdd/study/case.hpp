@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/monitor.hpp>
 #include <nscdd/ddm/decomposition.hpp>
@@ -12,6 +13,8 @@
 #include <nscdd/packing/packing.hpp>
 #include <nscdd/simulation/dynamics.hpp>
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,32 +23,29 @@
 
 namespace nscdd {
 
-/// A packing read from a file, with the name it was read under.
+/// The packing is in a file ([packing] file = "..."), named as the case file names it.
 struct PackingFile {
   std::string path;
-  Packing packing;
 };
 
-/// A frictional contact problem read from a file, which takes the place of a packing: M and H without
-/// geometry.
+/// A frictional contact problem in a file takes the place of a packing ([problem] file = "..."): M and H
+/// without geometry.
 struct ContactProblemFile {
   std::string path;
-  GlobalFrictionProblem problem;
 };
 
-/// The free grains of another case at the end of its simulation.
-struct SettledPacking {
-  std::string from;      ///< as the case file names that case
-  std::string resolved;  ///< that case as a case file, what it is settled from in turn behind it
-  Packing packing;       ///< with masses
+/// The packing is that of the free grains of another case at the end of its simulation
+/// ([packing] settled = "..."), which is named as the case file names it.
+struct SettledFrom {
+  std::string name;
 };
 
-/// Everything that defines a problem to be studied: a case file, resolved.
-struct Case {
+/// What a case file says, before any of the files that it names is looked at.
+struct CaseSpec {
   std::string name;    ///< stem of the file; the `case` column of every table
-  std::string source;  ///< the file as it was named, for errors; empty where there is none
+  std::string source;  ///< the case file as it was named; empty for a case without one
   std::string title;
-  std::variant<Generator, PackingFile, SettledPacking, ContactProblemFile> packing =
+  std::variant<Generator, PackingFile, SettledFrom, ContactProblemFile> packing =
       Generator{TriangularStrip{}};
   ContactDetection contacts;
   Masses masses;
@@ -54,24 +54,51 @@ struct Case {
   std::vector<PrescribedVelocity> prescribed;
   Loads loads;
   std::optional<Dynamics> dynamics;  ///< none for a case that is not made to move
+  /// The line of each key of the case file ("solver.eta", "prescribed[0].grain"), for errors.
+  std::map<std::string, Index, std::less<>> lines;
 };
+
+/// A problem to be studied: what its case file says, with what the files named there hold (see `resolve`).
+struct Case {
+  CaseSpec spec;
+  Packing packing = {};                ///< of a packing file, or settled (with masses); else empty
+  GlobalFrictionProblem problem = {};  ///< of the file of a contact problem; else empty
+  /// Of a settled packing: the case it was settled from as a case file, followed by what that one was settled
+  /// from in turn.
+  std::string settled_from = {};
+};
+
+/// The place of a key for an error: "file:line: key", as far as file and line are known.
+std::string where(const CaseSpec& spec, std::string_view key);
+
+/// An error that is met while a case is made ready, with the file of the case, and the line of its key.
+Error located(const CaseSpec& spec, const Error& error);
+
+/// Calls `read` for the value of a key. An Error becomes "file:line: key: ...".
+template <class Read>
+auto at_key(const CaseSpec& spec, std::string_view key, Read&& read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    throw Error(where(spec, key) + ": " + error.what());
+  }
+}
 
 /// Sets one parameter of a case from text: "packing.grains", "contacts.tolerance", "masses.density",
 /// "partition.grid", "loads.compression", "dynamics.steps", "solver.tolerance", "interaction.friction" and so
 /// on. Throws Error for a key that the case does not have, naming those it has.
-void override_case(Case& one, std::string_view key, std::string_view value);
+void override_case(CaseSpec& spec, std::string_view key, std::string_view value);
 
-/// The case as a case file that reads back to it (a packing file by its path, a settled packing by the name
-/// of its case).
-std::string to_toml(const Case& one);
+/// The case as a case file that reads back to it.
+std::string to_toml(const CaseSpec& spec);
 
-/// The packing of a case, generated or as read from its file or settled, with masses where the case says how.
-/// Throws Error for a packing or masses that cannot be used, and for a contact problem, which has none.
+/// The packing of a case, generated, read or settled, with masses where the case says how. Throws Error for a
+/// packing or masses that cannot be used, and for a contact problem, which has no packing.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
 /// Throws Error naming the key where a case cannot be made to move, as far as that can be told without its
 /// grains: no [dynamics], too many subdomains, a criterion that says nothing of its solver.
-void check_dynamics(const Case& one);
+void check_dynamics(const CaseSpec& spec);
 
 /// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error naming the file
 /// of the case, as check_dynamics and for grains that cannot be used.

@@ -18,10 +18,9 @@ enum class ContactSet {
   unilateral,  ///< G_E: those that carry in the frictionless unilateral problem
 };
 
-/// Names in options and files, in the order of the enumeration.
-inline constexpr std::array<std::string_view, 3> contact_set_names{"all", "active", "unilateral"};
-inline std::string_view to_string(ContactSet set) { return contact_set_names[static_cast<std::size_t>(set)]; }
-std::optional<ContactSet> contact_set(std::string_view name);
+constexpr auto names_of(ContactSet) {
+  return std::to_array<std::string_view>({"all", "active", "unilateral"});
+}
 
 /// The contacts of a set, and how they were found.
 struct ContactChoice {

@@ -15,7 +15,7 @@ enum class LeadInSolver {
   plain,  ///< plain Gauss-Seidel, warm-started, to zeta <= 1e-6 or 2 000 sweeps, whatever the case says
   own,    ///< the solver of the case
 };
-std::string_view to_string(LeadInSolver solver);
+constexpr auto names_of(LeadInSolver) { return std::to_array<std::string_view>({"plain", "own"}); }
 
 /// What a run was like, over all its steps.
 struct RunTotals {

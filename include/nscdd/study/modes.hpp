@@ -20,12 +20,7 @@ enum class SpectrumSide {
   high,     ///< the largest eigenvalue
 };
 
-/// Names in options and tables, in the order of the enumeration.
-inline constexpr std::array<std::string_view, 3> spectrum_side_names{"slowest", "low", "high"};
-inline std::string_view to_string(SpectrumSide side) {
-  return spectrum_side_names[static_cast<std::size_t>(side)];
-}
-std::optional<SpectrumSide> spectrum_side(std::string_view name);
+constexpr auto names_of(SpectrumSide) { return std::to_array<std::string_view>({"slowest", "low", "high"}); }
 
 struct ModeParameters {
   double epsilon = 1.0;   ///< 1/kg; 0 is the rigid limit

@@ -42,7 +42,7 @@ struct Observable {
   Index first_step = 1;     ///< smallest of `steps`: 1 where a step is examined, 0 where steps are done
   bool own_solver = false;  ///< cases get there with their own solver only
   /// Throws Error for a case that it cannot be had of, as far as that is known before it is built.
-  void (*check)(const Case&) = nullptr;
+  void (*check)(const CaseSpec&) = nullptr;
 
   bool uses(std::string_view key) const { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
 };

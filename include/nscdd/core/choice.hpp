@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+/// Enumerations with names. Beside an enumeration, whose values count from 0, stands the table of its names:
+///     enum class Colour { red, green };
+///     constexpr auto names_of(Colour) { return std::to_array<std::string_view>({"red", "green"}); }
+namespace nscdd {
+
+template <class Enum>
+concept Named = std::is_enum_v<Enum> && requires {
+  std::span<const std::string_view>(names_of(Enum{}));
+};
+
+/// Name of a value.
+template <Named Enum>
+constexpr std::string_view to_string(Enum value) {
+  return names_of(value)[static_cast<std::size_t>(value)];
+}
+
+/// All the names as texts.
+template <Named Enum>
+std::vector<std::string> all_names() {
+  const auto names = names_of(Enum{});
+  return {names.begin(), names.end()};
+}
+
+/// The value of that name, if there is one.
+template <Named Enum>
+constexpr std::optional<Enum> named(std::string_view name) {
+  const auto names = names_of(Enum{});
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return static_cast<Enum>(i);
+  return std::nullopt;
+}
+
+/// Position of a name among others; throws Error "what: expected one of ..., met ..." where it is not there.
+std::size_t position_of(std::string_view name, std::span<const std::string_view> names,
+                        std::string_view what);
+
+/// A parameter with named values. It takes a value, or a name; a name that does not exist throws Error.
+template <Named Enum>
+class Choice {
+ public:
+  constexpr Choice(Enum value = {}) : value_(value) {}
+  Choice(const char* name) : Choice(std::string(name)) {}
+  Choice(const std::string& name) : value_(parse(name, "choice")) {}
+
+  /// The value of that name. `what` is the key or option for the error message.
+  static Enum parse(std::string_view name, std::string_view what) {
+    return static_cast<Enum>(position_of(name, names_of(Enum{}), what));
+  }
+
+  constexpr operator Enum() const { return value_; }
+  friend constexpr bool operator==(Choice a, Choice b) { return a.value_ == b.value_; }
+  friend constexpr bool operator==(Choice a, Enum b) { return a.value_ == b; }
+
+ private:
+  Enum value_;
+};
+
+template <Named Enum>
+constexpr std::string_view to_string(Choice<Enum> choice) {
+  return to_string(static_cast<Enum>(choice));
+}
+
+/// Names of the alternatives of a variant, each of which has a static member `name`.
+template <class Variant>
+struct Alternatives;
+template <class... Types>
+struct Alternatives<std::variant<Types...>> {
+  static constexpr std::array<std::string_view, sizeof...(Types)> names{Types::name...};
+  /// The alternative at a position, with its defaults.
+  static std::variant<Types...> at(std::size_t position) {
+    return std::array<std::variant<Types...>, sizeof...(Types)>{Types{}...}[position];
+  }
+};
+
+/// "; did you mean NAME?" for the nearest of the known names, or "" where none is near. Names are near where
+/// few letters are missing, too many, changed, or swapped with their neighbour.
+std::string suggestion(std::string_view met, std::span<const std::string> known);
+
+}  // namespace nscdd
