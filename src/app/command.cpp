@@ -2,6 +2,7 @@
 #include "app/command.hpp"
 
 #include "app/manual.hpp"
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
 
@@ -29,7 +30,11 @@ void declare_all(CLI::App& command, const Command& described) {
   for (const Option& option : described.options()) {
     CLI::Option* one = made[&option] = declare(command, option);
     one->required(option.is_required());
-    if (!option.words().empty()) one->check(CLI::IsMember(option.words()));
+    if (!option.words().empty())
+      one->check([words = option.words()](std::string value) {
+        const std::string refused = CLI::IsMember(words)(value);
+        return refused.empty() ? refused : refused + suggestion(value, words);
+      });
     if (option.bounds()) one->check(CLI::Range(option.bounds()->first, option.bounds()->second));
     if (option.has_default()) one->capture_default_str();
     // A list takes one value each time it is named: what follows may be another argument.
@@ -37,6 +42,29 @@ void declare_all(CLI::App& command, const Command& described) {
     for (const Option* other : option.needed()) one->needs(made.at(other));
     for (const Option* other : option.excluded()) one->excludes(made.at(other));
   }
+}
+
+// "-o,--output" as "-o" and "--output".
+void add_names(const std::string& names, std::vector<std::string>& all) {
+  for (std::size_t begin = 0; begin < names.size();) {
+    const std::size_t end = std::min(names.find(',', begin), names.size());
+    all.push_back(names.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+// The nearest verb or option to one that is unknown. `asked`: the number of the verb, one too many for none.
+std::string suggested(const std::vector<DescribedVerb>& verbs, std::size_t asked, const CLI::App* command,
+                      std::string_view first) {
+  std::vector<std::string> known;
+  if (asked == verbs.size()) {
+    for (const DescribedVerb& verb : verbs) known.push_back(verb.name);
+    return suggestion(first, known);
+  }
+  for (const Option& option : verbs[asked].command.options()) add_names(option.names(), known);
+  for (const std::string& argument : command->remaining())
+    if (argument.starts_with("--")) return suggestion(argument.substr(0, argument.find('=')), known);
+  return "";
 }
 
 }  // namespace
@@ -101,7 +129,9 @@ Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, co
   } catch (const CLI::CallForVersion& version) {
     return std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    throw Error(fmt::format("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what()));
+    const std::size_t verb = asked();
+    throw Error(fmt::format("{}{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what(),
+                            suggested(verbs, verb, verb < verbs.size() ? commands[verb] : nullptr, argv[1])));
   }
   return asked();
 }

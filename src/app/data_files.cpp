@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/data_files.hpp"
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
@@ -50,8 +51,8 @@ std::string find_case(const std::string& name) {
     }
   throw Error(
       fmt::format("case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known "
-                  "cases ({}), met no such file",
-                  name, joined(known_cases())));
+                  "cases ({}), met no such file{}",
+                  name, joined(known_cases()), suggestion(name, known_cases())));
 }
 
 std::string find_study(const std::string& name) {
@@ -64,8 +65,8 @@ std::string find_study(const std::string& name) {
       if (is_file(path / "study.toml")) return path.lexically_normal().string();
     }
   throw Error(fmt::format(
-      "study '{}': expected a folder with a study.toml or one of the known studies ({}), met none", name,
-      joined(known_studies())));
+      "study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
+      joined(known_studies()), suggestion(name, known_studies())));
 }
 
 std::vector<std::string> known_cases() {

@@ -50,6 +50,18 @@ TEST_CASE("usage: no verb or an unknown verb or option") {
   check_usage({"--speed"}, {});
 }
 
+TEST_CASE("usage: errors suggest the nearest name") {
+  check_usage({"swep", "disks4"}, {"; did you mean sweep?"});
+  check_usage({"sweep", "disk8", "--epsilon", "1", "--csv", "-"}, {"case 'disk8'", "; did you mean disks8?"});
+  check_usage({"sweep", "disks8", "--epsilom", "1", "--csv", "-"},
+              {"--epsilom", "; did you mean --epsilon?"});
+  check_usage({"sweep", "disks8", "--epsilom=1", "--csv", "-"}, {"; did you mean --epsilon?"});
+  check_usage({"run", "figure5"}, {"study 'figure5'", "; did you mean figure-5?"});
+  check_option("--contacts", "unilaterl", {"--contacts", "; did you mean unilateral?"});
+  check_option("--set", "packing.grain=3", {"packing.grain", "; did you mean packing.grains?"});
+  check_option("--set", "packin.grains=3", {"packin.grains", "; did you mean packing?"});
+}
+
 TEST_CASE("usage: SPEC nonsense for epsilon") {
   // --epsilon=1 comes first in check_spec: an option given twice is refused as well
   for (const std::string& spec :
