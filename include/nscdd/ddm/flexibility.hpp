@@ -38,7 +38,8 @@ class EtaChoice {
   bool operator==(const EtaChoice&) const = default;
 
  private:
-  Flexibility flexibility_{1};
+  // Stage 2 is stable from stable_eta on, which was met at 4 to 9.2 W; see also docs/theory.md.
+  Flexibility flexibility_{10, true};
   bool optimal_ = false;
 };
 

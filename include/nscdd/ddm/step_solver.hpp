@@ -51,7 +51,7 @@ struct StepSolver {
   Choice<Criterion> criterion = Criterion::zeta;
   double tolerance = 1e-4;
   double gluing_tolerance = 0.01;
-  Choice<ContactOrder> order = ContactOrder::natural;
+  Choice<ContactOrder> order = ContactOrder::interleaved;
   Index seed = 1;
   double contact_relaxation = 1;
   bool warm_start = false;
