@@ -98,7 +98,8 @@ void print_share(const std::string& name, const InterfaceShare& pair) {
 }
 
 void print_shares(const Model& model, const Mode& mode) {
-  fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode), model.parts.gluing.size());
+  fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode),
+             model.parts.interface.gluing().size());
   fmt::print("{:<14}{:>7}{:>12}\n", "subdomains", "rows", "share");
   const std::vector<InterfaceShare> shares = shares_by_interface(model.parts, mode);
   InterfaceShare rest;

@@ -2,6 +2,7 @@
 #include "linalg/ldlt/symmetric_factor.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/enriched_inertia.hpp>
 
@@ -19,15 +20,11 @@ namespace {
 
 // A_E without its empty rows.
 SparseMatrix compact_rows(const SparseMatrix& a, const std::vector<Index>& rows) {
-  std::vector<Eigen::Triplet<double>> entries;
+  SparseEntries entries;
   for (Index j = 0; j < a.outerSize(); ++j)
     for (SparseMatrix::InnerIterator e(a, j); e; ++e)
-      entries.emplace_back(
-          static_cast<int>(std::lower_bound(rows.begin(), rows.end(), e.row()) - rows.begin()),
-          static_cast<int>(j), e.value());
-  SparseMatrix compact(count(rows), a.cols());
-  compact.setFromTriplets(entries.begin(), entries.end());
-  return compact;
+      entries.add(std::lower_bound(rows.begin(), rows.end(), e.row()) - rows.begin(), j, e.value());
+  return entries.matrix(count(rows), a.cols());
 }
 
 // Modes of one subdomain: M^-1/2 Q, their eigenvalues, and their traces on the interface, A M^-1/2 Q.
@@ -212,12 +209,7 @@ Matrix EnrichedInertia::condense() const {
     if (!ldl.regular() || ldl.negative_eigenvalues() > 0)
       return Matrix::Constant(p.a.rows(), p.a.rows(), not_a_number);
     const std::vector<Index> dofs = p.glued_dofs();
-    SparseMatrix gluing(p.a.rows(), count(dofs));  // A_E on these
-    std::vector<Eigen::Triplet<double>> entries;
-    for (Index k = 0; k < count(dofs); ++k)
-      for (SparseMatrix::InnerIterator e(p.a, dofs[at(k)]); e; ++e)
-        entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(k), e.value());
-    gluing.setFromTriplets(entries.begin(), entries.end());
+    const SparseMatrix gluing = selected_columns(p.a, dofs);  // A_E on these
     const Matrix condensed = gluing * (ldl.inverse_block(dofs) * gluing.transpose());
     return 0.5 * (condensed + condensed.transpose());
   }

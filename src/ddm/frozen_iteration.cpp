@@ -91,7 +91,7 @@ Directions directions(const GranularSubdomain& subdomain, const std::vector<Cont
 // M^-1/2 A^T of all copies.
 Index put_gluing(Triplets& triplets, const GranularDecomposition& parts,
                  const std::vector<std::vector<Index>>& first, Index column) {
-  for (const Gluing& g : parts.gluing) {
+  for (const Gluing& g : parts.interface.gluing()) {
     for (const auto& [copy, sign] : {std::pair(g.first, 1.0), std::pair(g.second, -1.0)}) {
       const Eigen::Vector3d root =
           root_inertia(parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)]);
@@ -178,7 +178,7 @@ Vector FrozenIteration::apply(const Vector& y) const {
       if (v.inverse_mass == 0) v.x = v.y = v.rim = 0;
     for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], statuses_[e], subdomain.velocities);
   }
-  if (!work.gluing.empty()) {
+  if (work.interface_size() > 0) {
     const Vector jumps = interface_jumps(work);
     apply_interface_impulses(
         work, relaxation_ * (enriched_ ? enriched_->solve(jumps) : generic_interface_solve(work, jumps)));
@@ -204,13 +204,10 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
     g.setFromTriplets(one.impulses.begin(), one.impulses.end());
     n.setFromTriplets(one.velocities.begin(), one.velocities.end());
     Matrix a = Matrix::Zero(size, parts.interface_size());  // M^-1/2 A_E^T
-    for (Index row = 0; row < count(parts.gluing); ++row)
-      for (const auto& [copy, sign] :
-           {std::pair(parts.gluing[at(row)].first, 1.0), std::pair(parts.gluing[at(row)].second, -1.0)}) {
-        if (at(copy.subdomain) != e) continue;
-        const Eigen::Vector3d root = root_inertia(subdomain.velocities[at(copy.grain)]);
-        for (Index k = 0; k < 3; ++k) a(first[e][at(copy.grain)] + k, 3 * row + k) = sign / root[k];
-      }
+    for (const Tie& tie : parts.interface.ties(static_cast<Index>(e))) {
+      const Eigen::Vector3d root = root_inertia(subdomain.velocities[at(tie.grain)]);
+      for (Index k = 0; k < 3; ++k) a(first[e][at(tie.grain)] + k, 3 * tie.row + k) = tie.sign / root[k];
+    }
     Matrix kept = a;
     if (one.columns > 0) {
       const Matrix w = Matrix(n.transpose() * g);

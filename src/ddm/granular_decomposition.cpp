@@ -60,28 +60,6 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
   }
 }
 
-// A grain shared by q subdomains weighs 1/q in each.
-void split_masses(GranularDecomposition& parts) {
-  for (GranularSubdomain& subdomain : parts.subdomains)
-    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
-      subdomain.velocities[i].inverse_mass *=
-          static_cast<double>(parts.multiplicity[at(subdomain.bodies[i])]);
-}
-
-void glue(GranularDecomposition& parts, const StepProblem& problem) {
-  std::vector<std::vector<GrainCopy>> copies(problem.free.size());
-  for (Index e = 0; e < count(parts.subdomains); ++e) {
-    const auto& bodies = parts.subdomains[at(e)].bodies;
-    for (Index i = 0; i < count(bodies); ++i)
-      if (parts.multiplicity[at(bodies[at(i)])] > 1) copies[at(bodies[at(i)])].push_back({e, i});
-  }
-  for (Index g = 0; g < count(copies); ++g) {
-    if (problem.free[at(g)].inverse_mass == 0) continue;
-    for (std::size_t k = 1; k < copies[at(g)].size(); ++k)
-      parts.gluing.push_back({g, copies[at(g)][k - 1], copies[at(g)][k]});
-  }
-}
-
 void put(std::vector<Eigen::Triplet<double>>& entries, Index row, Index column, double value) {
   entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
 }
@@ -97,11 +75,15 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
   std::vector<std::int32_t> local(problem.free.size(), -1);
   for (GranularSubdomain& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
-  parts.multiplicity.assign(problem.free.size(), 0);
-  for (const GranularSubdomain& subdomain : parts.subdomains)
-    for (const Index i : subdomain.bodies) ++parts.multiplicity[at(i)];
-  split_masses(parts);
-  glue(parts, problem);
+  std::vector<std::span<const Index>> held;
+  for (const GranularSubdomain& subdomain : parts.subdomains) held.emplace_back(subdomain.bodies);
+  std::vector<char> free;
+  for (const DiskVelocity& v : problem.free) free.push_back(v.inverse_mass > 0);
+  parts.interface = Interface(3, count(problem.free), held, free);
+  for (GranularSubdomain& subdomain : parts.subdomains)  // a grain shared by q subdomains weighs 1/q in each
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
+      subdomain.velocities[i].inverse_mass *=
+          static_cast<double>(parts.interface.multiplicity(subdomain.bodies[i]));
   return parts;
 }
 

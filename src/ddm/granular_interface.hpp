@@ -11,8 +11,7 @@ Vector interface_jumps(const GranularDecomposition& parts);
 /// Sum over the copies of shared grains of |V|^2, rim speed included.
 double glued_speed_squared(const GranularDecomposition& parts);
 
-/// X^-1 g, X = sum_E A_E M_E^-1 A_E^T, in closed form grain by grain: of a chain of q copies of mass m/q with
-/// jumps g, F_k = (m/q) sum_{j <= k} (V_j - mean V); rims have their own inertia.
+/// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
 Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& jumps);
 
 /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.

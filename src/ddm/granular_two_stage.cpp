@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/granular_interface.hpp"
 #include "linalg/threads.hpp"
+#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/granular_two_stage.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace nscdd {
 namespace {
@@ -58,7 +58,10 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
       last_change_(Vector::Zero(parts_.interface_size())),
       before_(parts_.subdomains.size()),
       free_speed_squared_(glued_speed_squared(parts_)),
-      impulse_floor_squared_(rounding_of_impulses * momentum_squared(parts_)) {}
+      impulse_floor_squared_(rounding_of_impulses * momentum_squared(parts_)) {
+  if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
+    throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
+}
 
 void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain& subdomain : parts_.subdomains)
@@ -66,28 +69,24 @@ void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
       if (const LocalVector r = subdomain.contacts.impulses[k]; r.n != 0 || r.t != 0)
         apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
-  std::map<std::pair<Index, Index>, const RememberedGluing*> known;
-  std::map<Index, Index> shared_before;
-  for (const RememberedGluing& one : gluing) {
-    known[{one.grain, one.subdomain}] = &one;
-    ++shared_before[one.grain];
-  }
   // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
   Vector f = Vector::Zero(parts_.interface_size());
-  bool usable = false;
-  for (Index row = 0; row < count(parts_.gluing); ++row) {
-    const Gluing& g = parts_.gluing[at(row)];
-    const bool first = row == 0 || parts_.gluing[at(row - 1)].grain != g.grain;
-    if (first) {
-      usable = shared_before[g.grain] == parts_.multiplicity[at(g.grain)];
-      for (Index r = row; r < count(parts_.gluing) && parts_.gluing[at(r)].grain == g.grain; ++r)
-        usable = usable && known.count({g.grain, parts_.gluing[at(r)].first.subdomain}) == 1 &&
-                 known.count({g.grain, parts_.gluing[at(r)].second.subdomain}) == 1;
+  auto old = gluing.begin();
+  const auto& rows = parts_.interface.gluing();
+  for (Index row = 0; row < count(rows);) {
+    const Index grain = rows[at(row)].grain, last = row + parts_.interface.multiplicity(grain) - 1;
+    while (old != gluing.end() && old->grain < grain) ++old;
+    const auto copies = parts_.interface.copies(grain);
+    const auto end = std::find_if(old, gluing.end(), [&](const auto& one) { return one.grain != grain; });
+    const bool shared_alike = std::equal(
+        old, end, copies.begin(), copies.end(),
+        [](const RememberedGluing& one, const GrainCopy& copy) { return one.subdomain == copy.subdomain; });
+    for (const Index first = row; row < last; ++row) {
+      if (!shared_alike) continue;
+      const RememberedGluing& one = old[row - first];
+      f.segment<3>(3 * row) << one.x, one.y, one.rim;
+      if (row > first) f.segment<3>(3 * row) += f.segment<3>(3 * (row - 1));
     }
-    if (!usable) continue;
-    const RememberedGluing& one = *known[{g.grain, g.first.subdomain}];
-    f.segment(3 * row, 3) << one.x, one.y, one.rim;
-    if (!first) f.segment(3 * row, 3) += f.segment(3 * (row - 1), 3);
   }
   correct(f);
 }
@@ -123,21 +122,23 @@ void GranularTwoStage::correct(const Vector& change) {
 // Preconditioned conjugate gradients (Polak-Ribiere, restarted where not conjugate) on jumps = g_0 - S F,
 // with the curvature d.S d seen in a trial Stage 1 at F + d.
 Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
+  const Interface& interface = parts_.interface;
   const Vector z = preconditioned(g);
   double beta = 0;
   if (direction_.size() == g.size()) {
-    const double before = last_jumps_.dot(last_preconditioned_);
+    const double before = interface.dot(last_jumps_, last_preconditioned_);
     // An inexact Stage 1 may let jumps grow: a direction that did so is forgotten.
-    if (before > 0 && g.dot(z) < before) beta = std::max(0.0, (g - last_jumps_).dot(z) / before);
+    if (before > 0 && interface.dot(g, z) < before)
+      beta = std::max(0.0, interface.dot(g - last_jumps_, z) / before);
   }
   Vector d = z;
   if (beta > 0) d += beta * direction_;
-  if (d.dot(g) <= 0) d = z;
+  if (interface.dot(d, g) <= 0) d = z;
   correct(d);
   sums = stage_one();
-  const double curvature = d.dot(g - interface_jumps(parts_));
+  const double curvature = interface.dot(d, g - interface_jumps(parts_));
   // Statuses that change may show no curvature at all: the plain step is then the safe one.
-  const double length = curvature > 0 ? std::clamp(d.dot(g) / curvature, 0.1, 10.0) : 1.0;
+  const double length = curvature > 0 ? std::clamp(interface.dot(d, g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
   direction_ = d;
   last_jumps_ = g;
@@ -148,12 +149,13 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
 IterationRecord GranularTwoStage::iterate() {
   ++iteration_;
   SweepSums sums = stage_one();
+  const auto squared = [&](const Vector& f) { return parts_.interface.dot(f, f); };
   IterationRecord record;
   record.iteration = iteration_;
-  if (!parts_.gluing.empty()) {
+  if (parts_.interface_size() > 0) {
     const Vector g = interface_jumps(parts_);
     // Copies that come to rest, and copies that an impact sets going, both have a scale.
-    record.gluing = ratio(g.squaredNorm(), at_least(free_speed_squared_, glued_speed_squared(parts_)));
+    record.gluing = ratio(squared(g), at_least(free_speed_squared_, glued_speed_squared(parts_)));
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
       if (solver_.interface_method == InterfaceMethod::conjugate_gradient) {
@@ -162,9 +164,8 @@ IterationRecord GranularTwoStage::iterate() {
         change = solver_.interface_relaxation * preconditioned(g);
         correct(change);
       }
-      record.interface_change = ratio(change.squaredNorm(), interface_impulses_.squaredNorm());
-      record.interface_second_change =
-          ratio((change - last_change_).squaredNorm(), interface_impulses_.squaredNorm());
+      record.interface_change = ratio(squared(change), squared(interface_impulses_));
+      record.interface_second_change = ratio(squared(change - last_change_), squared(interface_impulses_));
       last_change_ = std::move(change);
     }
   }
@@ -213,7 +214,7 @@ std::vector<DiskVelocity> GranularTwoStage::velocities(const StepProblem& proble
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
       const Index g = subdomain.bodies[i];
       DiskVelocity& v = result[at(g)];
-      const Index q = parts_.multiplicity[at(g)];
+      const Index q = parts_.interface.multiplicity(g);
       if (v.inverse_mass == 0) continue;
       if (q == 1) {
         v = subdomain.velocities[i];
@@ -228,20 +229,20 @@ std::vector<DiskVelocity> GranularTwoStage::velocities(const StepProblem& proble
 }
 
 std::vector<RememberedGluing> GranularTwoStage::gluing() const {
-  std::map<std::pair<Index, Index>, RememberedGluing> impulses;
-  for (Index row = 0; row < count(parts_.gluing); ++row) {
-    const Gluing& g = parts_.gluing[at(row)];
-    for (const auto& [copy, sign] : {std::pair(g.first, 1.0), std::pair(g.second, -1.0)}) {
-      RememberedGluing& one = impulses[{g.grain, copy.subdomain}];
-      one.grain = g.grain;
-      one.subdomain = copy.subdomain;
-      one.x += sign * interface_impulses_[3 * row];
-      one.y += sign * interface_impulses_[3 * row + 1];
-      one.rim += sign * interface_impulses_[3 * row + 2];
-    }
-  }
   std::vector<RememberedGluing> result;
-  for (const auto& [key, one] : impulses) result.push_back(one);
+  const auto add = [](RememberedGluing& one, const auto& f) {
+    one.x += f[0];
+    one.y += f[1];
+    one.rim += f[2];
+  };
+  for (Index row = 0; row < count(parts_.interface.gluing()); ++row) {
+    const Gluing& g = parts_.interface.gluing()[at(row)];
+    if (result.empty() || result.back().grain != g.grain) result.push_back({g.grain, g.first.subdomain});
+    result.push_back({g.grain, g.second.subdomain});
+    const Eigen::Vector3d f = interface_impulses_.segment<3>(3 * row);
+    add(*(result.end() - 2), f);
+    add(result.back(), -f);
+  }
   return result;
 }
 

@@ -14,10 +14,11 @@ namespace {
 
 Vector inertia_scale(const Decomposition& parts) {
   Vector scale = Vector::Zero(parts.interface_size());
-  for (const Subdomain& subdomain : parts.subdomains)
-    for (Index j = 0; j < subdomain.a.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
-        scale[e.row()] += 1.0 / subdomain.inertia[j];
+  const Index d = parts.dofs_per_grain();
+  for (Index e = 0; e < count(parts.subdomains); ++e)
+    for (const Tie& tie : parts.interface.ties(e))
+      scale.segment(d * tie.row, d) +=
+          parts.subdomains[at(e)].inertia.segment(d * tie.grain, d).cwiseInverse();
   return scale;
 }
 
@@ -57,7 +58,7 @@ class InterfaceFamily::Preparation {
   const Whole& whole() const {
     std::call_once(whole_once, [this] {
       const Subdomain assembled = reassemble(parts);
-      std::vector<Index> position(parts.multiplicity.size(), -1);
+      std::vector<Index> position(nscdd::at(parts.interface.grains()), -1);
       for (Index i = 0; i < count(assembled.grains); ++i)
         position[nscdd::at(assembled.grains[nscdd::at(i)])] = i;
       whole_.emplace(Whole{std::move(position), EnrichedInertiaFamily(assembled, dense_limit)});
@@ -162,11 +163,9 @@ Vector InterfaceOperator::apply(const Vector& f) const {
   const auto& subdomains = implementation_->preparation->parts.subdomains;
   std::vector<Vector> velocities(subdomains.size());
   for_each_in_parallel(count(subdomains), [&](Index e) {
-    velocities[at(e)] = implementation_->locals[at(e)].solve(subdomains[at(e)].a.transpose() * f);
+    velocities[at(e)] = implementation_->locals[at(e)].solve(parts().interface.distribute(e, f));
   });
-  Vector jumps = Vector::Zero(rows());
-  for (std::size_t e = 0; e < subdomains.size(); ++e) jumps += subdomains[e].a * velocities[e];
-  return jumps;
+  return parts().interface.exchange(velocities);
 }
 
 const Matrix& InterfaceOperator::dense() const { return implementation_->dense(); }
@@ -177,25 +176,20 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   const double eta = implementation_->eta;
   if (eta == 0) throw Error("interface operator: the rigid limit (eta = 0) has no inverse");
   const Decomposition& parts = implementation_->preparation->parts;
+  const Index d = parts.dofs_per_grain();
+  if (std::isinf(eta))
+    return parts.interface.solve_generic(
+        [&](const GrainCopy& copy, Index k) {
+          return parts.subdomains[at(copy.subdomain)].inertia[d * copy.grain + k];
+        },
+        g);
   const auto& position = implementation_->preparation->whole().position;
-  const EnrichedInertia& assembled = implementation_->whole();
-  const Index d = parts.dofs_per_grain;
-
-  // o_E: copies of jump g, read along the tree of gluing rows: V_second = V_first - g.
-  std::vector<Vector> copies;
-  for (const Subdomain& subdomain : parts.subdomains)
-    copies.push_back(Vector::Zero(subdomain.inertia.size()));
-  for (Index row = 0; row < count(parts.gluing); ++row) {
-    const auto& [grain, first, second] = parts.gluing[at(row)];
-    copies[at(second.subdomain)].segment(d * second.grain, d) =
-        copies[at(first.subdomain)].segment(d * first.grain, d) - g.segment(d * row, d);
-  }
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
-    Vector r = parts.subdomains[e].inertia.cwiseProduct(v);
-    if (!std::isinf(eta)) r += parts.subdomains[e].h * (parts.subdomains[e].h.transpose() * v) / eta;
-    return r;
+    const Subdomain& subdomain = parts.subdomains[e];
+    return subdomain.inertia.cwiseProduct(v) + subdomain.h * (subdomain.h.transpose() * v) / eta;
   };
   // (M + K/eta) U = - sum_E R_E^T M_{E,eta} o_E
+  std::vector<Vector> copies = parts.interface.copies_apart(g);  // o_E
   const auto whole_size =
       static_cast<Index>(std::count_if(position.begin(), position.end(), [](Index p) { return p >= 0; }));
   Vector right = Vector::Zero(d * whole_size);
@@ -205,7 +199,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
     for (Index i = 0; i < count(grains); ++i)
       right.segment(d * position[at(grains[at(i)])], d) -= r.segment(d * i, d);
   }
-  const Vector u = assembled.solve(right);
+  const Vector u = implementation_->whole().solve(right);
   std::vector<Vector> impulses;  // M_{E,eta} (R_E U + o_E) = A_E^T F
   for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
     const auto& grains = parts.subdomains[e].grains;
@@ -213,15 +207,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
       copies[e].segment(d * i, d) += u.segment(d * position[at(grains[at(i)])], d);
     impulses.push_back(multiply(e, copies[e]));
   }
-  // Leaves first: a copy with no row below it feels - F of the row that brought it, and passes the rest on.
-  Vector f(g.size());
-  for (Index row = count(parts.gluing) - 1; row >= 0; --row) {
-    const auto& [grain, first, second] = parts.gluing[at(row)];
-    const auto leaf = impulses[at(second.subdomain)].segment(d * second.grain, d);
-    f.segment(d * row, d) = -leaf;
-    impulses[at(first.subdomain)].segment(d * first.grain, d) += leaf;
-  }
-  return f;
+  return parts.interface.collect(std::move(impulses));
 }
 
 InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit)

@@ -173,7 +173,7 @@ class ShiftedPencilFamily::Preparation {
   // All copies of a grain and the gluing of these copies are eliminated together.
   std::vector<Index> grain_groups(Index size) const {
     const Decomposition& system = contraction.system.parts();
-    const Index d = system.dofs_per_grain;
+    const Index d = system.dofs_per_grain();
     std::vector<Index> grain;
     grain.reserve(nscdd::at(size));
     const auto add = [&](Index g) { grain.insert(grain.end(), nscdd::at(d), g); };
@@ -184,8 +184,8 @@ class ShiftedPencilFamily::Preparation {
     if (!generic)
       for (const Subdomain& subdomain : contraction.preconditioner.parts().subdomains)
         for (const Index g : subdomain.grains) add(g);
-    for (const Gluing& row : system.gluing) add(row.grain);
-    std::vector<Index> number(system.multiplicity.size(), -1);
+    for (const Gluing& row : system.interface.gluing()) add(row.grain);
+    std::vector<Index> number(nscdd::at(system.interface.grains()), -1);
     Index next = 0;
     for (Index& g : grain) {
       if (g < 0) continue;

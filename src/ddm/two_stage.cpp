@@ -99,20 +99,22 @@ TwoStageState TwoStageIteration::zero_state() const {
 }
 
 TwoStageState TwoStageIteration::iterate(TwoStageState state, const std::vector<Vector>* loads) const {
-  const auto& subdomains = implementation_->parts.subdomains;
-  Vector jumps = Vector::Zero(interface_size());
-  for (std::size_t e = 0; e < subdomains.size(); ++e) {
-    Vector on_grains = -(subdomains[e].a.transpose() * state.interface_impulses);  // F^d - A^T F
+  const Interface& interface = implementation_->parts.interface;
+  std::vector<Vector> velocities;
+  for (std::size_t e = 0; e < state.impulses.size(); ++e) {
+    // F^d - A^T F
+    Vector on_grains = -interface.distribute(static_cast<Index>(e), state.interface_impulses);
     if (loads != nullptr) on_grains += (*loads)[e];
-    jumps += subdomains[e].a * implementation_->stage_one(e, on_grains, state.impulses[e]);
+    velocities.push_back(implementation_->stage_one(e, on_grains, state.impulses[e]));
   }
-  state.interface_impulses += implementation_->relaxation * implementation_->preconditioner.solve(jumps);
+  state.interface_impulses +=
+      implementation_->relaxation * implementation_->preconditioner.solve(interface.exchange(velocities));
   return state;
 }
 
 std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriving_velocity) {
   std::vector<Vector> loads;
-  const Index d = parts.dofs_per_grain;
+  const Index d = parts.dofs_per_grain();
   for (const Subdomain& subdomain : parts.subdomains) {
     Vector load(subdomain.inertia.size());
     for (Index i = 0; i < count(subdomain.grains); ++i)

@@ -95,12 +95,13 @@ void count_rattlers(const ContactNetwork& network, Inspection& result) {
 
 Inspection inspect(const Model& model, const InspectionOptions& options) {
   Inspection result;
+  const Interface& interface = model.parts.interface;
   result.ranks = model.contacts() <= options.ranks_up_to;
   if (result.ranks) {
     result.whole = degrees(reassemble(model.parts), true);
   } else {
     result.whole.contacts = model.problem.contacts();
-    for (const Index multiplicity : model.parts.multiplicity) result.whole.grains += multiplicity > 0;
+    for (Index g = 0; g < model.grains(); ++g) result.whole.grains += interface.multiplicity(g) > 0;
   }
   Index local_hyperstaticity = 0;
   for (const Subdomain& subdomain : model.parts.subdomains) {
@@ -109,7 +110,8 @@ Inspection inspect(const Model& model, const InspectionOptions& options) {
     if (subdomain.contacts.empty()) ++result.empty_subdomains;
   }
   result.unit_multiplicity = result.whole.hyperstaticity - local_hyperstaticity;
-  for (const Index multiplicity : model.parts.multiplicity) {
+  for (Index g = 0; g < model.grains(); ++g) {
+    const Index multiplicity = interface.multiplicity(g);
     if (multiplicity == 0) ++result.isolated_grains;
     if (multiplicity >= 2) ++result.interface_grains[multiplicity];
   }

@@ -9,28 +9,17 @@ namespace {
 
 using Velocity = std::array<double, 2>;
 
-struct Copy {
-  Index subdomain;
-  Velocity velocity;
-};
-
-// Copies of every grain, subdomains ascending.
-std::vector<std::vector<Copy>> copies_of_grains(const Decomposition& parts, const Mode& mode) {
-  std::vector<std::vector<Copy>> copies(parts.multiplicity.size());
-  for (Index e = 0; e < count(parts.subdomains); ++e) {
-    const auto& grains = parts.subdomains[at(e)].grains;
-    for (Index i = 0; i < count(grains); ++i)
-      copies[at(grains[at(i)])].push_back(
-          {e, {mode.velocities[at(e)][2 * i], mode.velocities[at(e)][2 * i + 1]}});
-  }
-  return copies;
+Velocity velocity_of(const Mode& mode, const GrainCopy& copy) {
+  const Vector& v = mode.velocities[at(copy.subdomain)];
+  return {v[2 * copy.grain], v[2 * copy.grain + 1]};
 }
 
-double largest_jump(const Copy& copy, const std::vector<Copy>& all) {
+double largest_jump(const Mode& mode, const Velocity& velocity, std::span<const GrainCopy> copies) {
   double largest = 0;
-  for (const Copy& other : all)
-    largest = std::max(
-        largest, std::hypot(copy.velocity[0] - other.velocity[0], copy.velocity[1] - other.velocity[1]));
+  for (const GrainCopy& copy : copies) {
+    const Velocity other = velocity_of(mode, copy);
+    largest = std::max(largest, std::hypot(velocity[0] - other[0], velocity[1] - other[1]));
+  }
   return largest;
 }
 
@@ -72,7 +61,7 @@ void mode_impulses(const Model& model, const ModeParameters& parameters, const M
                    const Sink<ModeImpulse>& sink) {
   require_geometry(model, "mode");
   if (!mode.found()) return;
-  for (Index k = 0; k < count(model.parts.gluing); ++k) sink({model, parameters, mode, k});
+  for (Index k = 0; k < count(model.parts.interface.gluing()); ++k) sink({model, parameters, mode, k});
 }
 
 const ResultColumns<ModeVelocity>& mode_velocity_columns() {
@@ -85,7 +74,7 @@ const ResultColumns<ModeVelocity>& mode_velocity_columns() {
       {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.grain)]; }},
       {"radius", "m", "radius", [](const One& r) { return r.model.packing.radius[at(r.grain)]; }},
       {"multiplicity", "1", "subdomains that share the grain",
-       [](const One& r) { return r.model.parts.multiplicity[at(r.grain)]; }},
+       [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }},
       {"velocity_x", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
        [](const One& r) { return r.velocity[0]; }},
       {"velocity_y", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
@@ -98,10 +87,13 @@ const ResultColumns<ModeVelocity>& mode_velocity_columns() {
 void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {
   require_geometry(model, "mode");
   if (!mode.found()) return;
-  const auto grains = copies_of_grains(model.parts, mode);
-  for (Index i = 0; i < count(grains); ++i)
-    for (const Copy& copy : grains[at(i)])
-      sink({model, i, copy.subdomain, copy.velocity, largest_jump(copy, grains[at(i)])});
+  for (Index i = 0; i < model.parts.interface.grains(); ++i) {
+    const auto copies = model.parts.interface.copies(i);
+    for (const GrainCopy& copy : copies) {
+      const Velocity v = velocity_of(mode, copy);
+      sink({model, i, copy.subdomain, v, largest_jump(mode, v, copies)});
+    }
+  }
 }
 
 }  // namespace nscdd

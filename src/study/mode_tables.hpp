@@ -18,7 +18,7 @@ struct ModeImpulse {
   const Mode& mode;
   Index number;  ///< of the row block
 
-  const Gluing& gluing() const { return model.parts.gluing[at(number)]; }
+  const Gluing& gluing() const { return model.parts.interface.gluing()[at(number)]; }
 };
 const ResultColumns<ModeImpulse>& mode_impulse_columns();
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,

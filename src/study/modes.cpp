@@ -27,8 +27,7 @@ std::vector<Vector> stage_one_velocities(const Decomposition& parts, double epsi
   for_each_in_parallel(count(velocities), [&](Index e) {
     const Subdomain& subdomain = parts.subdomains[at(e)];
     if (subdomain.inertia.size() == 0) return;
-    const Vector load = -(subdomain.a.transpose() * f);
-    velocities[at(e)] = EnrichedInertiaFamily(subdomain).at(epsilon).solve(load);
+    velocities[at(e)] = EnrichedInertiaFamily(subdomain).at(epsilon).solve(-parts.interface.distribute(e, f));
   });
   return velocities;
 }
@@ -38,13 +37,11 @@ void derive(Mode& mode, const Contraction& b) {
   const Vector pf = b.preconditioner.apply(mode.impulses);
   const Decomposition& parts = b.system.parts();
   mode.velocities = stage_one_velocities(parts, b.system.eta(), mode.impulses);
-  mode.jumps = Vector::Zero(b.rows());
-  for (std::size_t e = 0; e < parts.subdomains.size(); ++e)
-    if (mode.velocities[e].size() > 0) mode.jumps += parts.subdomains[e].a * mode.velocities[e];
+  mode.jumps = parts.interface.exchange(mode.velocities);
   const Vector r = mode.jumps + (1.0 - mode.eigenvalue) * pf;  // - S F + lambda P F
   mode.residual = std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
-  const Index d = parts.dofs_per_grain;
-  for (Index k = 0; k < count(parts.gluing); ++k)
+  const Index d = parts.dofs_per_grain();
+  for (Index k = 0; k < count(parts.interface.gluing()); ++k)
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
 }
 
@@ -90,8 +87,8 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
 std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode) {
   std::map<std::pair<Index, Index>, InterfaceShare> pairs;
   for (std::size_t k = 0; k < mode.shares.size(); ++k) {
-    const auto [first, second] =
-        std::minmax(parts.gluing[k].first.subdomain, parts.gluing[k].second.subdomain);
+    const Gluing& row = parts.interface.gluing()[k];
+    const auto [first, second] = std::minmax(row.first.subdomain, row.second.subdomain);
     InterfaceShare& pair = pairs[{first, second}];
     pair = {first, second, pair.rows + 1, pair.share + mode.shares[k]};
   }

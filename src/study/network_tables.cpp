@@ -93,7 +93,7 @@ const ResultColumns<Grain>& grain_columns() {
       {"mass", "kg", "mass", of(&Packing::mass)},
       {"contacts", "1", "contacts of the grain", &Grain::contacts},
       {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
-       [](const Grain& grain) { return grain.model.parts.multiplicity[at(grain.number)]; }},
+       [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }},
       {"velocity_x", "m/s", "prescribed velocity, 0 where none is", velocity(0)},
       {"velocity_y", "m/s", "prescribed velocity, 0 where none is", velocity(1)}};
   return columns;

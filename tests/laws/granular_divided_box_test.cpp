@@ -65,7 +65,7 @@ Simulation falling_box(const std::string& law) {
 Index shared_driven_bodies(const StepProblem& problem, const GranularDecomposition& parts) {
   Index shared = 0;
   for (std::size_t i = 0; i < problem.free.size(); ++i)
-    shared += problem.free[i].inverse_mass == 0 && parts.multiplicity[i] > 1;
+    shared += problem.free[i].inverse_mass == 0 && parts.interface.multiplicity(static_cast<Index>(i)) > 1;
   return shared;
 }
 
@@ -101,14 +101,15 @@ TEST_CASE(
     const GranularDecomposition& parts = step.iteration.parts();
     CHECK(shared_driven_bodies(step.problem, parts) > 0);
     std::vector<Index> glued(step.problem.free.size(), 0);
-    for (const Gluing& one : parts.gluing) {
+    for (const Gluing& one : parts.interface.gluing()) {
       REQUIRE(one.grain < whole.system.disks());
       CHECK(whole.system.free(one.grain));
       ++glued[at(one.grain)];
     }
     for (std::size_t i = 0; i < glued.size(); ++i) {
       const bool free = step.problem.free[i].inverse_mass > 0;
-      CHECK(glued[i] == (free ? std::max<Index>(0, parts.multiplicity[i] - 1) : 0));
+      CHECK(glued[i] ==
+            (free ? std::max<Index>(0, parts.interface.multiplicity(static_cast<Index>(i)) - 1) : 0));
     }
   }
 }

@@ -104,7 +104,9 @@ Model moved(const Case& one, double angle, double shift_x, double shift_y) {
 }
 
 Index cross_points(const Decomposition& parts) {
-  return std::count_if(parts.multiplicity.begin(), parts.multiplicity.end(), [](Index q) { return q > 2; });
+  Index result = 0;
+  for (Index g = 0; g < parts.interface.grains(); ++g) result += parts.interface.multiplicity(g) > 2;
+  return result;
 }
 
 }  // namespace nscdd::testing

@@ -22,7 +22,7 @@ TEST_CASE("4 disks: the partition of the paper") {
   CHECK(model.partition.subdomain_of_contact == std::vector<Index>{0, 0, 0, 1, 1});
   CHECK(model.parts.subdomains[0].grains == std::vector<Index>{0, 1, 2});
   CHECK(model.parts.subdomains[1].grains == std::vector<Index>{1, 2, 3});
-  CHECK(model.parts.multiplicity == std::vector<Index>{1, 2, 2, 1});
+  for (Index g = 0; g < 4; ++g) CHECK(model.parts.interface.multiplicity(g) == (g == 1 || g == 2 ? 2 : 1));
   CHECK(model.parts.interface_size() == 4);
   CHECK(model.parts.subdomains[0].inertia.isApprox((Vector(6) << 1, 1, 0.5, 0.5, 0.5, 0.5).finished()));
 }
@@ -67,8 +67,8 @@ TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that a
       const Subdomain whole = reassemble(parts);
       Index copies = 0, shared = 0;
       for (const Subdomain& subdomain : parts.subdomains) copies += count(subdomain.grains);
-      for (const Index multiplicity : parts.multiplicity) shared += multiplicity > 0;
-      CHECK(count(parts.gluing) == copies - shared);
+      for (Index g = 0; g < model.grains(); ++g) shared += parts.interface.multiplicity(g) > 0;
+      CHECK(count(parts.interface.gluing()) == copies - shared);
       CHECK(count(whole.grains) == shared);
       for (Index i = 0; i < count(whole.grains); ++i)
         CHECK(whole.inertia[2 * i] == doctest::Approx(model.packing.mass[at(whole.grains[at(i)])]));

@@ -83,7 +83,7 @@ TEST_CASE("mode: Stage 1 balance, jumps, eigen-equation, shares and norm on ever
             CHECK(mode.impulses.maxCoeff() >= (1 - 1e-6) * mode.impulses.cwiseAbs().maxCoeff());
             CHECK(sum(mode.shares) == doctest::Approx(1).epsilon(1e-10));
             CHECK(spread(mode) >= 1 - 1e-12);
-            CHECK(spread(mode) <= static_cast<double>(model.parts.gluing.size()) * (1 + 1e-12));
+            CHECK(spread(mode) <= static_cast<double>(model.parts.interface.gluing().size()) * (1 + 1e-12));
             if (epsilon == 0) continue;
             // M_E V_E + A_E^T F = H_E r_E with the law r_E = - H_E^T V_E / epsilon
             for (std::size_t e = 0; e < model.parts.subdomains.size(); ++e) {
@@ -210,9 +210,9 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
     const auto row_columns = headings(mode_impulse_columns());
     const auto grains = velocity_rows(model, mode), rows = impulse_rows(model, parameters, mode);
     Index copies = 0;
-    for (const Index multiplicity : model.parts.multiplicity) copies += multiplicity;
+    for (Index g = 0; g < model.grains(); ++g) copies += model.parts.interface.multiplicity(g);
     REQUIRE(count(grains) == copies);
-    REQUIRE(count(rows) == count(model.parts.gluing));
+    REQUIRE(count(rows) == count(model.parts.interface.gluing()));
     std::map<std::pair<double, double>, std::array<double, 2>> velocity;
     std::map<double, double> largest;
     for (const Row& row : grains) {
@@ -242,7 +242,7 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
       counted += pair.rows;
     }
     CHECK(total == doctest::Approx(1).epsilon(1e-12));
-    CHECK(counted == count(model.parts.gluing));
+    CHECK(counted == count(model.parts.interface.gluing()));
   }
 }
 

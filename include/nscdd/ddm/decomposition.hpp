@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nscdd/core/types.hpp>
+#include <nscdd/ddm/interface.hpp>
 #include <nscdd/ddm/partition.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
@@ -18,35 +19,14 @@ struct Subdomain {
   SparseMatrix a;  ///< A_E, n_Gamma x d n_E, signed boolean
 };
 
-/// The copy of a grain that a subdomain holds.
-struct GrainCopy {
-  Index subdomain = 0;
-  Index grain = 0;  ///< local number
-};
-
-/// d rows of the gluing condition: V_first - V_second = 0. Within a grain the second copy is always a new
-/// one, so the rows of a grain span its copies as a tree whose root is the first copy met.
-struct Gluing {
-  Index grain = 0;  ///< global number
-  GrainCopy first, second;
-};
-
-/// How the q copies of a shared grain are tied by q - 1 equalities. Every choice has full rank and gives the
-/// same spectra; the chain is the one used throughout.
-enum class GluingShape {
-  chain,  ///< each copy to the next
-  star,   ///< each copy to the first
-};
-
 /// A packing cut in the FETI way ([ADI12] section 2): sum_E A_E V_E = 0 glues the copies of shared grains.
 struct Decomposition {
-  Index dofs_per_grain = 2;
   Index contacts = 0;  ///< of the undivided packing
   std::vector<Subdomain> subdomains;
-  std::vector<Gluing> gluing;       ///< row block k holds interface unknowns d k ... d k + d - 1
-  std::vector<Index> multiplicity;  ///< subdomains per grain; 0 for a grain that touches nothing
+  Interface interface;
 
-  Index interface_size() const { return dofs_per_grain * count(gluing); }  ///< n_Gamma
+  Index dofs_per_grain() const { return interface.dofs_per_grain(); }  ///< d
+  Index interface_size() const { return interface.size(); }            ///< n_Gamma
 };
 
 /// Splits M, H along a partition of the contacts. Throws Error where the partition does not fit the problem.

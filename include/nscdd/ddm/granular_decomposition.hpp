@@ -27,10 +27,9 @@ struct GranularSubdomain {
 /// knows their motion.
 struct GranularDecomposition {
   std::vector<GranularSubdomain> subdomains;
-  std::vector<Gluing> gluing;       ///< row k holds interface unknowns 3 k ... 3 k + 2: x, y, rim
-  std::vector<Index> multiplicity;  ///< subdomains per body
+  Interface interface;  ///< 3 unknowns per grain: x, y, rim
 
-  Index interface_size() const { return 3 * count(gluing); }  ///< n_Gamma
+  Index interface_size() const { return interface.size(); }  ///< n_Gamma
 };
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has

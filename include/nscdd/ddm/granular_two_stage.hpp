@@ -35,7 +35,8 @@ struct IterationRecord {
 class GranularTwoStage {
  public:
   /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))),
-  /// none for the generic algorithm. Velocities must be those of the impulses: see `start`.
+  /// none for the generic algorithm. Velocities must be those of the impulses: see `start`. Throws Error
+  /// where the operator was made for another gluing.
   GranularTwoStage(GranularDecomposition parts, const ContactLaw& law, const StepSolver& solver,
                    std::optional<InterfaceOperator> enriched);
 

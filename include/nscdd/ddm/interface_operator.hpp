@@ -33,9 +33,10 @@ class InterfaceOperator {
   /// the dense matrix. Computed once.
   const KernelSplit& kernel() const;
 
-  /// X_eta^-1 g for eta > 0, by one solve with the assembled M + K/eta of the undivided packing and no Schur
-  /// complement: copies V_E = R_E U + o_E of jumps g whose impulses M_{E,eta} V_E balance on every grain.
-  /// Throws Error for eta = 0.
+  /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). Else
+  /// one solve with the assembled M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps
+  /// g whose impulses M_{E,eta} V_E balance on every grain; no Schur complement is formed. Throws Error for
+  /// eta = 0.
   Vector solve(const Vector& g) const;
 
   /// diag(X_inf), the natural scale of every X_eta: 0 <= X_eta <= X_inf.

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <span>
+#include <vector>
+
+namespace nscdd {
+
+/// The copy of a grain that a subdomain holds.
+struct GrainCopy {
+  Index subdomain = 0;
+  Index grain = 0;  ///< local number
+};
+
+/// d rows of the gluing condition: V_first - V_second = 0. The rows of a grain span its copies as a tree:
+/// within a grain the second copy of a row is always a new one, and the root is the first copy met.
+struct Gluing {
+  Index grain = 0;  ///< global number
+  GrainCopy first, second;
+};
+
+/// A row of A_E in blocks of d x d: the copy with the local number `grain` enters the row block `row` with
+/// `sign` (1 for the first copy of the row, -1 for the second).
+struct Tie {
+  Index row = 0, grain = 0;
+  double sign = 1;
+};
+
+/// How the q copies of a shared grain are tied by q - 1 equalities. Every choice has full rank and gives the
+/// same spectra; the chain is the one used throughout.
+enum class GluingShape {
+  chain,  ///< each copy to the next
+  star,   ///< each copy to the first
+};
+
+/// Where the subdomains of a packing meet ([ADI12] section 2): the copies of each grain, the rows that glue
+/// the copies of a shared one, and all that crosses from one subdomain to another. A grain has d unknowns,
+/// whatever they are: 2 or 3 in the plane. Vectors of the interface have n_Gamma = d x rows entries, row
+/// block k those from d k on. Rows ascend by grain, copies by subdomain.
+///
+/// With one process per subdomain this class is what changes, and nothing above it: a subdomain knows its
+/// own ties and its neighbours, `exchange` sends to them, and `dot` adds up over the processes.
+class Interface {
+ public:
+  Interface() = default;
+
+  /// `held`: global numbers of the grains each subdomain holds, in its own order; `grains`: how many there
+  /// are in all; `tied`: one flag per grain whether its copies are glued (driven ones are not), empty for
+  /// all.
+  Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
+            const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
+
+  Index size() const { return dofs_ * count(gluing_); }  ///< n_Gamma
+  Index dofs_per_grain() const { return dofs_; }         ///< d
+  Index grains() const { return count(start_) - 1; }
+  const std::vector<Gluing>& gluing() const { return gluing_; }
+
+  /// Copies of a grain; none of one that touches nothing.
+  std::span<const GrainCopy> copies(Index grain) const;
+  /// Their number, which is also the number of parts its mass is cut into.
+  Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
+
+  const std::vector<Tie>& ties(Index subdomain) const { return ties_[at(subdomain)]; }  ///< rows ascending
+  std::vector<Index> neighbours(Index subdomain) const;  ///< subdomains it is glued to, ascending
+  SparseMatrix matrix(Index subdomain) const;            ///< A_E, n_Gamma x d n_E, signed boolean
+
+  /// Whether both glue the same grains in the same subdomains, whatever the local numbers.
+  bool same_rows(const Interface& other) const;
+
+  /// The jumps sum_E A_E V_E. `velocity(e, i, k)`: unknown k of the grain with local number i of subdomain e.
+  template <class Velocity>
+  Vector exchange(const Velocity& velocity) const {
+    Vector jumps = Vector::Zero(size());
+    for (std::size_t e = 0; e < ties_.size(); ++e)
+      for (const Tie& tie : ties_[e])
+        for (Index k = 0; k < dofs_; ++k)
+          jumps[dofs_ * tie.row + k] += tie.sign * velocity(static_cast<Index>(e), tie.grain, k);
+    return jumps;
+  }
+  /// The same of velocities V_E, d n_E entries each.
+  Vector exchange(const std::vector<Vector>& velocities) const;
+
+  /// A_E^T F: what interface impulses F come to on the grains of a subdomain, d n_E.
+  Vector distribute(Index subdomain, const Vector& f) const;
+
+  /// Inner product of two vectors of the interface: every unknown counts once, however many copies it ties.
+  double dot(const Vector& f, const Vector& g) const { return f.dot(g); }
+
+  /// Velocities o_E of the copies with the jumps g, sum_E A_E o_E = g. The first copy of each grain is at
+  /// rest.
+  std::vector<Vector> copies_apart(const Vector& g) const;
+  /// The interface impulses F with A_E^T F = `impulses` of every subdomain; on each grain these must balance.
+  Vector collect(std::vector<Vector> impulses) const;
+
+  /// X_inf^-1 g,  X_inf = sum_E A_E M_E^-1 A_E^T,  in closed form grain by grain: for copies at o_j with the
+  /// jumps g, each of inertia M/q, a chain has F_k = (M/q) sum_{j <= k} (o_j - mean o).
+  /// `inertia(copy, k)`: of unknown k of a copy; all copies of a grain have the same.
+  template <class Inertia>
+  Vector solve_generic(const Inertia& inertia, const Vector& g) const {
+    Vector f(g.size());
+    for (Index first = 0, last = 0; first < count(gluing_); first = last) {
+      while (last < count(gluing_) && gluing_[at(last)].grain == gluing_[at(first)].grain) ++last;
+      for (Index k = 0; k < dofs_; ++k) balance(first, last, k, inertia(gluing_[at(first)].first, k), g, f);
+    }
+    return f;
+  }
+
+ private:
+  void balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const;
+
+  Index dofs_ = 0;
+  GluingShape shape_ = GluingShape::chain;
+  std::vector<Index> start_{0};    // of the copies of each grain
+  std::vector<GrainCopy> copies_;  // grain by grain
+  std::vector<Gluing> gluing_;
+  std::vector<std::vector<Tie>> ties_;  // of each subdomain
+  std::vector<Index> held_;             // number of grains of each subdomain, n_E
+};
+
+}  // namespace nscdd

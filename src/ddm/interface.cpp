@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/sparse_entries.hpp"
+#include <nscdd/ddm/interface.hpp>
+
+#include <algorithm>
+#include <numeric>
+
+namespace nscdd {
+
+Interface::Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
+                     const std::vector<char>& tied, GluingShape shape)
+    : dofs_(dofs_per_grain), shape_(shape), start_(at(grains + 1), 0), ties_(held.size()) {
+  for (const auto& numbers : held) {
+    held_.push_back(count(numbers));
+    for (const Index grain : numbers) ++start_[at(grain + 1)];
+  }
+  std::partial_sum(start_.begin(), start_.end(), start_.begin());
+  copies_.resize(at(start_.back()));
+  std::vector<Index> next(start_.begin(), start_.end() - 1);
+  for (Index e = 0; e < count(held); ++e)
+    for (Index i = 0; i < count(held[at(e)]); ++i) copies_[at(next[at(held[at(e)][at(i)])]++)] = {e, i};
+  for (Index grain = 0; grain < grains; ++grain) {
+    if (!tied.empty() && tied[at(grain)] == 0) continue;
+    const auto all = copies(grain);
+    for (std::size_t k = 1; k < all.size(); ++k) {
+      const GrainCopy &first = all[shape == GluingShape::chain ? k - 1 : 0], &second = all[k];
+      ties_[at(first.subdomain)].push_back({count(gluing_), first.grain, 1});
+      ties_[at(second.subdomain)].push_back({count(gluing_), second.grain, -1});
+      gluing_.push_back({grain, first, second});
+    }
+  }
+}
+
+std::span<const GrainCopy> Interface::copies(Index grain) const {
+  return {copies_.data() + start_[at(grain)], at(multiplicity(grain))};
+}
+
+std::vector<Index> Interface::neighbours(Index subdomain) const {
+  std::vector<Index> others;
+  for (const Tie& tie : ties(subdomain)) {
+    const Gluing& row = gluing_[at(tie.row)];
+    others.push_back(tie.sign > 0 ? row.second.subdomain : row.first.subdomain);
+  }
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  return others;
+}
+
+SparseMatrix Interface::matrix(Index subdomain) const {
+  SparseEntries entries;
+  for (const Tie& tie : ties(subdomain))
+    for (Index k = 0; k < dofs_; ++k) entries.add(dofs_ * tie.row + k, dofs_ * tie.grain + k, tie.sign);
+  return entries.matrix(size(), dofs_ * held_[at(subdomain)]);
+}
+
+bool Interface::same_rows(const Interface& other) const {
+  return dofs_ == other.dofs_ && std::equal(gluing_.begin(), gluing_.end(), other.gluing_.begin(),
+                                            other.gluing_.end(), [](const Gluing& a, const Gluing& b) {
+                                              return a.grain == b.grain &&
+                                                     a.first.subdomain == b.first.subdomain &&
+                                                     a.second.subdomain == b.second.subdomain;
+                                            });
+}
+
+Vector Interface::exchange(const std::vector<Vector>& velocities) const {
+  return exchange([&](Index e, Index grain, Index k) { return velocities[at(e)][dofs_ * grain + k]; });
+}
+
+Vector Interface::distribute(Index subdomain, const Vector& f) const {
+  Vector impulses = Vector::Zero(dofs_ * held_[at(subdomain)]);
+  for (const Tie& tie : ties(subdomain))
+    impulses.segment(dofs_ * tie.grain, dofs_) += tie.sign * f.segment(dofs_ * tie.row, dofs_);
+  return impulses;
+}
+
+std::vector<Vector> Interface::copies_apart(const Vector& g) const {
+  std::vector<Vector> velocities;
+  for (const Index grains : held_) velocities.push_back(Vector::Zero(dofs_ * grains));
+  for (Index row = 0; row < count(gluing_); ++row) {
+    const auto& [grain, first, second] = gluing_[at(row)];
+    velocities[at(second.subdomain)].segment(dofs_ * second.grain, dofs_) =
+        velocities[at(first.subdomain)].segment(dofs_ * first.grain, dofs_) - g.segment(dofs_ * row, dofs_);
+  }
+  return velocities;
+}
+
+// Leaves first: a copy with no row below it feels -F of the row that brought it, and passes the rest on.
+Vector Interface::collect(std::vector<Vector> impulses) const {
+  Vector f(size());
+  for (Index row = count(gluing_) - 1; row >= 0; --row) {
+    const auto& [grain, first, second] = gluing_[at(row)];
+    const auto leaf = impulses[at(second.subdomain)].segment(dofs_ * second.grain, dofs_);
+    f.segment(dofs_ * row, dofs_) = -leaf;
+    impulses[at(first.subdomain)].segment(dofs_ * first.grain, dofs_) += leaf;
+  }
+  return f;
+}
+
+// Unknown k of one grain, the rows `first` ... `last` - 1.
+void Interface::balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const {
+  const bool chain = shape_ == GluingShape::chain;
+  const double q = static_cast<double>(last - first + 1);
+  const auto jump = [&](Index row) { return g[dofs_ * row + k]; };
+  double position = 0, mean = 0;  // of the second copy of a row, the first copy of the grain being at 0
+  for (Index row = first; row < last; ++row) {
+    position = chain ? position - jump(row) : -jump(row);
+    mean += position / q;
+  }
+  position = 0;
+  double sum = 0;
+  for (Index row = first; row < last; ++row) {
+    sum += position - mean;
+    f[dofs_ * row + k] = inertia * (chain ? sum : jump(row) + mean);
+    position -= jump(row);
+  }
+}
+
+}  // namespace nscdd

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// Entries of a sparse matrix, gathered one by one in any order. Entries of one place add up; a zero that is
+/// added is stored.
+class SparseEntries {
+ public:
+  void reserve(std::size_t entries) { entries_.reserve(entries); }
+  void add(Index row, Index column, double value) {
+    entries_.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  }
+  void add_block(const SparseMatrix& block, Index row, Index column) {
+    for (Index j = 0; j < block.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator e(block, j); e; ++e) add(row + e.row(), column + j, e.value());
+  }
+  SparseMatrix matrix(Index rows, Index columns) const {
+    SparseMatrix result(rows, columns);
+    result.setFromTriplets(entries_.begin(), entries_.end());
+    return result;
+  }
+
+ private:
+  std::vector<Eigen::Triplet<double>> entries_;
+};
+
+/// The columns of a matrix with the given numbers, in that order.
+inline SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns) {
+  SparseEntries entries;
+  for (Index j = 0; j < count(columns); ++j)
+    for (SparseMatrix::InnerIterator e(matrix, columns[at(j)]); e; ++e) entries.add(e.row(), j, e.value());
+  return entries.matrix(matrix.rows(), count(columns));
+}
+
+}  // namespace nscdd

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The interface alone: copies, rows, neighbours, and what it exchanges, against A_E as matrices.
+#include "../support/problems.hpp"
+#include "linalg/random.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// Grain 2 has three copies, grains 1 and 3 two, grain 4 two that are not glued; grain 5 touches nothing.
+struct Example {
+  std::vector<std::vector<Index>> held{{0, 1, 2}, {4, 2, 3}, {3, 2, 1, 4}};
+  std::vector<char> tied{1, 1, 1, 1, 0, 1};
+
+  Interface make(Index d, GluingShape shape = GluingShape::chain) const {
+    return {d, 6, {held[0], held[1], held[2]}, tied, shape};
+  }
+};
+
+std::vector<Vector> random_copies(const Interface& interface, const std::vector<std::vector<Index>>& held) {
+  RandomStream stream(7);
+  std::vector<Vector> v;
+  for (const auto& grains : held)
+    v.push_back(stream.normal_vector(interface.dofs_per_grain() * count(grains)));
+  return v;
+}
+
+}  // namespace
+
+TEST_CASE("interface: copies, multiplicity, rows in ascending order, neighbours") {
+  const Example example;
+  const Interface chain = example.make(3);
+  CHECK(chain.grains() == 6);
+  CHECK(chain.size() == 12);
+  const Index expected[] = {1, 2, 3, 2, 2, 0};
+  for (Index g = 0; g < 6; ++g) CHECK(chain.multiplicity(g) == expected[g]);
+  CHECK(chain.copies(2)[1].subdomain == 1);
+  CHECK(chain.copies(2)[1].grain == 1);
+  CHECK(chain.copies(5).empty());
+  REQUIRE(chain.gluing().size() == 4);
+  CHECK(chain.gluing()[1].grain == 2);
+  CHECK(chain.gluing()[2].first.subdomain == 1);
+  CHECK(chain.gluing()[2].second.subdomain == 2);
+  CHECK(chain.neighbours(0) == std::vector<Index>{1, 2});
+  CHECK(chain.neighbours(1) == std::vector<Index>{0, 2});
+  const Interface star = example.make(3, GluingShape::star);
+  CHECK(star.gluing()[2].first.subdomain == 0);
+  CHECK(star.neighbours(2) == std::vector<Index>{0, 1});  // through grain 3
+  CHECK(chain.same_rows(chain));
+  CHECK_FALSE(chain.same_rows(star));
+  CHECK_FALSE(chain.same_rows(example.make(2)));
+}
+
+TEST_CASE("interface: exchange and distribute are A_E and A_E^T; copies apart have the jumps asked for") {
+  const Example example;
+  for (const Index d : {2, 3, 6})
+    for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {
+      const Interface interface = example.make(d, shape);
+      const std::vector<Vector> v = random_copies(interface, example.held);
+      const Vector f = RandomStream(8).normal_vector(interface.size());
+      Vector jumps = Vector::Zero(interface.size());
+      double work = 0;
+      for (Index e = 0; e < 3; ++e) {
+        const SparseMatrix a = interface.matrix(e);
+        jumps += a * v[at(e)];
+        CHECK((interface.distribute(e, f) - a.transpose() * f).norm() < 1e-14);
+        work += interface.distribute(e, f).dot(v[at(e)]);
+      }
+      CHECK((interface.exchange(v) - jumps).norm() < 1e-14);
+      CHECK(interface.dot(f, jumps) == doctest::Approx(work));
+      CHECK((interface.exchange(interface.copies_apart(f)) - f).norm() < 1e-13);
+      std::vector<Vector> impulses;
+      for (Index e = 0; e < 3; ++e) impulses.push_back(interface.distribute(e, f));
+      CHECK((interface.collect(impulses) - f).norm() < 1e-13);
+    }
+}
+
+TEST_CASE(
+    "interface: X_infinity^-1 in closed form, for chains and stars, unequal masses, grains of many copies") {
+  const Model model = build(random_lattice(3, 8, 7, {3, 3}));
+  REQUIRE(cross_points(model.parts) > 0);
+  for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {
+    const Decomposition parts = decompose(model.problem, model.partition, shape);
+    const InterfaceOperator x = InterfaceFamily(parts).at(infinity);
+    const Vector f = RandomStream(9).normal_vector(x.rows());
+    CHECK((x.solve(x.apply(f)) - f).norm() < 1e-13 * f.norm());
+    CHECK((x.apply(x.solve(f)) - f).norm() < 1e-13 * f.norm());
+  }
+}
