@@ -2,8 +2,8 @@
 #include "ddm/frozen_iteration.hpp"
 
 #include "ddm/granular_interface.hpp"
+#include "mechanics/connectivity.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -12,10 +12,7 @@
 namespace nscdd {
 namespace {
 
-constexpr double unit_tolerance = 1e-9;
-constexpr Index dense_limit = 400;
-
-using Triplets = std::vector<Eigen::Triplet<double>>;
+constexpr double radius_tolerance = 1e-6;
 
 // Square roots of the inertia of one body, x, y and rim.
 Eigen::Vector3d root_inertia(const DiskVelocity& v) {
@@ -42,66 +39,54 @@ std::vector<std::vector<ContactStatus>> by_subdomain(const GranularDecomposition
   return result;
 }
 
-// First entry of each free body of a subdomain in y, -1 for a driven one.
-std::vector<Index> entries(const GranularSubdomain& subdomain, Index& next) {
-  std::vector<Index> first;
-  for (const DiskVelocity& v : subdomain.velocities) {
-    first.push_back(v.inverse_mass > 0 ? next : -1);
-    if (v.inverse_mass > 0) next += 3;
-  }
-  return first;
-}
-
-// Column of M^-1/2 H for the direction normal n + tangential t of a contact.
-void put_column(Triplets& triplets, const DiskContact& c, std::span<const DiskVelocity> v,
-                const std::vector<Index>& first, Index column, double normal, double tangential) {
-  for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
-    const Index row = first[static_cast<std::size_t>(body)];
-    if (row < 0) continue;
-    const Eigen::Vector3d root = root_inertia(v[static_cast<std::size_t>(body)]);
-    const std::array<double, 3> impulse = impulse_on_disk(c, sign, {normal, tangential});
-    for (int k = 0; k < 3; ++k)
-      triplets.emplace_back(static_cast<int>(row + k), static_cast<int>(column), impulse[at(k)] / root[k]);
-  }
-}
-
-// M^-1/2 G and M^-1/2 N of one subdomain: directions of impulses, and of velocities that are kept at 0.
-struct Directions {
-  Triplets impulses, velocities;
-  Index columns = 0;
+// One subdomain in y: the first entry of each of its bodies in its part of y, and what its contacts add.
+struct LocalMaps {
+  std::vector<BodyRows> bodies;
+  Vector root;            // of the inertia of every entry
+  SparseMatrix impulses;  // M^-1/2 G, the directions of impulses
+  SparseMatrix resting;   // M^-1/2 N, the directions in which contacts keep v = 0
+  SparseMatrix gluing;    // M^-1/2 A^T
 };
 
-Directions directions(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses,
-                      const std::vector<Index>& first, Index column) {
-  Directions result;
-  const auto put = [&](const DiskContact& c, double g_n, double g_t, double n_n, double n_t) {
-    put_column(result.impulses, c, subdomain.velocities, first, column + result.columns, g_n, g_t);
-    put_column(result.velocities, c, subdomain.velocities, first, column + result.columns, n_n, n_t);
-    ++result.columns;
-  };
-  for (std::size_t k = 0; k < statuses.size(); ++k) {
-    const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
-    if (statuses[k] == ContactStatus::open) continue;
-    put(c, 1, slope(statuses[k], c.friction), 1, 0);
-    if (statuses[k] == ContactStatus::stick) put(c, 0, 1, 0, 1);
-  }
-  return result;
+SparseMatrix over_rows(SparseMatrix matrix, const Vector& root) {
+  for (Index j = 0; j < matrix.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) e.valueRef() /= root[e.row()];
+  return matrix;
 }
 
-// M^-1/2 A^T of all copies.
-Index put_gluing(Triplets& triplets, const GranularDecomposition& parts,
-                 const std::vector<std::vector<Index>>& first, Index column) {
-  for (const Gluing& g : parts.interface.gluing()) {
-    for (const auto& [copy, sign] : {std::pair(g.first, 1.0), std::pair(g.second, -1.0)}) {
-      const Eigen::Vector3d root =
-          root_inertia(parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)]);
-      const Index row = first[at(copy.subdomain)][at(copy.grain)];
-      for (int k = 0; k < 3; ++k)
-        triplets.emplace_back(static_cast<int>(row + k), static_cast<int>(column + k), sign / root[k]);
-    }
-    column += 3;
+LocalMaps local_maps(const GranularDecomposition& parts, Index e,
+                     const std::vector<ContactStatus>& statuses) {
+  const GranularSubdomain& subdomain = parts.subdomains[at(e)];
+  LocalMaps maps;
+  std::vector<double> root;
+  for (const DiskVelocity& v : subdomain.velocities) {
+    maps.bodies.push_back({v.inverse_mass > 0 ? count(root) : -1});
+    if (v.inverse_mass == 0) continue;
+    const Eigen::Vector3d of_body = root_inertia(v);
+    root.insert(root.end(), of_body.begin(), of_body.end());
   }
-  return column;
+  maps.root = Vector::Map(root.data(), count(root));
+  ConnectivityBuilder impulses(2 * statuses.size()), resting(2 * statuses.size());
+  for (std::size_t k = 0; k < statuses.size(); ++k) {
+    if (statuses[k] == ContactStatus::open) continue;
+    const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
+    const auto put = [&](LocalVector impulse, LocalVector rest) {
+      impulses.add(c.normal(), maps.bodies[at(c.a)], maps.bodies[at(c.b)], impulse);
+      resting.add(c.normal(), maps.bodies[at(c.a)], maps.bodies[at(c.b)], rest);
+    };
+    put({1, slope(statuses[k], c.friction)}, {1, 0});
+    if (statuses[k] == ContactStatus::stick) put({0, 1}, {0, 1});
+  }
+  maps.impulses = over_rows(impulses.matrix(maps.root.size()), maps.root);
+  maps.resting = over_rows(resting.matrix(maps.root.size()), maps.root);
+  SparseEntries gluing;
+  for (const Tie& tie : parts.interface.ties(e))
+    for (Index k = 0; k < 3; ++k) {
+      const Index row = maps.bodies[at(tie.grain)].first + k;
+      gluing.add(row, 3 * tie.row + k, tie.sign / maps.root[row]);
+    }
+  maps.gluing = gluing.matrix(maps.root.size(), parts.interface_size());
+  return maps;
 }
 
 void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses,
@@ -116,19 +101,6 @@ void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>&
   }
 }
 
-FrozenRadius largest(const Eigen::VectorXcd& values) {
-  FrozenRadius result;
-  for (const std::complex<double>& value : values) {
-    if (std::abs(value - 1.0) <= unit_tolerance) {
-      ++result.unit_multiplicity;
-    } else if (std::abs(value) >= result.value) {
-      result.value = std::abs(value);
-      result.dominant = {value.real(), std::abs(value.imag())};
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 FrozenIteration::FrozenIteration(GranularDecomposition parts, const std::vector<ContactStatus>& statuses,
@@ -140,19 +112,17 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, const std::vector<
       relaxation_(relaxation) {
   copies_ = parts_;
   for (GranularSubdomain& subdomain : copies_.subdomains) subdomain.contacts = {};
-  std::vector<std::vector<Index>> first;
-  for (const GranularSubdomain& subdomain : parts_.subdomains) first.push_back(entries(subdomain, size_));
-  Triplets triplets;
+  SparseEntries impulses, gluing;
   Index columns = 0;
-  for (std::size_t e = 0; e < parts_.subdomains.size(); ++e) {
-    const Directions one = directions(parts_.subdomains[e], statuses_[e], first[e], columns);
-    triplets.insert(triplets.end(), one.impulses.begin(), one.impulses.end());
-    columns += one.columns;
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    const LocalMaps maps = local_maps(parts_, e, statuses_[at(e)]);
+    impulses.add_block(maps.impulses, size_, columns);
+    gluing.add_block(maps.gluing, size_, 0);
+    columns += maps.impulses.cols();
+    size_ += maps.root.size();
   }
-  columns = put_gluing(triplets, parts_, first, columns);
-  SparseMatrix caused(size_, columns);
-  caused.setFromTriplets(triplets.begin(), triplets.end());
-  range_ = std::make_shared<RangeProjector>(caused);
+  impulses.add_block(gluing.matrix(size_, parts_.interface_size()), 0, columns);
+  range_ = std::make_shared<RangeProjector>(impulses.matrix(size_, columns + parts_.interface_size()));
 }
 
 Vector FrozenIteration::apply(const Vector& y) const {
@@ -194,24 +164,14 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
                           const std::optional<InterfaceOperator>& enriched, double relaxation) {
   const auto local = by_subdomain(parts, statuses);
   Matrix system = Matrix::Zero(parts.interface_size(), parts.interface_size());
-  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
-    const GranularSubdomain& subdomain = parts.subdomains[e];
-    Index size = 0;
-    std::vector<std::vector<Index>> first(parts.subdomains.size());
-    first[e] = entries(subdomain, size);
-    const Directions one = directions(subdomain, local[e], first[e], 0);
-    SparseMatrix g(size, one.columns), n(size, one.columns);
-    g.setFromTriplets(one.impulses.begin(), one.impulses.end());
-    n.setFromTriplets(one.velocities.begin(), one.velocities.end());
-    Matrix a = Matrix::Zero(size, parts.interface_size());  // M^-1/2 A_E^T
-    for (const Tie& tie : parts.interface.ties(static_cast<Index>(e))) {
-      const Eigen::Vector3d root = root_inertia(subdomain.velocities[at(tie.grain)]);
-      for (Index k = 0; k < 3; ++k) a(first[e][at(tie.grain)] + k, 3 * tie.row + k) = tie.sign / root[k];
-    }
+  for (Index e = 0; e < count(parts.subdomains); ++e) {
+    const LocalMaps maps = local_maps(parts, e, local[at(e)]);
+    const Matrix a(maps.gluing);
     Matrix kept = a;
-    if (one.columns > 0) {
-      const Matrix w = Matrix(n.transpose() * g);
-      kept -= g * Eigen::CompleteOrthogonalDecomposition<Matrix>(w).solve(Matrix(n.transpose() * a));
+    if (maps.impulses.cols() > 0) {
+      const Matrix w(maps.resting.transpose() * maps.impulses);
+      kept -= maps.impulses *
+              Eigen::CompleteOrthogonalDecomposition<Matrix>(w).solve(Matrix(maps.resting.transpose() * a));
     }
     system += a.transpose() * kept;
   }
@@ -223,26 +183,13 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
   return b;
 }
 
-FrozenRadius frozen_radius(const Matrix& contraction) {
-  if (contraction.rows() == 0) return {};
-  const Eigen::EigenSolver<Matrix> solver(contraction, false);
-  FrozenRadius result = largest(solver.eigenvalues());
-  result.converged = solver.info() == Eigen::Success;
-  return result;
+MapRadius frozen_radius(const Matrix& contraction) {
+  return map_radius(contraction, {.tolerance = radius_tolerance}, UnitEigenvalues::passed_over);
 }
 
-FrozenRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options) {
-  const Index n = iteration.rows();
-  if (n == 0) return {};
-  if (n <= dense_limit) return frozen_radius(dense(iteration));
-  const ArnoldiResult found = arnoldi(n, linear_map(iteration), options, unit_tolerance);
-  FrozenRadius result;
-  result.unit_multiplicity = found.units;
-  result.value = std::abs(found.value);
-  result.dominant = found.value;
-  result.residual = found.residual;
-  result.converged = found.converged && found.residual <= 1e-6 * std::max(1.0, result.value);
-  return result;
+MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options) {
+  return map_radius(iteration, {.tolerance = radius_tolerance, .arpack = options},
+                    UnitEigenvalues::passed_over);
 }
 
 }  // namespace nscdd

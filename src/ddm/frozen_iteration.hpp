@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/map_radius.hpp"
 #include "linalg/range_projector.hpp"
 #include <nscdd/ddm/granular_decomposition.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/linalg/arpack.hpp>
 #include <nscdd/mechanics/contact_law.hpp>
 
-#include <complex>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -47,20 +47,14 @@ class FrozenIteration {
 
 /// The contraction of the interface with an exact Stage 1 at frozen statuses, n_Gamma x n_Gamma, dense:
 ///     B = I - omega P^-1 sum_E A_E (I - Pi_E) M_E^-1 A_E^T,   Pi_E = M_E^-1 G_E (N_E^T M_E^-1 G_E)^+ N_E^T
-/// (theory section 9): G the directions of the impulses, N those in which contacts keep v = 0. Symmetric up
-/// to P where nothing slides.
+/// (docs/theory.md, "Local analysis with friction"): G the directions of the impulses, N those in which
+/// contacts keep v = 0. Symmetric up to P where nothing slides.
 Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
 
-/// Largest modulus among the eigenvalues of a frozen map that are not 1 (within 1e-9).
-struct FrozenRadius {
-  double value = 0;
-  std::complex<double> dominant;
-  Index unit_multiplicity = 0;  ///< eigenvalues within 1e-9 of 1: impulses that the networks carry either way
-  double residual = 0;
-  bool converged = true;
-};
-FrozenRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options = {});
-FrozenRadius frozen_radius(const Matrix& contraction);
+/// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks carry
+/// either way. It is converged if its residual is at most 1e-6.
+MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options = {});
+MapRadius frozen_radius(const Matrix& contraction);
 
 }  // namespace nscdd

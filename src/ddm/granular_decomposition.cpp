@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/connectivity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/granular_decomposition.hpp>
 #include <nscdd/mechanics/contact_order.hpp>
@@ -60,10 +61,6 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
   }
 }
 
-void put(std::vector<Eigen::Triplet<double>>& entries, Index row, Index column, double value) {
-  entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-}
-
 }  // namespace
 
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
@@ -99,22 +96,14 @@ ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
     result.inertia.segment(3 * i, 3) << mass, mass, mass / rim_mass_ratio;
     result.arriving_velocity.segment(3 * i, 3) << v.x, v.y, v.rim;
   }
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(10 * problem.contacts.size());
-  for (Index c = 0; c < count(problem.contacts); ++c) {
-    const DiskContact& k = problem.contacts[at(c)];
-    for (const auto& [body, sign] : {std::pair(Index{k.a}, -1.0), std::pair(Index{k.b}, 1.0)}) {
-      if (problem.free[at(body)].inverse_mass == 0) continue;
-      const auto normal = impulse_on_disk(k, sign, {1, 0}), tangent = impulse_on_disk(k, sign, {0, 1});
-      put(entries, 3 * body, 2 * c, normal[0]);
-      put(entries, 3 * body + 1, 2 * c, normal[1]);
-      put(entries, 3 * body, 2 * c + 1, tangent[0]);
-      put(entries, 3 * body + 1, 2 * c + 1, tangent[1]);
-      put(entries, 3 * body + 2, 2 * c + 1, tangent[2]);
-    }
-  }
-  result.h.resize(3 * disks, 2 * count(problem.contacts));
-  result.h.setFromTriplets(entries.begin(), entries.end());
+  ConnectivityBuilder h(2 * problem.contacts.size());
+  const auto rows = [&](Index body) {
+    return problem.free[at(body)].inverse_mass == 0 ? BodyRows{} : BodyRows{3 * body};
+  };
+  for (const DiskContact& c : problem.contacts)
+    for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
+      h.add(c.normal(), rows(c.a), rows(c.b), direction);
+  result.h = h.matrix(3 * disks);
   return result;
 }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/map_radius.hpp"
 #include <nscdd/core/types.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/ddm/two_stage.hpp>
-
-#include <complex>
 
 namespace nscdd {
 
@@ -21,22 +19,7 @@ struct InexactIteration {
   Vector apply(const Vector& z) const;  ///< one iteration of the algorithm without loads
 };
 
-/// Spectral radius of a nonsymmetric iteration map.
-struct InexactRadius {
-  double value = 0;
-  std::complex<double>
-      dominant;  ///< eigenvalue of largest modulus (of a pair, the one with positive imaginary part)
-  Index unit_multiplicity =
-      0;                   ///< rigid limit: eigenvalues within 1e-9 of 1; -1 where ARPACK did not count them
-  double subdominant = 0;  ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
-  std::string_view solver = "none";
-  Index applications = 0;  ///< iterations of the algorithm spent
-  double residual = 0;     ///< ||J x - lambda x|| / ||x||
-  bool converged = true;
-};
-
-/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. The
-/// fallback is taken where ARPACK does not converge or meets a unit eigenvalue.
-InexactRadius inexact_radius(const InexactIteration& j, const SpectralOptions& options = {});
+/// The radius of J_n; in the rigid limit unit eigenvalues are counted.
+MapRadius inexact_radius(const InexactIteration& j, const SpectralOptions& options = {});
 
 }  // namespace nscdd

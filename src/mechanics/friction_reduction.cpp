@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
@@ -14,7 +15,6 @@
 namespace nscdd {
 namespace {
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 constexpr Index dense_up_to = 32;        // unknowns of a piece: a few bodies joined
@@ -51,14 +51,11 @@ class Piece {
   Piece(const SparseMatrix& mass, const std::vector<Index>& unknowns, std::vector<Index>& place,
         const std::string& name) {
     for (Index i = 0; i < count(unknowns); ++i) place[at(unknowns[at(i)])] = i;
-    Triplets entries;
+    SparseEntries entries;
     for (const Index j : unknowns)
       for (SparseMatrix::InnerIterator e(mass, j); e; ++e)
-        if (e.value() != 0)
-          entries.emplace_back(static_cast<int>(place[at(e.row())]), static_cast<int>(place[at(j)]),
-                               e.value());
-    SparseMatrix block(count(unknowns), count(unknowns));
-    block.setFromTriplets(entries.begin(), entries.end());
+        if (e.value() != 0) entries.add(place[at(e.row())], place[at(j)], e.value());
+    const SparseMatrix block = entries.matrix(count(unknowns), count(unknowns));
     bool definite = true;
     if (count(unknowns) <= dense_up_to) {
       dense_.compute(Matrix(block));
@@ -106,7 +103,7 @@ Matrix block_of(const SparseMatrix& h, const std::vector<Index>& columns, Index 
 // H_p^T M_p^-1 H_p of one piece, added to W.
 void add_delassus(const GlobalFrictionProblem& problem, const Piece& piece,
                   const std::vector<Index>& unknowns, const std::vector<Index>& place,
-                  const std::vector<Index>& columns, Triplets& w) {
+                  const std::vector<Index>& columns, SparseEntries& w) {
   for (Index first = 0; first < count(columns); first += columns_at_a_time) {
     const Index size = std::min(columns_at_a_time, count(columns) - first);
     const Matrix solved = piece.solve(block_of(problem.h, columns, first, size, unknowns, place));
@@ -118,7 +115,7 @@ void add_delassus(const GlobalFrictionProblem& problem, const Piece& piece,
           if (local < count(unknowns) && unknowns[at(local)] == e.row())
             value += e.value() * solved(local, k);
         }
-        w.emplace_back(static_cast<int>(row), static_cast<int>(columns[at(first + k)]), value);
+        w.add(row, columns[at(first + k)], value);
       }
   }
 }
@@ -136,7 +133,7 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   const Index size = problem.h.cols();
   const SparseRows rows = problem.h;
   std::vector<Index> place(at(problem.mass.rows()), 0);
-  Triplets w;
+  SparseEntries w;
   Vector free = Vector::Zero(problem.mass.rows());  // M^-1 f
   for (const std::vector<Index>& unknowns : pieces(problem.mass)) {
     const Piece piece(problem.mass, unknowns, place, name);
@@ -145,8 +142,7 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
     for (Index i = 0; i < solved.size(); ++i) free[unknowns[at(i)]] = solved[i];
   }
   LocalFrictionProblem local;
-  local.w.resize(size, size);
-  local.w.setFromTriplets(w.begin(), w.end());
+  local.w = w.matrix(size, size);
   local.q = problem.h.transpose() * free + problem.w;
   local.friction = problem.friction;
   check(local, name);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/connectivity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
@@ -39,20 +40,10 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   problem.inertia.resize(2 * n);
   for (Index i = 0; i < n; ++i) problem.inertia.segment(2 * i, 2).setConstant(packing.mass[at(i)]);
 
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(4 * network.contacts.size());
-  const auto put = [&](Index row, Index column, double value) {
-    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-  };
-  for (Index c = 0; c < network.size(); ++c) {
-    const Contact& contact = network.contacts[at(c)];
-    for (Index k = 0; k < 2; ++k) {
-      put(2 * contact.a + k, c, -contact.normal[at(k)]);
-      put(2 * contact.b + k, c, contact.normal[at(k)]);
-    }
-  }
-  problem.h.resize(2 * n, network.size());
-  problem.h.setFromTriplets(entries.begin(), entries.end());
+  ConnectivityBuilder h(network.contacts.size());
+  for (const Contact& contact : network.contacts)
+    h.add(contact.normal, {2 * contact.a}, {2 * contact.b}, {1, 0});
+  problem.h = h.matrix(2 * n);
 
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {

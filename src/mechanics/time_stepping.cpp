@@ -252,7 +252,7 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
     for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
       const DiskVelocity& v = velocities[static_cast<std::size_t>(body)];
       if (v.inverse_mass > 0) continue;
-      const auto impulse = impulse_on_disk(c, sign, {c.impulse_n, c.impulse_t});
+      const auto impulse = impulse_on_disk(c.normal(), sign, {c.impulse_n, c.impulse_t});
       boundary_work -= impulse[0] * v.x + impulse[1] * v.y + impulse[2] * v.rim;
     }
   }

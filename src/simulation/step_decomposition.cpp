@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/step_decomposition.hpp"
 
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/ddm/granular_decomposition.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/mechanics/contact_residual.hpp>
@@ -34,13 +35,9 @@ Packing free_grains(const GranularSystem& system, const GranularState& state, co
 // Normal directions only: METIS needs to know which contacts share a grain.
 ReferenceProblem normal_problem(const StepProblem& problem, Index disks) {
   ReferenceProblem result = reference_problem(problem, disks);
-  SparseMatrix h(result.h.rows(), count(problem.contacts));
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index c = 0; c < count(problem.contacts); ++c)
-    for (SparseMatrix::InnerIterator e(result.h, 2 * c); e; ++e)
-      entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(c), e.value());
-  h.setFromTriplets(entries.begin(), entries.end());
-  result.h = std::move(h);
+  std::vector<Index> normals;
+  for (Index c = 0; c < count(problem.contacts); ++c) normals.push_back(2 * c);
+  result.h = selected_columns(result.h, normals);
   return result;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/range_projector.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/mechanics/unilateral.hpp>
@@ -15,24 +16,19 @@ namespace {
 // Impulses are unique where the columns of H of all contacts that stay closed are independent. (Where they
 // are not, they may still be, if no self-stress spares the idle ones; that is not looked into.)
 bool unique_impulses(const ReferenceProblem& problem, const std::vector<UnilateralStatus>& status) {
-  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Index> closed;
   std::vector<char> touched(at(problem.grains()), 0);
-  Index closed = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
     if (status[at(c)] == UnilateralStatus::open) continue;
-    for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e)
-      entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(closed), e.value());
     for (const Index grain : grains_of_contact(problem, c)) touched[at(grain)] = 1;
-    ++closed;
+    closed.push_back(c);
   }
-  if (closed == 0) return true;
+  if (closed.empty()) return true;
   // Two translations and a rotation are invisible to contacts: more columns than that leaves cannot be
   // independent, which spares large packings a factorisation.
   const Index grains = std::count(touched.begin(), touched.end(), 1);
-  if (closed > problem.dofs_per_grain * grains - 3) return false;
-  SparseMatrix columns(problem.h.rows(), closed);
-  columns.setFromTriplets(entries.begin(), entries.end());
-  return sparse_rank(columns) == closed;
+  if (count(closed) > problem.dofs_per_grain * grains - 3) return false;
+  return sparse_rank(selected_columns(problem.h, closed)) == count(closed);
 }
 
 ContactChoice compressive(const ReferenceProblem& problem) {

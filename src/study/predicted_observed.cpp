@@ -146,8 +146,8 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   if (best.statuses.empty()) return result;
   count_statuses(result, best.statuses);
   fit(result, best);
-  const FrozenRadius frozen = frozen_radius(FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps,
-                                                            step.enriched, solver.interface_relaxation));
+  const MapRadius frozen = frozen_radius(FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps,
+                                                         step.enriched, solver.interface_relaxation));
   result.predicted = frozen.value;
   result.complex_pair = frozen.dominant.imag() > 0;
   result.converged = frozen.converged;

@@ -80,7 +80,7 @@ void set_inexact(SweepResult& result, const Decomposition& stage_one, const Inte
   const SweepPoint& point = result.point;
   const InexactIteration j{TwoStageIteration(stage_one, LinearViscous{point.epsilon}, preconditioner,
                                              Index{*point.gauss_seidel_sweeps}, *point.relaxation)};
-  const InexactRadius radius = inexact_radius(j, options);
+  const MapRadius radius = inexact_radius(j, options);
   result.radius.value = radius.value;
   result.radius.unit_multiplicity = radius.unit_multiplicity;
   result.radius.subdominant = radius.subdominant;

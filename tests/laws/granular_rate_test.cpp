@@ -160,7 +160,7 @@ TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code'
           }
       }
       // Not self-adjoint: the rate comes near the radius once other modes are gone, which takes its time.
-      const InexactRadius radius = inexact_radius({linear});
+      const MapRadius radius = inexact_radius({linear});
       if (std::abs(radius.dominant.imag()) > 1e-12) continue;  // a pair: changes of F do not just shrink
       CHECK(observed_rate(std::move(granular), 3000) == doctest::Approx(radius.value).epsilon(0.06));
     }

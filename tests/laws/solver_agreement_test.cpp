@@ -121,8 +121,8 @@ TEST_CASE("J_n: dense against ARPACK's nonsymmetric driver, complex pairs includ
       for (const Index sweeps : {1, 3, 20}) {
         const InexactIteration j{
             TwoStageIteration(model.parts, LinearViscous{epsilon}, family.at(eta), sweeps)};
-        const InexactRadius dense = inexact_radius(j, {.solver = SpectralSolver::dense});
-        const InexactRadius arpack = inexact_radius(j, {.solver = SpectralSolver::arpack});
+        const MapRadius dense = inexact_radius(j, {.solver = SpectralSolver::dense});
+        const MapRadius arpack = inexact_radius(j, {.solver = SpectralSolver::arpack});
         REQUIRE(dense.converged);
         REQUIRE(arpack.converged);
         CHECK(arpack.solver == "arpack");

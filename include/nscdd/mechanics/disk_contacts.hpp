@@ -33,8 +33,9 @@ inline DiagonalDelassus disk_delassus(const DiskVelocity& a, const DiskVelocity&
 struct DiskContact {
   std::int32_t a = 0, b = 0;          ///< positions in the array of velocities
   double normal_x = 1, normal_y = 0;  ///< n
-  DiagonalDelassus inverse_w;         ///< kg
-  double bias_n = 0, bias_t = 0;      ///< m/s, what the law adds to v: gap / h, restitution
+  std::array<double, 2> normal() const { return {normal_x, normal_y}; }
+  DiagonalDelassus inverse_w;     ///< kg
+  double bias_n = 0, bias_t = 0;  ///< m/s, what the law adds to v: gap / h, restitution
   double friction = 0;
   double pull = 0;                      ///< largest pulling impulse, N s; 0 but for a law that pulls
   double impulse_n = 0, impulse_t = 0;  ///< r, N s
@@ -54,8 +55,9 @@ inline LocalVector relative_velocity(const DiskContact& c, std::span<const DiskV
 }
 
 /// H_c r on one of its disks, (x, y, rim), N s; sign +1 for b, -1 for a. With r a unit vector, a column of H.
-inline std::array<double, 3> impulse_on_disk(const DiskContact& c, double sign, LocalVector r) {
-  return {sign * (c.normal_x * r.n - c.normal_y * r.t), sign * (c.normal_y * r.n + c.normal_x * r.t), -r.t};
+inline std::array<double, 3> impulse_on_disk(const std::array<double, 2>& normal, double sign,
+                                             LocalVector r) {
+  return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 
 /// V += M^-1 H_c r: the velocities of both disks after an impulse r on b and -r on a.
