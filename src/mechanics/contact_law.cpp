@@ -23,8 +23,7 @@ LocalVector project_on_cone(LocalVector impulse, double friction) {
 LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho) {
   const LocalVector moved{impulse.n - rho * (velocity.n + friction * std::abs(velocity.t)),
                           impulse.t - rho * velocity.t};
-  const LocalVector projected = project_on_cone(moved, friction);
-  return {impulse.n - projected.n, impulse.t - projected.t};
+  return impulse - project_on_cone(moved, friction);
 }
 
 }  // namespace nscdd

@@ -6,9 +6,6 @@
 namespace nscdd {
 namespace {
 
-double square(LocalVector v) { return v.n * v.n + v.t * v.t; }
-double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
-
 // Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
 constexpr double edge_tolerance = 1e-12;
 
@@ -22,19 +19,19 @@ template <class Law>
 void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
   const LocalVector r{c.impulse_n, c.impulse_t};
   const LocalVector next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
-  const LocalVector change = c.inverse_w.apply({next.n - r.n, next.t - r.t});
+  const LocalVector change = c.inverse_w.apply(next - r);
   const LocalVector here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
-  sum.impulses += square(r);
-  sum.violation += square(change);
+  sum.impulses += squared(r);
+  sum.violation += squared(change);
   sum.work += dot({(next.n + r.n) / 2, (next.t + r.t) / 2}, change);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
-  sum.scale_velocity += (square(here) + square(there)) / 2;
+  sum.scale_velocity += (squared(here) + squared(there)) / 2;
   if constexpr (!Law::opens) {
-    sum.natural_map += square({next.n - r.n, next.t - r.t});
+    sum.natural_map += squared(next - r);
   } else {
     const LocalVector relative = relative_velocity(c, v);
-    sum.natural_map += square(natural_map({r.n + c.pull, r.t}, {relative.n + c.bias_n, relative.t + c.bias_t},
-                                          c.friction, c.inverse_w.inverse_n));
+    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, relative + LocalVector{c.bias_n, c.bias_t},
+                                           c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
   ++sum.active;

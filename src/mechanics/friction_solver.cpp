@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/contact_law.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
@@ -78,25 +79,20 @@ LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector& impul
 
 // The impulse that would bring contact c to rest, the others held:  r_c - W_c^-1 u_c.
 LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) {
-  const LocalVector change = w.solve(u);
-  return {impulse.n - change.n, impulse.t - change.t};
+  return impulse - w.solve(u);
 }
 
+template <bool relaxed>
 void sweep_once(const BlockRows& rows, const LocalFrictionProblem& problem,
                 const FrictionSolverOptions& options, Vector& impulses) {
   const Index contacts = problem.contacts();
   for (Index k = 0; k < contacts; ++k) {
     const Index c = options.order == SweepOrder::natural ? k : contacts - 1 - k;
     const FullDelassus& w = rows.diagonal[at(c)];
-    const LocalVector stop = stopping(w, component(impulses, c), velocity(rows, problem.q, impulses, c));
-    const LocalVector found = Coulomb{}.impulse(stop, w, problem.friction[c]);
-    if (options.relaxation == 1) {  // bit for bit the local solution
-      impulses[2 * c] = found.n;
-      impulses[2 * c + 1] = found.t;
-    } else {
-      impulses[2 * c] += options.relaxation * (found.n - impulses[2 * c]);
-      impulses[2 * c + 1] += options.relaxation * (found.t - impulses[2 * c + 1]);
-    }
+    LocalVector r = component(impulses, c);
+    const LocalVector stop = stopping(w, r, velocity(rows, problem.q, impulses, c));
+    take_impulse<relaxed>(r, Coulomb{}.impulse(stop, w, problem.friction[c]), options.relaxation);
+    impulses.segment<2>(2 * c) << r.n, r.t;
   }
 }
 
@@ -105,8 +101,7 @@ double lone_impulses(const LocalFrictionProblem& problem) {
   double squares = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
     const FullDelassus w = diagonal_block(problem, c);
-    const LocalVector r = Coulomb{}.impulse(stopping(w, {}, component(problem.q, c)), w, problem.friction[c]);
-    squares += r.n * r.n + r.t * r.t;
+    squares += squared(Coulomb{}.impulse(stopping(w, {}, component(problem.q, c)), w, problem.friction[c]));
   }
   return std::sqrt(squares);
 }
@@ -114,11 +109,9 @@ double lone_impulses(const LocalFrictionProblem& problem) {
 double natural_map_norm(const LocalFrictionProblem& problem, const Vector& impulses, const Vector& velocities,
                         const Vector& rho) {
   double squares = 0;
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector m =
-        natural_map(component(impulses, c), component(velocities, c), problem.friction[c], rho[c]);
-    squares += m.n * m.n + m.t * m.t;
-  }
+  for (Index c = 0; c < problem.contacts(); ++c)
+    squares +=
+        squared(natural_map(component(impulses, c), component(velocities, c), problem.friction[c], rho[c]));
   return std::sqrt(squares);
 }
 
@@ -216,7 +209,9 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
       return solution;
     }
     const Index many = std::min(options.check_every, options.maximum_sweeps - solution.sweeps);
-    for (Index k = 0; k < many; ++k) sweep_once(rows, problem, options, solution.impulses);
+    for (Index k = 0; k < many; ++k)
+      options.relaxation == 1 ? sweep_once<false>(rows, problem, options, solution.impulses)
+                              : sweep_once<true>(rows, problem, options, solution.impulses);
     solution.sweeps += many;
   }
 }

@@ -5,6 +5,16 @@
 
 namespace nscdd {
 
+/// The local step of every Gauss-Seidel sweep: a contact whose law wants the impulse `wanted`, the others
+/// held, takes the part `relaxation` of the way to it. Returns the change, which its bodies must feel at
+/// once. Not `relaxed`, the impulse is `wanted` to the last bit.
+template <bool relaxed, class Impulse>
+Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
+  const Impulse before = impulse;
+  impulse = relaxed ? before + relaxation * (wanted - before) : wanted;
+  return impulse - before;
+}
+
 /// What a Gauss-Seidel sweep over contacts needs of a body of grains, prepared once.
 struct ContactSystem {
   SparseMatrix h;         ///< H, d n x c
@@ -24,9 +34,7 @@ void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& i
     double velocity = 0;  // v = H_c^T V
     for (SparseMatrix::InnerIterator e(contacts.h, c); e; ++e) velocity += e.value() * velocities[e.row()];
     const double free_velocity = velocity - contacts.delassus[c] * impulses[c];
-    const double impulse = law.impulse(free_velocity, contacts.delassus[c]);
-    const double change = impulse - impulses[c];
-    impulses[c] = impulse;
+    const double change = take_impulse<false>(impulses[c], law.impulse(free_velocity, contacts.delassus[c]));
     for (SparseMatrix::InnerIterator e(contacts.response, c); e; ++e)
       velocities[e.row()] += e.value() * change;
   }

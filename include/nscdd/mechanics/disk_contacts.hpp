@@ -60,10 +60,9 @@ inline std::array<double, 3> impulse_on_disk(const std::array<double, 2>& normal
   return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 
-/// V += M^-1 H_c r: the velocities of both disks after an impulse r on b and -r on a.
-inline void apply_impulse(const DiskContact& c, LocalVector r, std::span<DiskVelocity> v) {
-  DiskVelocity& a = v[static_cast<std::size_t>(c.a)];
-  DiskVelocity& b = v[static_cast<std::size_t>(c.b)];
+/// V += M^-1 H_c r: the velocities of both disks of a contact after an impulse r on b and -r on a.
+template <class Contact>
+void apply_impulse(const Contact& c, LocalVector r, DiskVelocity& a, DiskVelocity& b) {
   const double px = c.normal_x * r.n - c.normal_y * r.t;
   const double py = c.normal_y * r.n + c.normal_x * r.t;
   a.x -= a.inverse_mass * px;
@@ -72,6 +71,10 @@ inline void apply_impulse(const DiskContact& c, LocalVector r, std::span<DiskVel
   b.x += b.inverse_mass * px;
   b.y += b.inverse_mass * py;
   b.rim -= rim_mass_ratio * b.inverse_mass * r.t;
+}
+
+inline void apply_impulse(const DiskContact& c, LocalVector r, std::span<DiskVelocity> v) {
+  apply_impulse(c, r, v[static_cast<std::size_t>(c.a)], v[static_cast<std::size_t>(c.b)]);
 }
 
 /// The impulse with which the contact would be at rest, bias included: r - W^-1 (v + bias).

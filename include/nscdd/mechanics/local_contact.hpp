@@ -13,6 +13,11 @@ namespace nscdd {
 struct LocalVector {
   double n = 0, t = 0;
 };
+inline LocalVector operator+(LocalVector a, LocalVector b) { return {a.n + b.n, a.t + b.t}; }
+inline LocalVector operator-(LocalVector a, LocalVector b) { return {a.n - b.n, a.t - b.t}; }
+inline LocalVector operator*(double factor, LocalVector a) { return {factor * a.n, factor * a.t}; }
+inline double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
+inline double squared(LocalVector a) { return dot(a, a); }
 
 /// What a contact with Coulomb friction does: r = 0; v = 0 inside the cone; v_n = 0 and r_t = -friction r_n
 /// (sliding forward, v_t >= 0) or +friction r_n (sliding backward, v_t <= 0).
