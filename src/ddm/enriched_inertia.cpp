@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/lazy.hpp"
 #include "linalg/ldlt/symmetric_factor.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
@@ -11,9 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
-#include <variant>
 
 namespace nscdd {
 namespace {
@@ -91,20 +90,18 @@ class EnrichedInertiaFamily::Preparation {
   }
 
   const CholeskyAnalysis& analysis() const {
-    std::call_once(analysis_once_, [this] { analysis_.emplace(stiffness); });
-    return *analysis_;
+    return analysis_.get([this] { return CholeskyAnalysis(stiffness); });
   }
 
   // With the interface grains last, so that the trailing block of the factor is the condensed subdomain.
   const SymmetricAnalysis& condensation() const {
-    std::call_once(condensation_once_, [this] {
+    return condensation_.get([this] {
       std::vector<Index> grain(nscdd::at(inertia.size()));
       for (Index i = 0; i < inertia.size(); ++i) grain[nscdd::at(i)] = i / dofs_per_grain;
       std::vector<char> shared(nscdd::at(inertia.size() / dofs_per_grain), 0);
       for (const Index i : glued_dofs()) shared[nscdd::at(i / dofs_per_grain)] = 1;
-      condensation_.emplace(SparseMatrix(stiffness.triangularView<Eigen::Lower>()), grain, shared);
+      return SymmetricAnalysis(SparseMatrix(stiffness.triangularView<Eigen::Lower>()), grain, shared);
     });
-    return *condensation_;
   }
 
   std::vector<Index> glued_dofs() const {  // columns of A_E that are not empty, ascending
@@ -120,76 +117,42 @@ class EnrichedInertiaFamily::Preparation {
   Index dofs_per_grain = 0;
 
  private:
-  mutable std::once_flag analysis_once_, condensation_once_;
-  mutable std::optional<CholeskyAnalysis> analysis_;
-  mutable std::optional<SymmetricAnalysis> condensation_;
+  Lazy<CholeskyAnalysis> analysis_;
+  Lazy<SymmetricAnalysis> condensation_;
 };
 
 class EnrichedInertia::Implementation {
  public:
-  struct Diagonal {};  // eta = infinity
-  struct Modal {
-    Vector weights;
-  };  // small subdomain, any eta
-  struct Factor {
-    double eta;
-  };                // factorised when first asked for
-  struct Rigid {};  // eta = 0, the same
-
-  static std::variant<Diagonal, Modal, Factor, Rigid> choose(const EnrichedInertiaFamily::Preparation& p,
-                                                             double eta) {
-    if (p.modes) return Modal{p.modes->weights(eta)};
-    if (std::isinf(eta)) return Diagonal{};
-    if (eta == 0) return Rigid{};
-    return Factor{eta};
+  Implementation(std::shared_ptr<const EnrichedInertiaFamily::Preparation> p, double flexibility)
+      : preparation(std::move(p)), eta(flexibility) {
+    if (preparation->modes) weights = preparation->modes->weights(eta);
   }
-
-  Implementation(std::shared_ptr<const EnrichedInertiaFamily::Preparation> p, double eta)
-      : preparation(std::move(p)), inverse(choose(*preparation, eta)) {}
 
   Matrix apply(const Matrix& r) const {
-    struct Visitor {
-      const Implementation& self;
-      const EnrichedInertiaFamily::Preparation& p;
-      const Matrix& r;
-      Matrix operator()(const Diagonal&) const { return p.inertia.cwiseInverse().asDiagonal() * r; }
-      Matrix operator()(const Modal& modal) const {
-        return p.modes->vectors * (modal.weights.asDiagonal() * (p.modes->vectors.transpose() * r));
-      }
-      Matrix operator()(const Factor& factor) const {
-        const SparseCholesky& cholesky = self.cholesky(factor.eta);
-        if (!cholesky.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
-        return cholesky.solve(r);
-      }
-      Matrix operator()(const Rigid&) const {  // M^-1/2 (I - Pi) M^-1/2
-        const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
-        Matrix scaled = root.asDiagonal() * r;
-        for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= self.range().apply(scaled.col(j));
-        return root.asDiagonal() * scaled;
-      }
-    };
-    return std::visit(Visitor{*this, *preparation, r}, inverse);
-  }
-
-  const SparseCholesky& cholesky(double eta) const {
-    std::call_once(cholesky_once_,
-                   [&] { cholesky_.emplace(preparation->analysis(), preparation->sum(eta)); });
-    return *cholesky_;
-  }
-
-  const RangeProjector& range() const {
-    std::call_once(range_once_,
-                   [&] { range_.emplace(scaled_connectivity(preparation->inertia, preparation->h)); });
-    return *range_;
+    const auto& p = *preparation;
+    if (p.modes) return p.modes->vectors * (weights.asDiagonal() * (p.modes->vectors.transpose() * r));
+    if (std::isinf(eta)) return p.inertia.cwiseInverse().asDiagonal() * r;
+    if (eta > 0) {
+      const SparseCholesky& factor = cholesky_.get([&] { return SparseCholesky(p.analysis(), p.sum(eta)); });
+      if (!factor.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
+      return factor.solve(r);
+    }
+    // The rigid limit, M^-1/2 (I - Pi) M^-1/2
+    const RangeProjector& range =
+        range_.get([&] { return RangeProjector(scaled_connectivity(p.inertia, p.h)); });
+    const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
+    Matrix scaled = root.asDiagonal() * r;
+    for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= range.apply(scaled.col(j));
+    return root.asDiagonal() * scaled;
   }
 
   std::shared_ptr<const EnrichedInertiaFamily::Preparation> preparation;
-  std::variant<Diagonal, Modal, Factor, Rigid> inverse;
+  double eta;
+  Vector weights;  // of the modes of a small subdomain
 
  private:
-  mutable std::once_flag cholesky_once_, range_once_;
-  mutable std::optional<RangeProjector> range_;
-  mutable std::optional<SparseCholesky> cholesky_;
+  Lazy<RangeProjector> range_;
+  Lazy<SparseCholesky> cholesky_;
 };
 
 EnrichedInertia::EnrichedInertia(std::shared_ptr<const Implementation> implementation)
@@ -199,13 +162,14 @@ Vector EnrichedInertia::solve(const Vector& impulses) const { return implementat
 
 Matrix EnrichedInertia::condense() const {
   const auto& p = *implementation_->preparation;
-  if (const auto* modal = std::get_if<Implementation::Modal>(&implementation_->inverse)) {
-    const Matrix scaled = p.modes->traces * modal->weights.cwiseSqrt().asDiagonal();
+  const double eta = implementation_->eta;
+  if (p.modes) {
+    const Matrix scaled = p.modes->traces * implementation_->weights.cwiseSqrt().asDiagonal();
     const Matrix product = scaled * scaled.transpose();
     return 0.5 * (product + product.transpose());
   }
-  if (const auto* factor = std::get_if<Implementation::Factor>(&implementation_->inverse)) {
-    const SymmetricFactor ldl(p.condensation(), p.sum(factor->eta).triangularView<Eigen::Lower>());
+  if (eta > 0 && !std::isinf(eta)) {
+    const SymmetricFactor ldl(p.condensation(), p.sum(eta).triangularView<Eigen::Lower>());
     if (!ldl.regular() || ldl.negative_eigenvalues() > 0)
       return Matrix::Constant(p.a.rows(), p.a.rows(), not_a_number);
     const std::vector<Index> dofs = p.glued_dofs();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/lazy.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 
 namespace nscdd {
@@ -40,14 +40,13 @@ class InterfaceFamily::Preparation {
 
   // X_infinity = sum_E A_E M_E^-1 A_E^T, nearly diagonal
   const SparseMatrix& inertia_operator() const {
-    std::call_once(inertia_once, [this] {
+    return inertia_operator_.get([this] {
       SparseMatrix sum(parts.interface_size(), parts.interface_size());
       for (const Subdomain& subdomain : parts.subdomains)
         sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() *
                             subdomain.a.transpose());
-      inertia_operator_ = std::move(sum);
+      return sum;
     });
-    return inertia_operator_;
   }
 
   // The undivided packing is needed by `solve` only, and only then put together.
@@ -56,24 +55,23 @@ class InterfaceFamily::Preparation {
     EnrichedInertiaFamily family;
   };
   const Whole& whole() const {
-    std::call_once(whole_once, [this] {
+    return whole_.get([this] {
       const Subdomain assembled = reassemble(parts);
       std::vector<Index> position(nscdd::at(parts.interface.grains()), -1);
       for (Index i = 0; i < count(assembled.grains); ++i)
         position[nscdd::at(assembled.grains[nscdd::at(i)])] = i;
-      whole_.emplace(Whole{std::move(position), EnrichedInertiaFamily(assembled, dense_limit)});
+      return Whole{std::move(position), EnrichedInertiaFamily(assembled, dense_limit)};
     });
-    return *whole_;
   }
 
   // dim ker X_0 = sum_E rank H_E - rank H: self-stresses of the whole that are none of a subdomain. A rank of
   // H does not depend on masses, the size of an eigenvalue of X_0 does.
   Index rigid_nullity() const {
-    std::call_once(nullity_once, [this] {
-      nullity_ = -sparse_rank(reassemble(parts).h);
-      for (const Subdomain& subdomain : parts.subdomains) nullity_ += sparse_rank(subdomain.h);
+    return nullity_.get([this] {
+      Index nullity = -sparse_rank(reassemble(parts).h);
+      for (const Subdomain& subdomain : parts.subdomains) nullity += sparse_rank(subdomain.h);
+      return nullity;
     });
-    return nullity_;
   }
 
   Decomposition parts;
@@ -83,10 +81,9 @@ class InterfaceFamily::Preparation {
   std::vector<EnrichedInertiaFamily> locals;
 
  private:
-  mutable std::once_flag whole_once, nullity_once, inertia_once;
-  mutable SparseMatrix inertia_operator_;
-  mutable std::optional<Whole> whole_;
-  mutable Index nullity_ = 0;
+  Lazy<SparseMatrix> inertia_operator_;
+  Lazy<Whole> whole_;
+  Lazy<Index> nullity_;
 };
 
 class InterfaceOperator::Implementation {
@@ -101,21 +98,18 @@ class InterfaceOperator::Implementation {
   }
 
   const EnrichedInertia& whole() const {
-    std::call_once(whole_once, [this] { whole_.emplace(preparation->whole().family.at(eta)); });
-    return *whole_;
+    return whole_.get([this] { return preparation->whole().family.at(eta); });
   }
 
   const Matrix& dense() const {
-    std::call_once(dense_once, [this] { dense_ = assemble(); });
-    return dense_;
+    return dense_.get([this] { return assemble(); });
   }
 
   const KernelSplit& kernel() const {
-    std::call_once(kernel_once, [this] {
+    return kernel_.get([this] {
       const Vector root = preparation->scale.cwiseSqrt().cwiseInverse();
-      kernel_ = split_kernel(root.asDiagonal() * dense() * root.asDiagonal(), nullity());
+      return split_kernel(root.asDiagonal() * dense() * root.asDiagonal(), nullity());
     });
-    return kernel_;
   }
 
   Index nullity() const { return eta > 0 ? 0 : preparation->rigid_nullity(); }
@@ -141,10 +135,9 @@ class InterfaceOperator::Implementation {
     return x;
   }
 
-  mutable std::once_flag whole_once, dense_once, kernel_once;
-  mutable std::optional<EnrichedInertia> whole_;
-  mutable Matrix dense_;
-  mutable KernelSplit kernel_;
+  Lazy<EnrichedInertia> whole_;
+  Lazy<Matrix> dense_;
+  Lazy<KernelSplit> kernel_;
 };
 
 InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> implementation)
