@@ -8,7 +8,8 @@
 namespace nscdd {
 namespace {
 
-// Enough contacts for out-of-order execution to find independent ones, few enough to stay in the first cache.
+// Contacts of a block: enough for out-of-order execution to find independent ones, few enough for the first
+// cache.
 constexpr Index interleaved_block = 256;
 
 // Place of a cell of a 2^16 x 2^16 grid along Hilbert's curve.
@@ -64,8 +65,8 @@ std::vector<Index> by_colour(std::vector<Index> order, const std::vector<int>& c
 
 std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::span<const DiskVelocity> bodies,
                                  Index block) {
-  // Bit c of used[i]: colour c is taken at disk i within the present block. A disk has few contacts, but one
-  // touched by more than 64 puts the rest into the last colour, which is then no longer free of conflicts.
+  // Bit c of used[i] says that colour c is taken at disk i within the present block. Disks have few contacts.
+  // If one has more than 64, the rest get the last colour, whose contacts may then share this disk.
   constexpr int most = 63;
   std::vector<std::uint64_t> used(bodies.size(), 0);
   std::vector<Index> block_of(bodies.size(), -1);

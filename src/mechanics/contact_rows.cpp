@@ -5,7 +5,7 @@
 namespace nscdd {
 namespace {
 
-// Decided once, outside the loop.
+// The choices are template parameters, so that the loop does not make them again for every contact.
 template <bool relaxed, bool tangential_bias, class Law>
 SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> velocities,
                 double relaxation) {

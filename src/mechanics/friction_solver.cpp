@@ -22,7 +22,7 @@ struct Block {
   double nn = 0, nt = 0, tn = 0, tt = 0;
 };
 
-// W as compressed rows of 2 x 2 blocks, with the diagonal ones apart for the law.
+// W as compressed rows of 2 x 2 blocks. The diagonal blocks are stored again for the law.
 struct BlockRows {
   std::vector<Index> start;
   std::vector<int> contact;
@@ -151,12 +151,12 @@ void check_options(const LocalFrictionProblem& problem, const FrictionSolverOpti
         options.maximum_sweeps, options.check_every, options.patience));
 }
 
-// What the residuals so far say of going on.
+// Decides whether the sweeps go on.
 class Judge {
  public:
   Judge(const FrictionSolverOptions& options, double scale) : options_(options), scale_(scale) {}
 
-  // True where the sweeps are to end, with `status` why.
+  // Whether the sweeps end here; `status` then says why.
   bool over(const FrictionState& state, const Vector& impulses, FrictionStatus& status) {
     const double size = impulses.norm();
     if (std::isnan(state.residual) || !std::isfinite(size)) {

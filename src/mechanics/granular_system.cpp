@@ -55,7 +55,7 @@ void check(const GranularSystem& system, const GranularState& state) {
 
 ContactLaw contact_law(const Interaction& interaction, double h) {
   ContactLaw law;
-  // One try for each alternative.
+  // Tries every alternative; the choices of the field are their names.
   const auto attempt = [&]<class... Laws>(const std::variant<Laws...>&) {
     ((to_string(interaction.law) == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
   };

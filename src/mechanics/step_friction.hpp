@@ -11,10 +11,10 @@ namespace nscdd {
 /// The contact problem of a step in the unknowns (v_x, v_y, spin) of its free bodies, three rows each in
 /// their order, as other programs have it:
 ///     M = diag(m, m, m R^2 / 2),   f = M V_free,   M v = H r + f,   u = H^T v + w.
-/// u is what the law sees, biases (gap / h, restitution) included: they are in w, with the velocities of
-/// driven bodies, which have no rows. The rows of spin have the lever arm, -R in the tangential column.
-/// `bodies`: V_free and inverse masses; `radius`: of each, m, those of driven bodies at the end may be
-/// missing (walls have none).
+/// The law acts on u. So w holds its biases (gap / h, restitution) and the velocities of driven bodies, which
+/// have no rows. In the rows of spin a tangential column has the lever arm, -R.
+/// `bodies`: V_free and inverse masses. `radius`: of each body, m; it may end before the driven bodies at the
+/// end (walls have no radius).
 GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies,
                                        std::span<const DiskContact> contacts, std::span<const double> radius);
 

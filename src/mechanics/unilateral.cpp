@@ -8,7 +8,7 @@
 namespace nscdd {
 namespace {
 
-// The unknowns r_i sqrt(W_ii), whatever the method.
+// The unknowns of both methods are r_i sqrt(W_ii).
 struct Solution {
   Vector scaled_impulses;
   double residual;

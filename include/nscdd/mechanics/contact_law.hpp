@@ -15,17 +15,17 @@ namespace nscdd {
 /// A law has
 ///   name
 ///   impulse(stop, w, friction)
-///       the impulse of one contact, solved together with v = W (r - stop): all that a sweep asks
+///       the impulse of one contact, solved together with v = W (r - stop); a sweep needs nothing else
 ///   of(interaction, h)
 ///       the law with its parameters, at a time step of h seconds
 ///   opens
-///       whether a contact may part; one that may obeys Coulomb's law with `pull` added to its normal
-///       impulse, which is how statuses and residuals are told
+///       whether a contact may part. If it may, it obeys Coulomb's law once `pull` is added to its normal
+///       impulse; statuses and residuals are those of this shifted law
 ///   rubs
 ///       whether a contact has a tangential impulse
 ///   pulls, pull()
-///       whether touching bodies hold each other, and the largest impulse with which they do, N s; a law that
-///       pulls is made from that impulse
+///       whether touching bodies hold each other, and the largest impulse with which they do, N s. A law that
+///       pulls can be made from that impulse alone
 using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
 
 /// A law by its place in ContactLaw.
@@ -46,7 +46,7 @@ inline double pull(const ContactLaw& law) {
   return std::visit([](const auto& one) { return one.pull(); }, law);
 }
 
-/// The law as it holds at a contact that pulls with at most `pull`, N s: 0 where the bodies do not touch.
+/// The law of one contact, which pulls with at most `pull`, N s. That is 0 if its bodies do not touch.
 template <class Law>
 Law law_at(const Law& law, double pull) {
   if constexpr (Law::pulls)
@@ -55,15 +55,15 @@ Law law_at(const Law& law, double pull) {
     return law;
 }
 
-/// How a contact stands under Coulomb's law (or a cohesive one, impulses shifted). An impulse within
-/// `tolerance` x friction r_n of the edge of the cone slides.
+/// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact
+/// slides if its impulse is within `tolerance` x friction r_n of the edge of the cone.
 ContactStatus contact_status(LocalVector impulse, double friction, double tolerance = 0);
 
 /// Projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }, orthogonal in the plane.
 LocalVector project_on_cone(LocalVector impulse, double friction);
 
 /// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction
-/// |v_t| n)), zero where (v, r) obeys Signorini and Coulomb, for any rho > 0 (kg). N s.
+/// |v_t| n)), N s. For any rho > 0 (kg) it is zero if and only if (v, r) obeys Signorini and Coulomb.
 LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho);
 
 }  // namespace nscdd

@@ -11,8 +11,8 @@
 
 namespace nscdd {
 
-/// Velocity of a disk while a step is solved. Spin is carried as the speed of its rim, radius x angular
-/// velocity, m/s: a full disk has the inertia mass/2 in it, and contacts need no lever arm.
+/// Velocity of a disk while a step is solved. The speed of the rim, radius x angular velocity, stands for the
+/// spin: a full disk has the inertia mass/2 in it, whatever its radius, and contacts need no lever arm.
 struct DiskVelocity {
   double x = 0, y = 0, rim = 0;  ///< m/s
   double inverse_mass = 0;       ///< 1/kg; 0 for a body whose motion is prescribed
@@ -29,15 +29,15 @@ inline DiagonalDelassus disk_delassus(const DiskVelocity& a, const DiskVelocity&
 
 /// One contact of a <- b in the frame (n, t), n from a to b, t = n turned by +90 degrees:
 ///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a) - rim_a - rim_b,
-/// with everything a law may ask. Sweeps use the shorter ContactRows.
+/// with everything a law may need. Sweeps use the shorter ContactRows.
 struct DiskContact {
   std::int32_t a = 0, b = 0;          ///< positions in the array of velocities
   double normal_x = 1, normal_y = 0;  ///< n
   std::array<double, 2> normal() const { return {normal_x, normal_y}; }
   DiagonalDelassus inverse_w;     ///< kg
-  double bias_n = 0, bias_t = 0;  ///< m/s, what the law adds to v: gap / h, restitution
+  double bias_n = 0, bias_t = 0;  ///< m/s, added to v before the law: gap / h, restitution
   double friction = 0;
-  double pull = 0;                      ///< largest pulling impulse, N s; 0 but for a law that pulls
+  double pull = 0;                      ///< largest pulling impulse, N s; 0 unless the law pulls
   double impulse_n = 0, impulse_t = 0;  ///< r, N s
 };
 

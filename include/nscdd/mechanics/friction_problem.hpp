@@ -23,7 +23,7 @@ struct LocalFrictionProblem {
   Index contacts() const { return friction.size(); }
 };
 
-/// The same with the velocities v of the bodies:
+/// The same problem with the velocities v of the bodies as unknowns:
 ///     M v = H r + f,   u = H^T v + w.
 struct GlobalFrictionProblem {
   SparseMatrix mass;  ///< M, n x n, symmetric positive definite, stored in full, kg (kg m^2)
@@ -35,29 +35,30 @@ struct GlobalFrictionProblem {
   Index contacts() const { return friction.size(); }
 };
 
-/// How far entries (i, j) and (j, i) of W or M may lie apart, relative to the largest entry: text files of
-/// Siconos carry six digits.
+/// By how much entries (i, j) and (j, i) of W or M may differ, relative to the largest entry. Text files of
+/// Siconos have six digits.
 inline constexpr double symmetry_tolerance = 1e-5;
 
 /// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a
 /// negative coefficient of friction, W or M that is not symmetric, and a contact whose 2 x 2 block of W is
-/// not positive definite. That M is positive definite is found by `reduce`.
+/// not positive definite. Whether M is positive definite is left to `reduce`.
 void check(const LocalFrictionProblem& problem, const std::string& name);
 void check(const GlobalFrictionProblem& problem, const std::string& name);
 
 /// The diagonal block W_c of a contact; its off-diagonal entry is the mean of both stored ones.
 FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact);
 
-/// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. M is inverted block by block along the
-/// connected pieces of its pattern (a piece per body in most problems), so that W is as sparse as contacts
-/// that share a piece: dense Cholesky for small pieces, sparse for large ones. Throws Error, beginning with
-/// `name`, for a problem that `check` refuses and an M that is not positive definite.
+/// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. Each connected piece of the pattern of M,
+/// in most problems one body, is factorised alone: densely if it is small, else by sparse Cholesky. So W
+/// couples only contacts that share a piece. Throws Error, beginning with `name`, for a problem that `check`
+/// refuses and for an M that is not positive definite.
 LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
-/// The linear study's view of a problem of plane bodies: M diagonal, three rows per body (two translations
-/// and a rotation), V^- = M^-1 f; a contact is two links, its normal and its tangent. The velocities w of
-/// supports change no operator and are left out. Throws Error, beginning with `name`, for a problem that
-/// `check` refuses, an M that is not diagonal and positive, and rows that are not three per body.
+/// A problem of plane bodies as the linear study takes it: M is diagonal with three rows per body (two
+/// translations and a rotation), V^- = M^-1 f, and a contact is two links, its normal and its tangent. The
+/// velocities w of supports change no operator and are left out. Throws Error, beginning with `name`, for a
+/// problem that `check` refuses, an M that is not diagonal and positive, and rows that are not three per
+/// body.
 ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
 /// v = M^-1 (H r + f), n entries. The problem must be one that `reduce` accepts.

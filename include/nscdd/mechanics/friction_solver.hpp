@@ -19,16 +19,16 @@ struct FrictionSolverOptions {
   double relaxation = 1;  ///< omega in r_c <- r_c + omega (r_c' - r_c), in (0, 2)
   SweepOrder order = SweepOrder::natural;
   Index check_every = 10;  ///< sweeps between evaluations of the residual
-  /// Checks that the smallest residual so far may go without having fallen by 1 % before the solver gives up.
+  /// The solver gives up after so many checks over which the smallest residual has not fallen by 1 %.
   Index patience = 1000;
 };
 
-/// How good impulses are, and what the contacts do under them.
+/// How well impulses solve the problem, and what the contacts do under them.
 struct FrictionState {
   Vector velocities;  ///< u = W r + q, 2c entries
   /// Natural map m_c of every contact with rho_c = 1 / W_nn of that contact, N s:
-  ///     || m || / max(|| r ||, || r^1 ||),   r^1_c the impulse contact c takes were it alone;
-  /// the latter is a scale for impulses near zero. 0 where m = 0.
+  ///     || m || / max(|| r ||, || r^1 ||),   r^1_c the impulse of contact c if it were the only one.
+  /// The latter is a scale for impulses near zero. The residual is 0 if m = 0.
   double residual = 0;
   /// As Siconos 4.4 computes it (fc2d_compute_error, called with the norm of q): || m || with rho = 1 for
   /// every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
@@ -72,10 +72,10 @@ struct FrictionSolution {
 };
 
 /// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2
-/// problem exactly, the others held, relaxed by omega. W is kept as compressed rows of 2 x 2 blocks.
-/// `guess`: impulses to start from, 2c entries, or empty for none. The problem must pass `check`. With much
-/// friction a solution need not exist, nor be unique, nor need the sweeps converge: the status says what
-/// came of them. Throws Error for a guess of another length and options out of their bounds.
+/// problem exactly while the others keep theirs, relaxed by omega. W is stored as compressed rows of 2 x 2
+/// blocks. `guess`: impulses to start from, 2c entries, or empty to start from zero. The problem must pass
+/// `check`. If friction is large, a solution need not exist nor be unique, and the sweeps need not converge;
+/// the status says how they ended. Throws Error for a guess of another length and options out of bounds.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem,
                                 const FrictionSolverOptions& options = {}, const Vector& guess = {},
                                 const FrictionObserver& observer = {});

@@ -13,10 +13,10 @@
 
 namespace nscdd {
 
-/// Disks and walls, and what drives them. Disks are the grains of a packing, then those of boundaries.
+/// Disks and walls, and what drives them. The grains of a packing come first, then the disks of boundaries.
 struct GranularSystem {
   std::vector<double> radius;    ///< m
-  std::vector<double> mass;      ///< kg; of a driven disk without effect
+  std::vector<double> mass;      ///< kg; that of a driven disk has no effect
   std::vector<Index> driven_by;  ///< boundary that moves a disk, -1 for a free one
   std::vector<Wall> walls;
   std::vector<Boundary> boundaries;
@@ -43,7 +43,7 @@ struct RememberedSubdomain {
   Index a = 0, b = 0, subdomain = 0;
 };
 
-/// All that moves: with it a run can go on exactly.
+/// Everything that changes in a run. A run that goes on from it repeats every bit.
 struct GranularState {
   Index step = 0;                               ///< steps done
   double time = 0;                              ///< s
@@ -55,17 +55,17 @@ struct GranularState {
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
   Index decomposed_at = -1;                     ///< step whose contacts were partitioned afresh last
-  double eta = 0;  ///< best flexibility found at that step, where it is asked for, 1/kg
+  double eta = 0;  ///< best flexibility found at that step, 1/kg; 0 if none was asked for
 };
 
-/// The state at time 0: grains at rest where the packing has them, boundaries at their centres.
+/// The state at time 0: grains are at rest at their places in the packing, boundaries at their centres.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y);
 
 /// "disk 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() + its number.
 std::string body_name(const GranularSystem& system, Index body);
 
-/// Throws Error naming the disk or boundary where sizes differ, a disk is driven by a boundary that does not
-/// exist, or no disk is free.
+/// Throws Error naming the disk or boundary if sizes differ, if a disk is driven by a boundary that does not
+/// exist, or if no disk is free.
 void check(const GranularSystem& system, const GranularState& state);
 
 /// How bodies touch.

@@ -7,12 +7,10 @@
 
 namespace nscdd {
 
-/// Interaction laws between two grains: one file and one word here per law. A law has
-///   impulse(free_velocity, delassus)  the impulse of one contact, solved together with v = free + delassus
-///   r,
-///                                     which is what a Gauss-Seidel sweep asks;
-///   flexibility()                     of its linear (or linearised) form, kg^-1, which is what S = X_epsilon
-///   asks.
+/// Laws of the linear study: one file and one word here per law. A law has
+///   impulse(free_velocity, delassus)  the impulse r of one contact, solved together with v = free_velocity +
+///                                     delassus r; a Gauss-Seidel sweep needs it
+///   flexibility()                     of its linear (or linearised) form, 1/kg; S = X_epsilon needs it
 using Law = std::variant<LinearViscous>;
 
 inline double flexibility(const Law& law) {

@@ -19,8 +19,8 @@ inline LocalVector operator*(double factor, LocalVector a) { return {factor * a.
 inline double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
 inline double squared(LocalVector a) { return dot(a, a); }
 
-/// What a contact with Coulomb friction does: r = 0; v = 0 inside the cone; v_n = 0 and r_t = -friction r_n
-/// (sliding forward, v_t >= 0) or +friction r_n (sliding backward, v_t <= 0).
+/// Status of a contact with Coulomb friction. Open: r = 0. Stick: v = 0, the impulse inside the cone. Slide:
+/// v_n = 0 and r_t = -friction r_n (forward, v_t >= 0) or +friction r_n (backward, v_t <= 0).
 enum class ContactStatus : signed char { open, stick, slide_forward, slide_backward };
 
 constexpr auto names_of(ContactStatus) {

@@ -19,7 +19,7 @@ struct PrescribedVelocity {
 
 /// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
 ///     M V = M V^- + H r,   v = H^T V.
-/// Geometry ends here: everything above sees M and H only.
+/// This is the last place that knows the geometry: everything above knows M and H only.
 struct ReferenceProblem {
   Index dofs_per_grain = 2;       ///< d: translations of a frictionless disk; 3 with its rotation
   Index columns_per_contact = 1;  ///< k: 1 normal only; 2 with friction, normal and tangent side by side
@@ -33,11 +33,12 @@ struct ReferenceProblem {
 
 /// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation.
 /// Grains arrive with the velocities of `loads`, those in `prescribed` with their own instead.
-/// Throws Error where masses are missing or a prescribed grain does not exist or has no finite velocity.
+/// Throws Error if masses are missing, or if a prescribed grain does not exist or has no finite velocity.
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
 
-/// Throws Error, saying how to give one, where no grain has an arriving velocity: impulses would all be zero.
+/// Throws Error, which says how to give one, if no grain has an arriving velocity: all impulses would be
+/// zero.
 void require_arriving_velocity(const ReferenceProblem& problem);
 
 /// Grains that a contact acts on, ascending, read off the pattern of H.

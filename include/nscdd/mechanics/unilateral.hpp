@@ -19,7 +19,7 @@ enum class UnilateralMethod {
 struct UnilateralOptions {
   UnilateralMethod method = UnilateralMethod::interior_point;
   double tolerance = 1e-8;                       ///< on the residual, see UnilateralImpulses
-  std::optional<Index> maximum_iterations = {};  ///< left open: that of the method
+  std::optional<Index> maximum_iterations = {};  ///< if empty, that of the method
 };
 
 /// What a contact does in a frictionless impact.
@@ -36,7 +36,7 @@ struct UnilateralImpulses {
   Vector separation;  ///< w = H^T V, one per contact, m/s
   std::vector<UnilateralStatus> status;
   double residual = 0;    ///< max |min(r_i sqrt(W_ii), w_i / sqrt(W_ii))| / max (|b_i| / sqrt(W_ii))
-  Index iterations = 0;   ///< factorisations, or products with W, as the method has it
+  Index iterations = 0;   ///< factorisations or products with W, depending on the method
   bool converged = true;  ///< residual <= tolerance
 
   Index count(UnilateralStatus wanted) const;
@@ -45,11 +45,11 @@ struct UnilateralImpulses {
 /// Solves the frictionless Signorini conditions in velocities, of every contact at once:
 ///     r >= 0,   w = W r + b >= 0,   r^T w = 0,      W = H^T M^-1 H,   b = H^T V^-,
 /// which is  V = argmin 1/2 (V - V^-)^T M (V - V^-)  subject to  H^T V >= 0. V and w are unique; r is not
-/// where W is singular on the contacts that stay closed. r_i sqrt(W_ii) and w_i / sqrt(W_ii), both in
-/// sqrt(kg) m/s, are what methods, residual and status work with: a contact carries, or opens, where its own
+/// if W is singular on the contacts that stay closed. Methods, residual and status work with r_i sqrt(W_ii)
+/// and w_i / sqrt(W_ii), both in sqrt(kg) m/s: a contact carries if the first, and opens if the second,
 /// exceeds tolerance x the largest |b_i| / sqrt(W_ii). A network that nothing compresses has r = 0 and
-/// residual 0. W is never formed. Unlike `rigid_impulses`, no contact pulls. Not converged is data, as is a
-/// monitor's stop.
+/// residual 0. W is never formed. Unlike in `rigid_impulses`, no contact pulls. If the method does not
+/// converge, or a monitor stops it, the result says so.
 UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options = {},
                                        const Monitor& monitor = {});
 

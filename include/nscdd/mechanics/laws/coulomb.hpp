@@ -18,10 +18,9 @@ struct Coulomb {
   static Coulomb of(const auto& /*interaction*/, double /*h*/) { return {}; }
   double pull() const { return 0; }
 
-  /// Solves v = W (r - stop) together with the law, exactly: open, stick or slide. `stop` = r - W^-1 v of the
-  /// present state is the impulse that would bring the contact to rest, N s.
-  /// W coupled and friction > W_nn / |W_nt| may admit several solutions, open among them: it is preferred.
-  /// There is always one.
+  /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the
+  /// impulse that would bring the contact to rest, N s. There is always a solution. If W is coupled and
+  /// friction > W_nn / |W_nt|, there may be several, the open one among them, which is then taken.
   template <class Delassus>
   LocalVector impulse(LocalVector stop, const Delassus& w, double friction) const {
     if constexpr (Delassus::coupled) {
