@@ -43,8 +43,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
 
   if (unit_multiplicity == n) return all_unit(n, "arpack");
   if (unit_multiplicity > 0) {
-    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma, a Rayleigh quotient of the
-    // complement and hence between its ends.
+    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma. This is a Rayleigh quotient
+    // of the complement, so it lies between its ends.
     const Vector root = b.system.scale().cwiseSqrt();
     const KernelSplit& split = b.system.kernel();  // in coordinates scaled by the root
     const Matrix z = root.cwiseInverse().asDiagonal() * split.kernel;
@@ -60,13 +60,12 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   MatrixFreeMemory& last = memory.matrix_free;
   const LanczosResult high =
       lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, last.largest);
-  // The low end crowds at 0 for small epsilon, where Lanczos on P^-1 S stalls; on S^-1 P it is the isolated
-  // end.
+  // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
   const auto s_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.system.solve(x); };
   const LanczosResult low =
       rigid ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, last.smallest)
             : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, last.smallest);
-  // An end that was not found leaves the vector of the point before to the next.
+  // If an end was not found, the next point starts from the vector of the point before.
   if (high.vector.size() > 0) last.largest = high.vector;
   if (low.vector.size() > 0) last.smallest = low.vector;
   if (high.vector.size() == 0 || low.vector.size() == 0) {

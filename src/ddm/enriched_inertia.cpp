@@ -46,7 +46,7 @@ Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
   Modes modes;
   modes.eigenvalues = solver.eigenvalues();
-  // As many zeros as H has dependent rows: a rank that masses cannot blur.
+  // There are as many zeros as H has dependent rows. This rank does not depend on masses.
   const Index nullity = subdomain.h.rows() - sparse_rank(subdomain.h);
   modes.eigenvalues.head(nullity).setZero();
   modes.eigenvalues = modes.eigenvalues.cwiseMax(0.0);
@@ -93,7 +93,7 @@ class EnrichedInertiaFamily::Preparation {
     return analysis_.get([this] { return CholeskyAnalysis(stiffness); });
   }
 
-  // With the interface grains last, so that the trailing block of the factor is the condensed subdomain.
+  // The interface grains come last, so that the trailing block of the factor is the condensed subdomain.
   const SymmetricAnalysis& condensation() const {
     return condensation_.get([this] {
       std::vector<Index> grain(nscdd::at(inertia.size()));

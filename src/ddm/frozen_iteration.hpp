@@ -14,19 +14,19 @@
 
 namespace nscdd {
 
-/// Algorithm 1 near a solution: the statuses of the contacts are frozen (open: no impulse; stick: v = 0;
-/// slide with v_t of sign s: v_n = 0 and the impulse along n - s friction t), which leaves a linear iteration
-/// for the error of the velocities. `apply` is one iteration of the algorithm itself without loads on y =
-/// M^1/2 V of all subdomains (three entries per free body), so its spectral radius is the rate with which
-/// that run must converge as long as statuses stay.
+/// Algorithm 1 near a solution. The statuses of the contacts are frozen (open: no impulse; stick: v = 0;
+/// slide with v_t of sign s: v_n = 0 and the impulse along n - s friction t). What remains is a linear
+/// iteration for the error of the velocities. `apply` is one iteration of the algorithm itself, without
+/// loads, on y = M^1/2 V of all subdomains (three entries per free body). So its spectral radius is the rate
+/// of convergence of a run as long as the statuses stay.
 ///
-/// Errors lie in the range of M^-1/2 [G, A^T] (what impulses can cause); velocities that no impulse causes
-/// (mechanisms) would show as eigenvalues 1 that no run meets, hence every image is projected on that range.
-/// As n_GS grows the radius tends to that of frozen_contraction.
+/// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes
+/// (mechanisms) would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS
+/// grows, the radius tends to that of frozen_contraction.
 class FrozenIteration {
  public:
   /// `parts`: the decomposition of the step (its velocities and impulses are not used); `statuses`: of the
-  /// contacts of the step problem; `sweeps`: n_GS; `enriched`: X_eta, none for the generic algorithm.
+  /// contacts of the step problem; `sweeps`: n_GS; `enriched`: X_eta, empty for the generic algorithm.
   FrozenIteration(GranularDecomposition parts, const std::vector<ContactStatus>& statuses, Index sweeps,
                   std::optional<InterfaceOperator> enriched, double relaxation = 1);
   Index rows() const { return size_; }
@@ -48,7 +48,7 @@ class FrozenIteration {
 /// The contraction of the interface with an exact Stage 1 at frozen statuses, n_Gamma x n_Gamma, dense:
 ///     B = I - omega P^-1 sum_E A_E (I - Pi_E) M_E^-1 A_E^T,   Pi_E = M_E^-1 G_E (N_E^T M_E^-1 G_E)^+ N_E^T
 /// (docs/theory.md, "Local analysis with friction"): G the directions of the impulses, N those in which
-/// contacts keep v = 0. Symmetric up to P where nothing slides.
+/// contacts keep v = 0. If nothing slides, P B is symmetric.
 Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
 

@@ -21,8 +21,8 @@ void check(const StepProblem& problem, const Partition& partition) {
           fmt::format("partition: expected a subdomain in 0..{}, met {}", partition.subdomains - 1, e));
 }
 
-// Puts the contacts of one subdomain in sweep order and numbers its bodies as the sweep meets them:
-// neighbours of the sweep are neighbours in memory then, however the grains of the packing are numbered.
+// Puts the contacts of one subdomain in sweep order and numbers its bodies in the order in which the sweep
+// meets them. Neighbours in the sweep are then neighbours in memory, however the packing numbers its grains.
 void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<ContactOrder> order,
           std::uint64_t seed, std::vector<std::int32_t>& local) {
   std::vector<DiskContact> natural;

@@ -41,7 +41,7 @@ double momentum_squared(const GranularDecomposition& parts) {
   return sum;
 }
 
-// The larger of both; what is no number stays so: it must not pass for converged.
+// The larger of both, but a value that is not a number remains: it must not pass for converged.
 double at_least(double floor, double value) { return value < floor ? floor : value; }
 
 double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt(change / whole); }
@@ -119,15 +119,15 @@ void GranularTwoStage::correct(const Vector& change) {
   apply_interface_impulses(parts_, change);
 }
 
-// Preconditioned conjugate gradients (Polak-Ribiere, restarted where not conjugate) on jumps = g_0 - S F,
-// with the curvature d.S d seen in a trial Stage 1 at F + d.
+// One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F +
+// d shows the curvature d.S d. The direction is reset if it is not conjugate.
 Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
   const Interface& interface = parts_.interface;
   const Vector z = preconditioned(g);
   double beta = 0;
   if (direction_.size() == g.size()) {
     const double before = interface.dot(last_jumps_, last_preconditioned_);
-    // An inexact Stage 1 may let jumps grow: a direction that did so is forgotten.
+    // With an inexact Stage 1 jumps may grow; then the last direction is forgotten.
     if (before > 0 && interface.dot(g, z) < before)
       beta = std::max(0.0, interface.dot(g - last_jumps_, z) / before);
   }
@@ -137,7 +137,7 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
   correct(d);
   sums = stage_one();
   const double curvature = interface.dot(d, g - interface_jumps(parts_));
-  // Statuses that change may show no curvature at all: the plain step is then the safe one.
+  // If statuses change, there may be no curvature at all. The plain step is safe.
   const double length = curvature > 0 ? std::clamp(interface.dot(d, g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
   direction_ = d;
@@ -154,7 +154,7 @@ IterationRecord GranularTwoStage::iterate() {
   record.iteration = iteration_;
   if (parts_.interface_size() > 0) {
     const Vector g = interface_jumps(parts_);
-    // Copies that come to rest, and copies that an impact sets going, both have a scale.
+    // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
     record.gluing = ratio(squared(g), at_least(free_speed_squared_, glued_speed_squared(parts_)));
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;

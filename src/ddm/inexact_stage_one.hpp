@@ -10,7 +10,7 @@ namespace nscdd {
 /// J_n, the map of one two-stage iteration with n Gauss-Seidel sweeps in Stage 1, on the state z = (r, F).
 /// For the generic algorithm its nonzero spectrum is that of
 ///     T^n + (I - T^n) W_eps^-1 Ahat^T X^-1 Ahat,   T = -(D + L)^-1 L^T,   W_eps = D + L + L^T
-/// and tends to that of B as n grows. Not symmetric: eigenvalues may be complex.
+/// and tends to that of B as n grows. J_n is not symmetric, and its eigenvalues may be complex.
 struct InexactIteration {
   TwoStageIteration iteration;
 

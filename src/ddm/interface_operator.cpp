@@ -49,7 +49,7 @@ class InterfaceFamily::Preparation {
     });
   }
 
-  // The undivided packing is needed by `solve` only, and only then put together.
+  // The undivided packing. Only `solve` needs it.
   struct Whole {
     std::vector<Index> position;  // of a grain of the packing in the assembled system
     EnrichedInertiaFamily family;
@@ -64,8 +64,8 @@ class InterfaceFamily::Preparation {
     });
   }
 
-  // dim ker X_0 = sum_E rank H_E - rank H: self-stresses of the whole that are none of a subdomain. A rank of
-  // H does not depend on masses, the size of an eigenvalue of X_0 does.
+  // dim ker X_0 = sum_E rank H_E - rank H, the number of self-stresses of the whole that are not those of a
+  // subdomain. The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
   Index rigid_nullity() const {
     return nullity_.get([this] {
       Index nullity = -sparse_rank(reassemble(parts).h);

@@ -33,8 +33,8 @@ class Spectra {
     return {1 - radius.subdominant_max, 1 - radius.subdominant_min, radius.converged};
   }
 
-  // The same at a point that is reported: its residual counts. (A search also looks at flexibilities so small
-  // that X_eta is numerically singular; what it meets there is of no consequence.)
+  // The same at a point that is reported, whose residual counts. (A search also looks at flexibilities so
+  // small that X_eta is numerically singular. Residuals do not matter there.)
   Ends reported(double eta) {
     const Ends ends = at(eta);
     residual = std::max(residual, last_residual_);
@@ -54,7 +54,7 @@ class Spectra {
   double last_residual_ = 0;
 };
 
-// The eta in [low, high] where a decreasing function of log eta vanishes; 0 where it is negative throughout.
+// The eta in [low, high] where a decreasing function of log eta vanishes; 0 if it is negative throughout.
 template <class Function>
 double decreasing_root(double low, double high, Function&& f, double tolerance = root_tolerance) {
   const auto of_log = [&](double x) { return f(std::exp(x)); };
@@ -79,7 +79,7 @@ void find_relaxed(Optimum& best, Spectra& spectra, double low, double high) {
   };
   std::vector<double> values;
   for (int i = 0; i < samples; ++i) values.push_back(radius(point(i)));
-  // A curve flat to rounding at the low end has its infimum there, whatever the last digits say.
+  // If the curve is flat at the low end but for rounding, its infimum is there.
   const auto least = std::min_element(values.begin(), values.end());
   const auto lowest = static_cast<int>(least - values.begin());
   const bool falls_to_zero = lowest == 0 || values.front() <= *least * (1 + 1e-6);
@@ -172,7 +172,7 @@ double optimal_eta(const Decomposition& parts, const Decomposition& active) {
   if (imbalance(high) >= 0) return high;
   const double root = decreasing_root(low, high, imbalance, 1e-3);
   if (root > 0) return root;
-  // The radius falls all the way down, for an exact Stage 1: stop where nine tenths of the gain are had.
+  // With an exact Stage 1 the radius falls all the way down. Nine tenths of the gain are enough.
   const double generic = spectra.at(high).radius(), best = spectra.at(low).radius();
   double eta = high;
   while (eta > low && spectra.at(eta).radius() > best + 0.1 * (generic - best)) eta /= std::sqrt(10.0);

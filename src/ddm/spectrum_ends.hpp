@@ -8,7 +8,7 @@
 
 namespace nscdd {
 
-/// The three ways to find the ends of a spectrum, for omega = 1; chosen among in spectral_radius.cpp.
+/// The three ways to find the ends of a spectrum, for omega = 1. spectral_radius.cpp chooses one.
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options);
 SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory);
 SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options,
@@ -20,8 +20,8 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
 SpectralRadius not_converged(std::string_view solver);
 SpectralRadius all_unit(Index size, std::string_view solver);  ///< S = 0, B = I
 
-/// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|), from the digits of M that are lost
-/// beside K/epsilon and K/eta: several times the largest seen against dense spectra (tests/laws).
+/// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|): digits of M are lost beside K/epsilon
+/// and K/eta. The bound is several times the largest error seen against dense spectra (tests/laws).
 inline double lost_to_rounding(const Contraction& b, double epsilon) {
   const double lightest = 0.25 * b.system.scale().maxCoeff();  // 1/mass
   return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.eta());

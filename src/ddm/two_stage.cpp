@@ -12,8 +12,8 @@
 namespace nscdd {
 namespace {
 
-// Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or the pseudo-inverse of W in the rigid limit, where
-// the impulses of a hyperstatic network are not unique but the velocities they give are.
+// Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse of W. There
+// the impulses of a hyperstatic network are not unique, but the velocities that they give are.
 using ExactStageOne =
     std::variant<std::monostate, SparseCholesky, Eigen::CompleteOrthogonalDecomposition<Matrix>>;
 

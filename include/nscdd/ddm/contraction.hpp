@@ -44,8 +44,9 @@ inline Contraction contraction(const Decomposition& parts, const Scheme& scheme,
   return {family.at(flexibility(scheme)), family.at(flexibility(law))};
 }
 
-/// The same with Stage 1 on the active contacts only (G_E) while Stage 2 keeps them all (H_E): at epsilon = 0
-/// the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the packing.
+/// The same if Stage 1 works on the active contacts only (G_E) and Stage 2 on all of them (H_E). At epsilon =
+/// 0 this is the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the
+/// packing.
 inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const Law& law,
                                const std::vector<char>& active) {
   return {InterfaceFamily(parts).at(flexibility(scheme)),

@@ -19,7 +19,8 @@ struct Subdomain {
   SparseMatrix a;  ///< A_E, n_Gamma x d n_E, signed boolean
 };
 
-/// A packing cut in the FETI way ([ADI12] section 2): sum_E A_E V_E = 0 glues the copies of shared grains.
+/// A packing cut in the FETI way ([ADI12] section 2): contacts are distributed among the subdomains, and
+/// sum_E A_E V_E = 0 glues the copies of shared grains.
 struct Decomposition {
   Index contacts = 0;  ///< of the undivided packing
   std::vector<Subdomain> subdomains;
@@ -29,7 +30,7 @@ struct Decomposition {
   Index interface_size() const { return interface.size(); }            ///< n_Gamma
 };
 
-/// Splits M, H along a partition of the contacts. Throws Error where the partition does not fit the problem.
+/// Cuts M and H along a partition of the contacts. Throws Error if the partition does not fit the problem.
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition,
                         GluingShape shape = GluingShape::chain);
 
@@ -37,8 +38,8 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
 /// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact of the packing.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
 
-/// The undivided packing put together again: one subdomain, whole masses, no interface. Its grains are those
-/// that touch something.
+/// The undivided packing put together again: one subdomain with whole masses and no interface. It has the
+/// grains that touch something.
 Subdomain reassemble(const Decomposition& parts);
 
 }  // namespace nscdd

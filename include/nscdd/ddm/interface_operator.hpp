@@ -25,8 +25,8 @@ class InterfaceOperator {
   Vector apply(const Vector& f) const;  ///< X_eta F by one local solve per subdomain
   const Matrix& dense() const;          ///< X_eta, symmetric to the last bit; assembled once, then kept
 
-  /// dim ker X_eta: 0 for eta > 0; in the rigid limit the number of self-stresses that cross the interface,
-  /// sum_E rank H_E - rank H, interface impulses that the networks can carry either way.
+  /// dim ker X_eta: 0 for eta > 0. In the rigid limit it is the number of self-stresses that cross the
+  /// interface, sum_E rank H_E - rank H.
   Index nullity() const;
 
   /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()), from

@@ -30,15 +30,15 @@ constexpr auto names_of(OptimumStatus) {
 ///   better than the generic algorithm:  lambda_max < 1 + rho(infinity)
 ///   relaxed:     min over eta of (kappa - 1)/(kappa + 1), kappa = lambda_max/lambda_min,
 ///                reached with omega = 2/(lambda_min + lambda_max)
-/// All three conditions hold from a threshold on up to infinity. Radii are subdominant ones (unit
-/// eigenvalues of a hyperstatic rigid limit, which no eta changes, left out).
+/// All three conditions hold from a threshold on up to infinity. Radii are subdominant ones: the unit
+/// eigenvalues of a hyperstatic rigid limit, which no eta changes, are left out.
 struct Optimum {
   OptimumStatus status = OptimumStatus::interior;
   Index unit_multiplicity = 0;
   double generic_radius = not_a_number;   ///< at eta = infinity
   double eta = not_a_number;              ///< best eta, 1/kg
   double radius = not_a_number;           ///< radius there
-  double convergent_from = not_a_number;  ///< smallest eta with rho < 1; 0 where every eta converges
+  double convergent_from = not_a_number;  ///< smallest eta with rho < 1; 0 if every eta converges
   double better_from = not_a_number;      ///< smallest eta better than the generic algorithm; 0 for all
   double generic_relaxed_radius = not_a_number;  ///< generic with its optimal omega
   double generic_relaxation = not_a_number;      ///< that omega
@@ -50,20 +50,20 @@ struct Optimum {
   Index spectra = 0;                 ///< spectra computed
 };
 
-/// Searches eta over 16 decades around the mean of diag(X) (and two around epsilon), by Brent's method on log
-/// eta, with S = X_epsilon of `stage_one`: the contacts Stage 1 works with, the same gluing.
+/// Searches 16 decades around the mean of diag(X), and two on either side of epsilon, by Brent's method on
+/// log eta. S = X_epsilon of `stage_one`, which has the contacts that Stage 1 works with and the same gluing.
 Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, double epsilon,
                 const SpectralOptions& options = {});
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where the ends of X_eta^-1 S are equal and opposite about 1, S =
-/// X_0 of `active` (the same gluing on fewer contacts), to a relative 1e-3: what a run needs, where `optimum`
-/// reports. The largest of the range where even there the ends lie above 1 + 1 = 2, the smallest where eta
-/// may go to zero.
+/// X_0 of `active` (the same gluing on fewer contacts), to a relative 1e-3, which is enough for a run. It is
+/// the largest eta of the range if their sum is still at least 2 there. If the radius falls down to eta = 0,
+/// it is the eta that has nine tenths of the gain over the generic algorithm.
 double optimal_eta(const Decomposition& parts, const Decomposition& active);
 
-/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 where
-/// it stays below throughout. From there up Stage 2 is stable whichever contacts open or slide: with an exact
-/// Stage 1 and any set of active contacts S <= X, so that omega lambda_max(S, X_eta) <= 2. Needs 0 < omega
+/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it
+/// stays below 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an
+/// exact Stage 1 and any set of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Needs 0 < omega
 /// < 2.
 double stable_eta(const Decomposition& parts, double relaxation = 1);
 
