@@ -47,7 +47,7 @@ class FrozenIteration {
 
 /// The contraction of the interface with an exact Stage 1 at frozen statuses, n_Gamma x n_Gamma, dense:
 ///     B = I - omega P^-1 sum_E A_E (I - Pi_E) M_E^-1 A_E^T,   Pi_E = M_E^-1 G_E (N_E^T M_E^-1 G_E)^+ N_E^T
-/// (docs/theory.md, "Local analysis with friction"): G the directions of the impulses, N those in which
+/// (docs/theory.md, section 9): G the directions of the impulses, N those in which
 /// contacts keep v = 0. If nothing slides, P B is symmetric.
 Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
