@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/lazy.hpp"
-#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/ldlt/factor.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -158,7 +158,9 @@ class EnrichedInertia::Implementation {
 EnrichedInertia::EnrichedInertia(std::shared_ptr<const Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 
-Vector EnrichedInertia::solve(const Vector& impulses) const { return implementation_->apply(impulses); }
+Vector EnrichedInertia::solve(const Vector& impulses) const {
+  return implementation_->apply(impulses);
+}
 
 Matrix EnrichedInertia::condense() const {
   const auto& p = *implementation_->preparation;

@@ -4,9 +4,10 @@
 namespace nscdd {
 namespace {
 
-constexpr double share_of_margin = 0.2;  // of the distance of the last shift, for the error left by Lanczos
-constexpr Index few = 16;                // eigenvalues beyond a shift that are looked for from it
-constexpr Index most_reaches = 6;        // after which the search starts again from further out
+constexpr double share_of_margin =
+    0.2;                           // the error that Lanczos may leave, over the distance of the last shift
+constexpr Index few = 16;          // so many eigenvalues beyond a shift are looked for from it
+constexpr Index most_reaches = 6;  // after so many such attempts the search begins again from further out
 
 class EndSearch {
  public:
@@ -18,15 +19,15 @@ class EndSearch {
     while (side_.factorisations < options_.maximum_factorisations) {
       const std::optional<ShiftedPencil> pencil = side_.factorise(shift);
       if (!pencil) break;
-      if (beyond(*pencil) < 0) {  // among the eigenvalues of the kernel
+      if (beyond(*pencil) < 0) {  // the shift lies among the eigenvalues of the kernel
         outer_ = pencil->shift();
-        shift = inner_ > *outer_ ? std::sqrt(inner_ * *outer_) : 16 * *outer_;  // eigenvalues span decades
+        shift = inner_ > *outer_ ? std::sqrt(inner_ * *outer_) : 16 * *outer_;  // they span decades
         continue;
       }
       if (beyond(*pencil) > 0) {
         inner_ = pencil->shift();
         shift = reach_out(*pencil) ? closer_shift() : step_out(inner_);
-        start = {};  // what has missed the end once is no way to it
+        start = {};  // the vector it came from has missed the end
         continue;
       }
       if (!outer_ || inward(pencil->shift() - *outer_) > 0) outer_ = pencil->shift();
@@ -42,7 +43,7 @@ class EndSearch {
         break;
       }
       if (quotient_ && distance_to_proof() > 0.9 * last_distance)
-        break;  // no shift nearer to the end can be relied on
+        break;  // no factorisation nearer to the end can be relied on
       last_distance = distance_to_proof();
       shift = closer_shift();
     }
@@ -62,7 +63,8 @@ class EndSearch {
   double rounding(double lambda) const { return side_.rounding(lambda); }
   Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
-  // What is proved to have no eigenvalue beyond it, by a shift or beforehand; none yet: infinitely far out.
+  // No eigenvalue lies beyond this, by the count at a shift or by what is known beforehand; infinitely far
+  // out as long as nothing is proved.
   double proved() const {
     const double known = end_ == SpectrumEnd::smallest ? point_.low : point_.high;
     if (point_.kernel > 0 && end_ == SpectrumEnd::smallest) return outer_.value_or(-infinity);
@@ -100,8 +102,8 @@ class EndSearch {
     return std::isfinite(point_.high) ? point_.high * (1 + 1e-3) : 1 + 1e-3;
   }
 
-  // Further out than a shift that has eigenvalues beyond it: where the bound of the value puts its
-  // near-copies, if Lanczos had thought itself nearer, or else halfway to what is proved.
+  // A shift further out than one that has eigenvalues beyond it. If a value is known, its near-copies lie
+  // within its bound, so clear of that; or else halfway to what is proved, on a logarithmic scale.
   double step_out(double shift) {
     if (found()) {
       const double clear = value() - inward(4 * (bound_ + solution_error_));
@@ -114,7 +116,7 @@ class EndSearch {
     return inward(beyond_guess() - shift) < 0 ? beyond_guess() : far;
   }
 
-  // Number k of a run becomes the first value, unless one clearly further out is known.
+  // Eigenvalue k of a run becomes the first value, unless a value clearly further out is known.
   void take(const ShiftInvertResult& run, Index k, const ShiftedPencil& pencil) {
     const double doubt = 2 * solution_error_ + (found() ? margin(value()) : 0);
     if (quotient_ && inward(run.values[k] - value()) > doubt) return;
@@ -129,7 +131,7 @@ class EndSearch {
     return {.maximum_steps = options_.steps, .accuracy = share_of_margin * margin(lambda)};
   }
 
-  // From a shift that is beyond the end.
+  // Looks for the end from a shift beyond it; false if nothing was found.
   bool close_in(const ShiftedPencil& pencil, const Vector& start) {
     const ShiftInvertResult run = side_.lanczos(pencil, end_, 1, accuracy_at(pencil.shift()), start);
     if (run.values.size() == 0) return false;
@@ -138,7 +140,8 @@ class EndSearch {
     return true;
   }
 
-  // The same for a vector as good as its value, whose error is of second order.
+  // The error of a value is of second order, that of its vector of first order. Goes on until the vector is
+  // as good as the value.
   void sharpen(const ShiftedPencil& pencil) {
     const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
     const Vector start = result_.vectors.col(0);
@@ -147,17 +150,17 @@ class EndSearch {
     if (run.values.size() > 0) take(run, 0, pencil);
   }
 
-  // From a shift that has a few eigenvalues beyond it: the last of these is the end.
+  // Looks for the end from a shift with a few eigenvalues beyond it, of which the last one is the end.
   bool reach_out(const ShiftedPencil& pencil) {
     const Index wanted = beyond(pencil);
-    const bool kernel = end_ == SpectrumEnd::smallest && point_.kernel > 0;  // lies beyond as well
+    const bool kernel = end_ == SpectrumEnd::smallest && point_.kernel > 0;  // the kernel lies beyond as well
     if (kernel || wanted > few || ++reached_out_ > most_reaches) return false;
     const SpectrumEnd outwards = end_ == SpectrumEnd::smallest ? SpectrumEnd::largest : SpectrumEnd::smallest;
     const ShiftInvertResult run = side_.lanczos(pencil, outwards, wanted, accuracy_at(pencil.shift()), {});
     const Index last = run.values.size() - 1;
     if (last + 1 < wanted || !(run.values[last] > 0)) return false;
     if (outer_ && inward(run.values[last] - *outer_) <= 0) return false;
-    quotient_ = false;  // seen from inside Ritz values err outwards
+    quotient_ = false;  // from this side Ritz values may lie beyond the end
     take(run, last, pencil);
     return true;
   }
@@ -196,18 +199,19 @@ class EndSearch {
     sloped_ = true;
   }
 
-  // A tenth of the tolerance beyond the value if its error is likely to be smaller, or else where it is
-  // proved to be.
+  // The next shift: a tenth of the tolerance beyond the value if the error is estimated to be smaller, or
+  // else beyond the proved bound of the error.
   double closer_shift() const {
     const double beyond_value = margin(value());
     if (error_ + solution_error_ <= 2 * share_of_margin * beyond_value)
       return std::max(value() - inward(beyond_value), 0.5 * value());
     const double step = std::max(2 * (bound_ + solution_error_), beyond_value);
-    // Never further out than what is proved already, be it by a shift or beforehand.
+    // Never further out than what is proved already.
     return std::max(value() - inward(std::min(step, 0.3 * distance_to_proof())), 0.5 * value());
   }
 
-  // The count just outside is there; another just inside says how many eigenvalues the end has.
+  // A count just outside the end proves that nothing lies further out, another just inside says how many
+  // eigenvalues the end has. The first is known if the last shift was near enough, but not too near.
   void certify() {
     const double keep_away = std::max(tolerance(), 4 * rounding(value()));
     const double distance = outer_ ? std::abs(value() - *outer_) : infinity;
@@ -229,11 +233,12 @@ class EndSearch {
   const SpectrumEnd end_;
   const EndOptions& options_;
   PencilEnd result_;
-  std::optional<double> outer_;  // innermost shift with no eigenvalue beyond it
-  double inner_ = 0;             // last shift with one
+  std::optional<double> outer_;  // innermost shift without an eigenvalue beyond it
+  double inner_ = 0;             // last shift with eigenvalues beyond it
   Index reached_out_ = 0;
-  double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search has begun
-  double bound_ = infinity, error_ = infinity;  // of the value, as Lanczos has them
+  double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search began
+  double bound_ = infinity,
+         error_ = infinity;  // proved bound and estimate of the error of the value, by Lanczos
   double solution_error_ = 0;
   bool sloped_ = false;    // the slopes are known
   bool quotient_ = false;  // the value is a Rayleigh quotient of (S, P), which is never beyond the end

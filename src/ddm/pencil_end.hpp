@@ -12,10 +12,10 @@ namespace nscdd {
 struct PencilPoint {
   double epsilon = 1;
   double eta = infinity;
-  Index kernel = 0;        ///< eigenvalues at the low end that do not count (the rigid limit's zeros)
+  Index kernel = 0;        ///< eigenvalues at the low end that are left out: the zeros of the rigid limit
   double low = 0;          ///< no other eigenvalue is below; >= 0
   double high = infinity;  ///< no eigenvalue is above
-  /// What lost digits may move an eigenvalue by, times max(1, |lambda|): certificates keep away as far.
+  /// Lost digits may move an eigenvalue by this times max(1, |lambda|). Certificates keep as far away.
   double rounding = 0;
 };
 
@@ -30,20 +30,21 @@ struct EndOptions {
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  Index steps = 24;        ///< of Lanczos from one shift, after which a closer one is worth its factorisation
-  Index list_steps = 300;  ///< the same where several eigenvalues are wanted
+  Index steps = 24;  ///< of Lanczos from one shift; after more, a closer shift is worth its factorisation
+  Index list_steps = 300;  ///< the same if several eigenvalues are wanted
 };
 
 /// One end of the spectrum of (S, P).
 struct PencilEnd {
-  Vector values;   ///< from the end inwards; empty where nothing was found
+  Vector values;   ///< from the end inwards; empty if none was found
   Matrix vectors;  ///< n_Gamma x k, interface impulses
-  /// The end lies within this distance of the first value, and an eigenvalue of each other one. A Rayleigh
-  /// quotient is never beyond the end, and an inertia count (or what is known before) leaves no eigenvalue
-  /// beyond a shift: the distance is that between the two, plus an estimate of the error of the solves.
+  /// The end lies within this distance of the first value, and an eigenvalue within it of each other value.
+  /// The distance is that between two proved bounds of the end: the first value, a Rayleigh quotient, is
+  /// never beyond the end; and no eigenvalue lies beyond a certain shift, by an inertia count or by what is
+  /// known beforehand. An estimate of the error of the solves is added.
   double residual = infinity;
   bool converged = false;  ///< residual <= tolerance, and no copy missing among the values
-  /// Inertia counts found every eigenvalue beyond `outside` and those of the list up to `inside`.
+  /// Inertia counts prove that no eigenvalue lies beyond `outside`, and how many lie between it and `inside`.
   bool certified = false;
   double outside = not_a_number, inside = not_a_number;
   Index within = 0;  ///< eigenvalues between the two, with multiplicity
@@ -52,13 +53,17 @@ struct PencilEnd {
   Index factorisations = 0, solves = 0;
 };
 
-/// Finds one end by shift-inverted Lanczos from shifts beyond it that close in on it: each factorisation says
-/// by its inertia whether the shift is beyond the end. From the first, a few Lanczos steps bring the end to
-/// within a fraction of the tolerance where it is not crowded; the next shift is placed a tenth of the
-/// tolerance beyond what they found. If its count says that nothing was passed over, the end is proved, and
-/// one solve completes the vector; if not, what lies beyond is looked for from there. Crowded ends cost
-/// factorisations, not thousands of products. `start`: a vector to start from, or empty. Never throws for
-/// what does not converge.
+/// Finds one end of the spectrum from shifts beyond it that close in on it.
+/// 1. Choose a shift beyond the expected end and factorise there. The inertia proves that no eigenvalue lies
+///    further out; if some do, step out and begin again.
+/// 2. Run shift-inverted Lanczos from this shift. If the end is not crowded, a few steps bring it to within a
+///    fraction of the tolerance.
+/// 3. Place the next shift a tenth of the tolerance beyond what was found. If no eigenvalue lies beyond that
+/// one
+///    either, the end is proved, and one solve completes the vector. If some do, the end is among these few:
+///    look for them from there, and repeat from step 2.
+/// A crowded end costs some factorisations more, not thousands of products.
+/// `start`: a vector to start from, or empty. What does not converge is data: see PencilEnd::converged.
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
                    const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
                    const Vector& start, const EndOptions& options);

@@ -4,14 +4,14 @@
 namespace nscdd {
 namespace {
 
-constexpr double list_distance = 1e-3;  // of the shift a list is found from, relative to the first value
+constexpr double list_distance = 1e-3;  // from the shift of a list to its first value, relative to that value
 
 class EndList {
  public:
   EndList(PencilSide& side, PencilEnd& result) : side_(side), result_(result) {}
 
-  // Lanczos alone may see one copy of a multiple eigenvalue: on until the count outside the last one wanted
-  // is that of the list.
+  // Lanczos alone may see only one copy of a multiple eigenvalue. So eigenvalues are looked for until an
+  // inertia count beyond the last one wanted equals the length of the list. False if it cannot be reached.
   bool extend(const ShiftedPencil& pencil) {
     const Index wanted = std::min(side_.options.eigenvalues, side_.size() - side_.point.kernel);
     while (result_.values.size() < wanted)
@@ -33,7 +33,7 @@ class EndList {
   }
 
  private:
-  // False where no further one is found.
+  // Looks for more eigenvalues, orthogonal to those of the list; false if none is found.
   bool add(const ShiftedPencil& pencil, Index wanted) {
     const ShiftInvertOptions options{.maximum_steps = side_.options.list_steps,
                                      .tolerance = 0.1 * side_.options.tolerance};
@@ -52,7 +52,8 @@ class EndList {
     return result_.values.size() > before;
   }
 
-  // Seen from the largest eigenvalues the zeros of the rigid limit come last; they are not of the list.
+  // A long list from the largest eigenvalues inwards may reach the zeros of the rigid limit, which are left
+  // out.
   bool is_of_kernel(double lambda, double error) const {
     return side_.point.kernel > 0 && lambda <= 10 * (error + side_.rounding(lambda));
   }

@@ -4,7 +4,8 @@
 namespace nscdd {
 
 std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
-  // First within the tolerance of the end, then far enough to leave the accident that spoilt this one.
+  // The first steps stay within the tolerance of the end. The later ones go far enough to leave whatever made
+  // the factorisation unreliable, usually an eigenvalue of a part of the packing.
   for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
     ++factorisations;
     ShiftedPencil pencil = family_.at(point.epsilon, point.eta, shift, accuracy);

@@ -8,9 +8,9 @@
 
 namespace nscdd {
 
-/// One side of the spectrum of (S, P) at a point of a sweep: what is inwards there, how near is near enough,
-/// and the factorisations and solves that the search for the end (pencil_end.cpp) and the list behind it
-/// (pencil_list.cpp) take.
+/// One side of the spectrum of (S, P) at a point of a sweep: which way is inwards, how near is near enough,
+/// and the factorisations and solves. The search for the end (pencil_end.cpp) and the list of eigenvalues
+/// behind it (pencil_list.cpp) share it.
 class PencilSide {
  public:
   PencilSide(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
@@ -29,16 +29,17 @@ class PencilSide {
   /// Signed so that inwards is positive at both ends.
   double inward(double difference) const { return end == SpectrumEnd::smallest ? difference : -difference; }
 
-  /// Of lambda: relative where |1 - lambda|, an eigenvalue of B, is above 1.
+  /// Of lambda. It is relative if |1 - lambda|, an eigenvalue of B, is above 1.
   double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
-  /// How far beyond an eigenvalue the last shift is: a count says nothing within the rounding of the matrix.
-  /// A tenth, for the same distance times a relaxation is the residual of a relaxed spectrum.
+  /// How far beyond an eigenvalue the last shift is placed. Within the rounding of the matrix a count would
+  /// say nothing. A tenth of the tolerance, because a relaxation multiplies the distance to the residual of
+  /// the relaxed spectrum.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
-  /// None where no factorisation near the shift can be relied on. `side`: where to step, inwards (1) or
-  /// outwards (-1), from a shift that will not do.
+  /// The pencil at the shift, or at one nearby whose factorisation can be relied on; none if there is no such
+  /// shift. `side`: which way to step from an unreliable one, inwards (1) or outwards (-1).
   std::optional<ShiftedPencil> factorise(double shift, double side = -1);
 
   /// Eigenvalues beyond the shift.
@@ -50,7 +51,7 @@ class PencilSide {
     return ++solves, pencil.respond(g);
   }
 
-  /// `towards`: the side of the shift that is looked at.
+  /// `towards`: the side of the shift that is looked at, see shift_invert_lanczos.
   ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
                             const ShiftInvertOptions& lanczos_options, const Vector& start,
                             const Matrix& locked = {});
@@ -60,8 +61,9 @@ class PencilSide {
   const InterfaceOperator& p_;
 };
 
-/// The eigenvalues next to the end that `result` has, from a shift far enough to see them all, as many as the
-/// options want; `result` is converged if they all are and a count says that none is missing.
+/// Adds to `result`, which has the end, the eigenvalues behind it, as many as the options want, from a shift
+/// far enough out to see them all. `result` stays converged if they all are and a count proves that none is
+/// missing.
 void list_behind(PencilSide& side, PencilEnd& result);
 
 }  // namespace nscdd

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/expected_end.hpp"
 #include "ddm/pencil_end.hpp"
 #include "ddm/spectrum_ends.hpp"
 #include "linalg/range_projector.hpp"
@@ -61,61 +62,6 @@ PencilPoint known_bounds(const Contraction& b, double epsilon) {
   return point;
 }
 
-// In which coordinate an eigenvalue runs smoothly along a sweep: lambda > 0, and < 1 for the generic
-// algorithm.
-struct Coordinate {
-  bool generic;
-  double of(double lambda) const { return generic ? std::log(lambda / (1 - lambda)) : std::log(lambda); }
-  double slope(double lambda) const { return 1 / (generic ? lambda * (1 - lambda) : lambda); }
-  double lambda(double t) const { return generic ? 1 / (1 + std::exp(-t)) : std::exp(t); }
-};
-
-// Error of Taylor's first term for a unit step of log epsilon or log eta.
-constexpr double curvature = 0.1;
-
-// From the last point and its slopes, and along a line of the sweep also from the point before: Hermite's
-// cubic on logarithmic axes.
-std::optional<EndGuess> extrapolate(const PencilMemory& memory, const PencilPoint& point,
-                                    PencilMemory::End PencilMemory::Visited::*end) {
-  const auto& visited = memory.visited;
-  if (visited.empty()) return std::nullopt;
-  const Coordinate coordinate{std::isinf(point.eta)};
-  const auto step = [](double from, double to) { return from == to ? 0.0 : std::log(to / from); };
-  const auto value = [&](const PencilMemory::Visited& v) { return coordinate.of((v.*end).lambda); };
-  const auto move = [&](const PencilMemory::Visited& v, double epsilon, double eta) {  // Taylor
-    return coordinate.slope((v.*end).lambda) * ((v.*end).slope_epsilon * epsilon + (v.*end).slope_eta * eta);
-  };
-  const PencilMemory::Visited& last = visited.back();
-  const double epsilon = step(last.epsilon, point.epsilon), eta = step(last.eta, point.eta);
-  const double taylor = value(last) + move(last, epsilon, eta);
-  double guess = taylor, uncertainty = curvature * (epsilon * epsilon + eta * eta);
-  if (visited.size() > 1) {
-    const PencilMemory::Visited& before = visited.front();
-    const double back_epsilon = step(last.epsilon, before.epsilon), back_eta = step(last.eta, before.eta);
-    const double back = back_epsilon + back_eta, forth = epsilon + eta;
-    const bool along_one = (epsilon == 0 && back_epsilon == 0) || (eta == 0 && back_eta == 0);
-    if (along_one && back != 0 && std::isfinite(back)) {
-      const double t = forth / back;  // from the last point, towards the one before
-      const double chord = value(before) - value(last), slope = move(last, back_epsilon, back_eta);
-      const double far_slope = move(before, back_epsilon, back_eta);
-      const double quadratic = chord - slope, cubic = far_slope + slope - 2 * chord;
-      guess = taylor + t * t * (quadratic + (t - 1) * cubic);
-      uncertainty = 0.5 * std::abs(t * t * (t - 1) * cubic);
-    }
-  }
-  double lambda = coordinate.lambda(guess);
-  double side = std::max(std::abs(coordinate.lambda(guess + uncertainty) - lambda),
-                         std::abs(lambda - coordinate.lambda(guess - uncertainty)));
-  // X_epsilon grows with epsilon, by no more than epsilon does: what a jump may extrapolate to has bounds.
-  const double from = (last.*end).lambda;
-  const double least = from * std::exp(std::min(0.0, epsilon) + std::min(0.0, -eta));
-  const double most = from * std::exp(std::max(0.0, epsilon) + std::max(0.0, -eta));
-  lambda = std::clamp(lambda, least, most);
-  side = std::min(side, most - least);
-  if (!std::isfinite(lambda) || !std::isfinite(side) || !(lambda > 0)) return std::nullopt;
-  return EndGuess{lambda, side};
-}
-
 // A point met again takes its own place.
 void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
@@ -130,19 +76,22 @@ void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) 
 }
 
 // Of this problem, what another has left being thrown away.
-const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, PencilMemory& memory) {
+const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, const InertiaMethod& method,
+                                      PencilMemory& memory) {
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.eta()) ? 1 : 0];
-  if (family && !family->serves(b, form)) memory = {};
-  if (!family) family.emplace(b, form);
+  if (family && !family->serves(b, form, method)) memory = {};
+  if (!family) family.emplace(b, form, method);
   return *family;
 }
 
-Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
+Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral,
                PencilMemory& memory, SystemForm form) {
-  const ShiftedPencilFamily& family = family_for(b, form, memory);
+  const ShiftedPencilFamily& family = family_for(b, form, spectral.inertia, memory);
+  const EndOptions options{
+      .tolerance = spectral.tolerance, .eigenvalues = spectral.eigenvalues, .certify = spectral.certify};
   const auto find = [&](SpectrumEnd end, PencilMemory::End PencilMemory::Visited::*same) {
     const Vector start = memory.visited.empty() ? Vector{} : (memory.visited.back().*same).vector;
-    return find_end(family, b.preconditioner, point, end, extrapolate(memory, point, same), start, options);
+    return find_end(family, b.preconditioner, point, end, expected_end(memory, point, same), start, options);
   };
   using Visited = PencilMemory::Visited;
   Ends ends{.smallest = find(SpectrumEnd::smallest, &Visited::smallest),
@@ -154,7 +103,7 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const EndOptions&
 
 // With the condensed form, and where that has lost the digits a proof needs (a shift can be relied on from a
 // thousand times the rounding away, see ShiftedPencil::reliable), with the augmented one, which takes longer.
-Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const EndOptions& options,
+Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
   const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
   const auto converged = [&](const Ends& of) {
@@ -243,15 +192,15 @@ SpectralRadius unproved_rigid(Index kernel) {
 // Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each. Their
 // number comes from ranks, which no small eigenvalue can blur; a shift next to 0 that counts another number
 // says that one of the two is wrong.
-SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options,
-                            const EndOptions& end_options, Continuation& memory) {
+SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.parts() != &b.system.parts())
     limit.emplace(RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0),
                              std::nullopt});
   const Contraction regular{b.preconditioner, limit->regular, b.relaxation};
   PencilPoint point = known_bounds(b, 0);
-  const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, memory.rigid);
+  const ShiftedPencilFamily& family =
+      family_for(regular, SystemForm::augmented, options.inertia, memory.rigid);
   Index factorisations = 0;
   if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
     limit->kernel = counted_at_zero(family, point.eta, factorisations);
@@ -263,9 +212,8 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   if (!limit->confirmed) return unproved_rigid(*limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result =
-      report(b, find_ends(regular, point, end_options, memory.rigid, SystemForm::augmented), 0, point.kernel,
-             options);
+  SpectralRadius result = report(b, find_ends(regular, point, options, memory.rigid, SystemForm::augmented),
+                                 0, point.kernel, options);
   result.factorisations += factorisations;
   return result;
 }
@@ -289,11 +237,9 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
   const double epsilon = b.system.eta();
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
     return no_error_left(b.rows(), options.eigenvalues);
-  EndOptions end_options{
-      .tolerance = options.tolerance, .eigenvalues = options.eigenvalues, .certify = options.certify};
-  if (epsilon == 0) return rigid_radius(b, options, end_options, memory);
+  if (epsilon == 0) return rigid_radius(b, options, memory);
   const PencilPoint point = known_bounds(b, epsilon);
-  return report(b, find_flexible_ends(b, point, end_options, memory.flexible), epsilon, 0, options);
+  return report(b, find_flexible_ends(b, point, options, memory.flexible), epsilon, 0, options);
 }
 
 }  // namespace nscdd

@@ -2,6 +2,7 @@
 #include "linalg/range_projector.hpp"
 
 #include "linalg/ldlt/saddle_point.hpp"
+#include <nscdd/linalg/inertia_factor.hpp>
 
 #include <Eigen/Eigenvalues>
 

@@ -93,7 +93,7 @@ std::string options_text(const StudyTable& table) {
   return text + fmt::format("seed = {}\n", table.seed);
 }
 
-// Every member of SpectralOptions.
+// Every member of SpectralOptions but the factorisation, which no study chooses.
 std::string effort_text(const SpectralOptions& options) {
   return fmt::format(
       "solver = {}\ndense_limit = {}\ntolerance = {}\nbasis = {}\nmaximum_restarts = {}\n"

@@ -3,7 +3,7 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
-#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/ldlt/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>

@@ -2,6 +2,8 @@
 // The rigid limit of redundant networks: ranks, unit eigenvalues and ends by sparse factorisation as by dense
 // algebra, and where there is none.
 #include "../support/dense.hpp"
+#include "../support/judged_radius.hpp"
+#include "../support/mumps.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "linalg/random.hpp"
@@ -31,7 +33,8 @@ Index eigenvalues_above(const Dense& symmetric, double bound) {
 }
 
 SpectralRadius shift_inverted(const Contraction& b, Continuation* memory = nullptr) {
-  return spectral_radius(b, {.solver = SpectralSolver::shift_invert}, memory);
+  const SpectralOptions options{.solver = SpectralSolver::shift_invert};
+  return memory == nullptr ? judged_radius(b, options) : spectral_radius(b, options, memory);
 }
 
 }  // namespace
@@ -113,4 +116,18 @@ TEST_CASE("rigid limit of 10^4 disks in sixteen full strips: proved, unit eigenv
   // the dense pencil, in minutes (`--solver dense`)
   CHECK(std::abs(found.subdominant_max - 0.9989544661468879) <= 1e-8);
   CHECK(std::abs(found.subdominant_min - 0.4545784794904403) <= 1e-8);
+}
+
+TEST_CASE("rigid limit at small eta: what ours cannot be relied on for, MUMPS in second place proves") {
+  const InterfaceFamily family(build(hexagons(40, 40, {8, 1})).parts);
+  const Contraction b{family.at(1e-4), family.at(0)};
+  CHECK_FALSE(shift_inverted(b).converged);
+  const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::shift_invert,
+                                                   .certify = true,
+                                                   .inertia = first_reliable(multifrontal(), mumps(0.3))});
+  CHECK(found.converged);
+  CHECK(found.certified);
+  const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+  CHECK(found.unit_multiplicity == dense.unit_multiplicity);
+  CHECK(std::abs(found.subdominant - dense.subdominant) <= found.residual + 1e-10);
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "matrices.hpp"
 
+#include <nscdd/linalg/inertia_factor.hpp>
+
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -153,6 +156,16 @@ SparseMatrix shifted_laplacian(Index columns, Index rows, double shift) {
   SparseMatrix lower(columns * rows, columns * rows);
   lower.setFromTriplets(entries.begin(), entries.end());
   return lower;
+}
+
+double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b) {
+  if (!x.allFinite()) return infinity;
+  const Vector residual = symmetric_residual(lower, x, b);
+  const Vector size = -symmetric_residual(lower.cwiseAbs(), x.cwiseAbs(), -b.cwiseAbs());  // |A| |x| + |b|
+  double worst = 0;
+  for (Index i = 0; i < b.size(); ++i)
+    if (size[i] > 0) worst = std::max(worst, std::abs(residual[i]) / size[i]);
+  return worst;
 }
 
 }  // namespace nscdd::testing

@@ -53,4 +53,8 @@ SymmetricProblem saddle_point(Index pairs, double first, double last, std::uint6
 /// 4 sin^2(i pi / (2 (columns + 1))) + 4 sin^2(j pi / (2 (rows + 1))) - shift.
 SparseMatrix shifted_laplacian(Index columns, Index rows, double shift);
 
+/// max_i |b - A x|_i / (|A| |x| + |b|)_i for a symmetric matrix given by its lower triangle: the smallest
+/// relative change of the data of which x is the exact solution (Oettli and Prager).
+double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b);
+
 }  // namespace nscdd::testing

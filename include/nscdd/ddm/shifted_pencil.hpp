@@ -3,6 +3,7 @@
 
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>
+#include <nscdd/linalg/inertia_factor.hpp>
 
 #include <memory>
 
@@ -14,11 +15,11 @@ enum class SystemForm {
   augmented,  ///< with the contact impulses, for epsilon near 0
 };
 
-/// When solutions take a step of refinement. An error e of theirs moves an eigenvalue lambda by
+/// When solutions take a step of refinement. If their relative error is e, it moves an eigenvalue lambda by
 /// e |lambda - sigma|.
 enum class SolutionAccuracy {
-  enough_next_to_an_end,  ///< where the inexactness is above 1e-6
-  refined,                ///< above 1e-10, for eigenvalues far from the shift
+  enough_next_to_an_end,  ///< if the inexactness is above 1e-6
+  refined,                ///< if it is above 1e-10, for eigenvalues far from the shift
 };
 
 /// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
@@ -38,20 +39,20 @@ enum class SolutionAccuracy {
 /// contacts.
 class ShiftedPencil {
  public:
-  bool regular() const;  ///< false where a pivot was exactly zero; nothing else may then be asked
+  bool regular() const;  ///< false if the factorisation broke down; nothing else may then be asked
 
-  /// ||d|| / ||x|| on the interface, d the correction of one step of iterative refinement of a solution x:
-  /// how far the factors are from exact. With A + E = L D L^T it estimates the size of (A + E)^-1 E, and
-  /// while that is below 1 no eigenvalue changes sign on the way from A to A + E, so that the count below
-  /// holds for A itself.
+  /// ||d|| / ||x|| on the interface, where d is the correction that one step of iterative refinement makes to
+  /// a solution x: how far the factors are from exact. They are the exact factors of some A + E, and the
+  /// ratio estimates the size of (A + E)^-1 E. While that is below 1, no eigenvalue changes its sign on the
+  /// way from A to A + E, so the count below holds for A itself.
   double inexactness() const;
 
-  /// Whether the inexactness is small enough for counts and solutions to be used. Where it is not, sigma is
-  /// too near an eigenvalue, of the pencil or of a part of the packing, and one a little to the side serves
+  /// Whether the inexactness is small enough for counts and solutions to be used. If it is not, sigma is too
+  /// near to an eigenvalue of the pencil or of a part of the packing, and a shift a little to the side serves
   /// as well.
-  bool reliable() const { return regular() && inexactness() < 1e-3; }
+  bool reliable() const { return regular() && inexactness() < reliable_inexactness; }
 
-  /// The same for what `solve` returns, which is refined by one step where that is worth it.
+  /// The inexactness of what `solve` returns, which takes a step of refinement if that is worth it.
   double solution_error() const;
 
   double shift() const;
@@ -81,10 +82,13 @@ class ShiftedPencil {
 class ShiftedPencilFamily {
  public:
   /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.
-  explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed);
+  /// `method`: what factorises the saddle-point matrices.
+  explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed,
+                               const InertiaMethod& method = multifrontal());
 
-  /// Whether the family was made for the decompositions, the kind of eta of `b`, and this form.
-  bool serves(const Contraction& b, SystemForm form = SystemForm::condensed) const;
+  /// Whether the family was made for the decompositions, the kind of eta of `b`, this form and this method.
+  bool serves(const Contraction& b, SystemForm form = SystemForm::condensed,
+              const InertiaMethod& method = multifrontal()) const;
 
   /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma > 0.
   ShiftedPencil at(double epsilon, double eta, double sigma,
@@ -93,10 +97,9 @@ class ShiftedPencilFamily {
   /// Frees the numbers that are kept for another shift at the last epsilon and eta.
   void release() const;
 
-  Index unknowns() const;         ///< of the saddle-point matrix
-  double factor_entries() const;  ///< of its factor and what is kept beside it, 8 bytes each
+  Index unknowns() const;  ///< of the saddle-point matrix
 
-  class Preparation;
+  struct Preparation;
 
  private:
   std::shared_ptr<const Preparation> preparation_;

@@ -33,6 +33,7 @@ struct SpectralOptions {
   Index eigenvalues = 1;    ///< wanted at each end (not by the matrix-free `arpack`, which finds one)
   bool certify = false;     ///< prove by inertia counts that no eigenvalue was missed (dense, shift_invert)
   ArpackOptions arpack = {};
+  InertiaMethod inertia = multifrontal();  ///< what factorises and counts for shift_invert
 };
 
 /// How one spectrum is computed.

@@ -23,7 +23,7 @@ LargeArray::Data LargeArray::allocate(std::size_t bytes) {
   void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapped == MAP_FAILED) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-  madvise(mapped, bytes, MADV_HUGEPAGE);  // where it is refused, small pages do
+  madvise(mapped, bytes, MADV_HUGEPAGE);  // may be refused; small pages serve as well
 #endif
   return {static_cast<double*>(mapped), {bytes}};
 }

@@ -7,8 +7,8 @@
 
 namespace nscdd {
 
-/// Numbers without a value yet, in huge pages where they are many and the system has such pages: a factor of
-/// gigabytes takes seconds to come by in pages of 4 KiB. Throws std::bad_alloc.
+/// An array of numbers without a value yet. A large one lies in huge pages if the system has them: to obtain
+/// gigabytes in pages of 4 KiB takes seconds. Throws std::bad_alloc.
 class LargeArray {
  public:
   explicit LargeArray(Index size) : data_(allocate(at(size) * sizeof(double))) {}
@@ -16,7 +16,7 @@ class LargeArray {
 
  private:
   struct Release {
-    std::size_t mapped;  // bytes, or 0 where it comes from malloc
+    std::size_t mapped;  // bytes, or 0 if it comes from malloc
     void operator()(double* data) const;
   };
   using Data = std::unique_ptr<double[], Release>;

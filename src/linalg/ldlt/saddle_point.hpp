@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/ldlt/factor.hpp"
 
 #include <numeric>
 #include <vector>
@@ -23,7 +23,8 @@ inline SparseMatrix saddle_point(const SparseMatrix& b, double diagonal) {
   return matrix;
 }
 
-/// The analysis of such a matrix, each column of B with the later of its rows.
+/// The analysis of such a matrix. The multiplier of a column of B is eliminated with the last of the rows
+/// that it ties.
 inline SymmetricAnalysis saddle_point_analysis(const SparseMatrix& matrix, const SparseMatrix& b) {
   std::vector<Index> group(at(matrix.rows()), -1);
   std::iota(group.begin(), group.begin() + b.rows(), Index{0});

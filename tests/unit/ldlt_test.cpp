@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
-#include "linalg/ldlt/symmetric_factor.hpp"
-
 #include "../support/matrices.hpp"
+#include "linalg/ldlt/factor.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
 

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/ldlt/symmetric_factor.hpp"
+#include "linalg/ldlt/factor.hpp"
 
 #include <vector>
 
 namespace nscdd {
 
-/// One front of the multifrontal method: `pivots` columns that are eliminated, of `rows` rows they touch.
+/// One front of the multifrontal method, a dense symmetric matrix of `rows` rows, of which the first `pivots`
+/// are eliminated.
 struct Front {
   Index first_row = 0;  ///< of its `rows` entries in row_of
   Index rows = 0, pivots = 0;
   Index parent = -1;
-  Index first_entry = 0;        ///< of its original entries in `entries`
+  Index first_entry = 0, last_entry = 0;  ///< its entries of the matrix: first_entry ... last_entry - 1
   std::vector<Index> panels;    ///< ends of the panels of pivot columns, the last one being `pivots`
   std::vector<Index> children;  ///< ascending
   double subtree_flops = 0;     ///< of the front and all below it
-  bool on_border = false;       ///< on the way from a border row to the root
+  bool on_border = false;       ///< lies on the way from a border row to the root
   Index update_rows() const { return rows - pivots; }
 };
 
@@ -26,9 +27,13 @@ struct FrontEntry {
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 
+struct RowGroups;
+struct Supernodes;
+
 class SymmetricAnalysis::Implementation {
  public:
-  Implementation(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last,
+  /// The arguments of SymmetricAnalysis.
+  Implementation(const SparseMatrix& pattern, std::vector<Index> group, const std::vector<char>& last,
                  const std::vector<Index>& border);
 
   Index size = 0;
@@ -41,6 +46,10 @@ class SymmetricAnalysis::Implementation {
   std::vector<Index> interior_roots;  ///< fronts off the border whose parents, if any, are on it
   double factor_entries = 0;
 
+ private:
+  void lay_out_fronts(const Supernodes& nodes, const RowGroups& groups);
+  void share_out_entries(const SparseMatrix& pattern, const RowGroups& groups);
+  void place_rows(const RowGroups& groups);
   void mark_border();
 };
 

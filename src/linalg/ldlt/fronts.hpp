@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "linalg/ldlt/analysis.hpp"
 #include "linalg/ldlt/large_array.hpp"
-#include "linalg/ldlt/symmetric_analysis.hpp"
 
 #include <lapacke.h>
 #include <tbb/task_group.h>
@@ -49,8 +49,7 @@ void interchange_back(const lapack_int* ipiv, Index n, Swap&& swap) {
   }
 }
 
-/// D^-1 applied to the rows of b from `first` on: d its diagonal, e its subdiagonal, 2 x 2 blocks where e is
-/// set.
+/// Replaces b by D^-1 b, where D has this diagonal and the subdiagonal e; a 2 x 2 block is where e is not 0.
 template <class Diagonal, class Rows>
 void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   const Index n = diagonal.rows();
@@ -69,7 +68,7 @@ void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   }
 }
 
-/// The walks over the elimination tree that every stage takes; subtrees worth a task run in parallel.
+/// The walks over the elimination tree, in parallel over subtrees with enough work for a task.
 class FrontTree {
  public:
   using Analysis = SymmetricAnalysis::Implementation;
@@ -78,7 +77,8 @@ class FrontTree {
   const Front& front(Index s) const { return analysis->fronts[at(s)]; }
   Index size() const { return count(analysis->fronts); }
 
-  // visit(front) for those of the subtree that are on the border, or for all; children before parents.
+  // Calls visit(front) for all fronts of the subtree, or for those on the border only; children before
+  // parents.
   template <class Visit>
   void up(Index s, bool border_only, const Visit& visit) const {
     for_children(s, border_only, [&](Index c) { up(c, border_only, visit); });
@@ -95,7 +95,7 @@ class FrontTree {
       if (front(s).parent < 0 && (!border_only || front(s).on_border)) visit(s);
   }
 
-  // Numbers in the columns of all fronts on the border, or of all others.
+  // Size of the columns of all fronts on the border, or of all others.
   Index entries(bool on_border) const {
     Index sum = 0;
     for (Index s = 0; s < size(); ++s)
@@ -125,7 +125,7 @@ class FrontTree {
   }
 };
 
-/// Fronts eliminated, of one side of the border or of the other.
+/// The eliminated fronts of the border, or those of the interior.
 struct EliminatedFronts {
   EliminatedFronts(const FrontTree& tree, bool on_border, LargeArray memory)
       : columns(std::move(memory)), factors(at(tree.size())), updates(at(tree.size())) {
@@ -138,7 +138,7 @@ struct EliminatedFronts {
   }
   LargeArray columns;  // of all factors
   std::vector<FrontFactor> factors;
-  std::vector<Matrix> updates;  // what is left of a front for its parent
+  std::vector<Matrix> updates;  // what a front hands to its parent
   std::atomic<Index> negative = 0;
   std::atomic<bool> singular = false;
 };
@@ -147,12 +147,12 @@ class SymmetricInterior::Implementation {
  public:
   Implementation(std::shared_ptr<const FrontTree::Analysis> analysis, const SparseMatrix& lower);
 
-  // Of a factor: what the last one that is gone has left, for the system takes its time over new pages.
+  // Memory for a factor. That of the last factor is used again, because new pages take the system its time.
   LargeArray memory() const;
   void keep(LargeArray memory) const;
 
   FrontTree tree;
-  EliminatedFronts fronts;  // updates: of the interior roots only, once all are eliminated
+  EliminatedFronts fronts;  // in the end the interior roots alone have updates
 
  private:
   mutable std::mutex mutex_;
@@ -165,7 +165,8 @@ class SymmetricFactor::Implementation {
                  const SparseMatrix& lower);
   ~Implementation() { interior->keep(std::move(border.columns)); }
   enum class Fronts { all, border };
-  // L^-1 by the ones (where b is zero in the pivots of the others), D^-1 and L^-T by the others.
+  // L^-1 over the fronts `forward`, which are all where b is not zero; D^-1 and L^-T over the fronts
+  // `backward`.
   Vector solve(Vector b, Fronts forward, Fronts backward) const;
   void require_border() const;              // throws Error without one
   Vector spread(const Vector& g) const;     // E g
@@ -182,7 +183,7 @@ class SymmetricFactor::Implementation {
     return (tree.front(s).on_border ? border : interior->fronts).factors[at(s)];
   }
 
-  // visit(first pivot, width, L with D on its diagonal, L below) for each panel of a front, up or down.
+  // Calls visit(first pivot, width, L with D on its diagonal, L below) for the panels of a front, up or down.
   template <class Visit>
   void panel(Index s, std::size_t k, const Visit& visit) const {
     const Front& front = tree.front(s);

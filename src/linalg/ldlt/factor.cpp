@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/ldlt/symmetric_fronts.hpp"
+#include "linalg/ldlt/fronts.hpp"
 #include "linalg/threads.hpp"
 
 #include <tbb/parallel_for.h>
@@ -10,12 +10,12 @@
 namespace nscdd {
 namespace {
 
-constexpr Index block_columns = 128;  // of an update matrix, one task each
+constexpr Index block_columns = 128;  // so many columns of an update matrix are one task
 
 Index negative_pivots(const Block& diagonal, const double* e) {
   Index negative = 0;
   for (Index k = 0; k < diagonal.rows(); ++k) {
-    if (k + 1 < diagonal.rows() && e[k] != 0) {  // Bunch-Kaufman takes 2 x 2 pivots of either sign only
+    if (k + 1 < diagonal.rows() && e[k] != 0) {  // 2 x 2: eigenvalues of either sign if ac < 1
       const double a = diagonal(k, k) / e[k], c = diagonal(k + 1, k + 1) / e[k];
       negative += a * c < 1 ? 1 : (diagonal(k, k) < 0 ? 2 : 0);
       ++k;
@@ -42,10 +42,10 @@ void subtract_product(Block target, const Block& left, const Matrix& right) {
   }
 }
 
-// Elimination of fronts of one matrix, children before parents.
+// Eliminates fronts of one matrix, children before parents.
 class Elimination {
  public:
-  // `below`: fronts eliminated before, whose updates stay.
+  // `below`: the fronts of the interior, which are eliminated already and keep their updates.
   Elimination(const FrontTree& tree, const SparseMatrix& lower, EliminatedFronts& result,
               const EliminatedFronts* below)
       : tree_(tree), values_(lower.valuePtr()), result_(result), below_(below) {}
@@ -116,8 +116,7 @@ class Elimination {
   void assemble(Index s, Block& columns, Matrix& update) const {
     const Front& front = tree_.front(s);
     const auto& entries = tree_.analysis->entries;
-    const Index last = s + 1 < tree_.size() ? tree_.front(s + 1).first_entry : count(entries);
-    for (Index k = front.first_entry; k < last; ++k) {
+    for (Index k = front.first_entry; k < front.last_entry; ++k) {
       const FrontEntry& entry = entries[at(k)];
       columns(entry.row, entry.column) += values_[entry.source];
     }

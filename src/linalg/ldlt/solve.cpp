@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/ldlt/symmetric_fronts.hpp"
+#include "linalg/ldlt/fronts.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -46,7 +45,7 @@ void SymmetricFactor::Implementation::go_forward(Index s, Vector& x, std::vector
   Vector local = Vector::Zero(front.rows);
   for (Index i = 0; i < front.pivots; ++i) local[i] = x[row[i]];
   for (const Index c : front.children) {
-    if (carried[at(c)].size() == 0) continue;  // apart from the border, where all is zero
+    if (carried[at(c)].size() == 0) continue;  // a child in the interior, where all is zero
     const Front& child = tree.front(c);
     const int* place = tree.analysis->place_in_parent.data() + child.first_row + child.pivots;
     for (Index i = 0; i < child.update_rows(); ++i) local[place[i]] += carried[at(c)][i];
@@ -79,7 +78,7 @@ void SymmetricFactor::Implementation::go_back(Index s, Vector& x) const {
 }
 
 Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& rows) const {
-  // Fronts that the right-hand sides reach, and the pivot rows of these.
+  // The fronts that the right-hand sides reach, and a compact numbering of their pivot rows.
   const auto& analysis = *tree.analysis;
   std::vector<char> reached(at(tree.size()), 0);
   for (const Index row : rows)
@@ -196,26 +195,6 @@ Vector SymmetricFactor::solve_on_border(const Vector& g) const {
 
 Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   return implementation_->inverse_block(rows);
-}
-
-Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b) {
-  Vector residual = b;
-  for (Index j = 0; j < lower.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(lower, j); e; ++e) {
-      residual[e.row()] -= e.value() * x[j];
-      if (e.row() != j) residual[j] -= e.value() * x[e.row()];
-    }
-  return residual;
-}
-
-double backward_error(const SparseMatrix& lower, const Vector& x, const Vector& b) {
-  if (!x.allFinite()) return infinity;
-  const Vector residual = symmetric_residual(lower, x, b);
-  const Vector size = -symmetric_residual(lower.cwiseAbs(), x.cwiseAbs(), -b.cwiseAbs());  // |A| |x| + |b|
-  double worst = 0;
-  for (Index i = 0; i < b.size(); ++i)
-    if (size[i] > 0) worst = std::max(worst, std::abs(residual[i]) / size[i]);
-  return worst;
 }
 
 }  // namespace nscdd
