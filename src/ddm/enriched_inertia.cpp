@@ -4,6 +4,7 @@
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/enriched_inertia.hpp>
 
@@ -39,6 +40,7 @@ struct Modes {
 };
 
 Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
+  const OneBlasThread serial_blas;
   if (subdomain.grains.empty())
     return {Matrix(0, 0), Vector(0), Matrix(0, 0)};                  // Eigen takes no empty matrix
   const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();  // M^-1/2
@@ -159,10 +161,12 @@ EnrichedInertia::EnrichedInertia(std::shared_ptr<const Implementation> implement
     : implementation_(std::move(implementation)) {}
 
 Vector EnrichedInertia::solve(const Vector& impulses) const {
+  const OneBlasThread serial_blas;
   return implementation_->apply(impulses);
 }
 
 Matrix EnrichedInertia::condense() const {
+  const OneBlasThread serial_blas;
   const auto& p = *implementation_->preparation;
   const double eta = implementation_->eta;
   if (p.modes) {

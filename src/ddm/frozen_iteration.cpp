@@ -2,6 +2,7 @@
 #include "ddm/frozen_iteration.hpp"
 
 #include "ddm/granular_interface.hpp"
+#include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
 
 #include <Eigen/QR>
@@ -162,6 +163,7 @@ Vector FrozenIteration::apply(const Vector& y) const {
 
 Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
                           const std::optional<InterfaceOperator>& enriched, double relaxation) {
+  const OneBlasThread serial_blas;
   const auto local = by_subdomain(parts, statuses);
   Matrix system = Matrix::Zero(parts.interface_size(), parts.interface_size());
   for (Index e = 0; e < count(parts.subdomains); ++e) {

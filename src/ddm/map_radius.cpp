@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/map_radius.hpp"
 
+#include "linalg/threads.hpp"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -22,6 +24,7 @@ Matrix columns_of(Index n, const LinearMap& map) {
 }  // namespace
 
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units) {
+  const OneBlasThread serial_blas;
   if (map.rows() == 0) return {};
   MapRadius result;
   result.solver = "dense";
@@ -51,6 +54,7 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
 }
 
 MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units) {
+  const OneBlasThread serial_blas;
   const SolverChoice choice = choose_inexact_solver(n, options);
   if (choice.solver == SpectralSolver::dense) return map_radius(columns_of(n, map), options, units);
   const bool pass_over = units == UnitEigenvalues::passed_over;

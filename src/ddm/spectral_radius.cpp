@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/spectrum_ends.hpp"
+#include "linalg/threads.hpp"
 
 namespace nscdd {
 
@@ -64,6 +65,7 @@ SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
 }
 
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, Continuation* memory) {
+  const OneBlasThread serial_blas;
   const Index n = b.rows();
   if (n == 0) {
     SpectralRadius empty;

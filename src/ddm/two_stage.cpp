@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.hpp"
+#include "linalg/threads.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/two_stage.hpp>
@@ -70,6 +71,7 @@ class TwoStageIteration::Implementation {
 TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law,
                                      InterfaceOperator preconditioner, std::optional<Index> sweeps,
                                      double relaxation) {
+  const OneBlasThread serial_blas;
   if (sweeps && *sweeps < 1)
     throw Error(fmt::format("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps));
   auto prepared = std::make_shared<Implementation>(
@@ -99,6 +101,7 @@ TwoStageState TwoStageIteration::zero_state() const {
 }
 
 TwoStageState TwoStageIteration::iterate(TwoStageState state, const std::vector<Vector>* loads) const {
+  const OneBlasThread serial_blas;
   const Interface& interface = implementation_->parts.interface;
   std::vector<Vector> velocities;
   for (std::size_t e = 0; e < state.impulses.size(); ++e) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/linalg/arpack.hpp>
 
@@ -63,6 +64,7 @@ void require_size(Index n) {
 
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse,
                       SpectrumEnd end, const ArpackOptions& options, const Vector& start) {
+  const OneBlasThread serial_blas;
   require_size(n);
   const std::lock_guard lock(one_call_at_a_time);
   LanczosResult result;
@@ -104,6 +106,7 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
 }
 
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options, double unit_tolerance) {
+  const OneBlasThread serial_blas;
   require_size(n);
   const std::lock_guard lock(one_call_at_a_time);
   ArnoldiResult result;

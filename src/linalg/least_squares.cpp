@@ -2,6 +2,7 @@
 #include "linalg/least_squares.hpp"
 
 #include "linalg/ldlt/saddle_point.hpp"
+#include "linalg/threads.hpp"
 
 #include <Eigen/IterativeLinearSolvers>
 #include <lapacke.h>
@@ -45,6 +46,7 @@ class DampedInverse {
 }  // namespace
 
 LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance) {
+  const OneBlasThread serial_blas;
   const auto rows = static_cast<lapack_int>(a.rows()), columns = static_cast<lapack_int>(a.cols());
   LeastSquares result{Vector::Zero(a.cols()), 0};
   if (rows == 0 || columns == 0) return result;

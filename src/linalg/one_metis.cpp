@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/one_metis.hpp"
 
-namespace nscdd {
+#include <cstdlib>
 
-std::unique_lock<std::mutex> one_metis_at_a_time() {
+namespace nscdd {
+namespace {
+
+std::mutex& metis_mutex() {
   static std::mutex mutex;
-  return std::unique_lock(mutex);
+  return mutex;
 }
+
+}  // namespace
+
+OneMetis::OneMetis() : lock_(metis_mutex()), before_(initstate(1, state_.data(), state_.size())) {}
+OneMetis::~OneMetis() { setstate(before_); }
 
 }  // namespace nscdd

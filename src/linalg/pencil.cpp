@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/threads.hpp"
 #include <nscdd/linalg/pencil.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -63,12 +64,14 @@ Pairs eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
 
 double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
                      const Matrix& vectors) {
+  const OneBlasThread serial_blas;
   Matrix r = a * vectors - p * vectors * values.asDiagonal();
   lower.triangularView<Eigen::Lower>().solveInPlace(r);  // ||r||_{P^-1} = ||L^-1 r||
   return r.colwise().norm().maxCoeff();
 }
 
 PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
+  const OneBlasThread serial_blas;
   PencilEnds ends;
   const auto n = static_cast<lapack_int>(a.rows());
   const auto k = static_cast<lapack_int>(std::min<Index>(wanted, n));
@@ -98,6 +101,7 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
 }
 
 KernelSplit split_kernel(const Matrix& s, Index nullity) {
+  const OneBlasThread serial_blas;
   const Index n = s.rows();
   if (nullity == 0) return {Matrix(n, 0), Matrix::Identity(n, n)};
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(s);

@@ -2,6 +2,7 @@
 #include "linalg/range_projector.hpp"
 
 #include "linalg/ldlt/saddle_point.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -124,6 +125,7 @@ std::vector<Index> RangeProjector::independent_columns() const {
 Vector RangeProjector::apply(const Vector& x) const { return implementation_->apply(x); }
 
 Index sparse_rank(const SparseMatrix& a, double tolerance) {
+  const OneBlasThread serial_blas;
   const RangeProjector projector(a, tolerance);
   const RangeProjector::Implementation& sparse = *projector.implementation_;
   if (sparse.conclusive || sparse.b.cols() > dense_limit) return sparse.rank;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/scalar_search.hpp"
 
+#include "core/process_guard.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
@@ -38,10 +39,7 @@ struct Callback {
 };
 
 // GSL aborts the process on an error unless told otherwise; statuses are read here instead.
-struct QuietGsl {
-  gsl_error_handler_t* previous = gsl_set_error_handler_off();
-  ~QuietGsl() { gsl_set_error_handler(previous); }
-};
+using QuietGsl = ProcessGuard<gsl_set_error_handler_off, gsl_set_error_handler>;
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include "linalg/shift_invert_lanczos.hpp"
 
 #include "linalg/random.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -113,6 +114,7 @@ bool accurate_enough(const ShiftInvertResult& result, const RitzPairs& pairs, In
 ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const LinearMap& m, double sigma,
                                        SpectrumEnd end, Index wanted, const ShiftInvertOptions& options,
                                        const Vector& start, const Matrix& locked) {
+  const OneBlasThread serial_blas;
   if (n < arpack_smallest_size)
     throw Error(fmt::format("Lanczos: expected a problem of size >= {}, met {}", arpack_smallest_size, n));
   ShiftInvertResult result;

@@ -3,6 +3,7 @@
 
 #include "linalg/cholmod_factor.hpp"
 #include "linalg/one_metis.hpp"
+#include "linalg/threads.hpp"
 
 namespace nscdd {
 namespace {
@@ -20,7 +21,7 @@ class CholeskyAnalysis::Implementation {
  public:
   explicit Implementation(const SparseMatrix& pattern) : symbolic(ordering) {
     cholmod_sparse a = view(pattern);
-    const auto lock = one_metis_at_a_time();
+    const OneMetis one_at_a_time;
     symbolic.factor = cholmod_analyze(&a, &symbolic.common);
     symbolic.require_memory(symbolic.factor != nullptr);
   }
@@ -31,6 +32,7 @@ class SparseCholesky::Implementation {
  public:
   Implementation(const CholeskyAnalysis::Implementation& analysis, const SparseMatrix& matrix)
       : numeric_(ordering) {
+    const OneBlasThread serial_blas;
     cholmod_sparse a = view(matrix);
     numeric_.factor = cholmod_copy_factor(analysis.symbolic.factor, &numeric_.common);
     numeric_.require_memory(numeric_.factor != nullptr);
@@ -40,6 +42,7 @@ class SparseCholesky::Implementation {
   }
 
   Matrix solve(const Matrix& b) const {
+    const OneBlasThread serial_blas;
     cholmod_dense right{};
     right.nrow = static_cast<std::size_t>(b.rows());
     right.ncol = static_cast<std::size_t>(b.cols());

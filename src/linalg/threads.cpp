@@ -8,9 +8,10 @@
 
 #include <optional>
 
-// There where the BLAS is OpenBLAS, null where it is another.
+// Null if the BLAS is another than OpenBLAS.
 extern "C" {
 __attribute__((weak)) void openblas_set_num_threads(int);
+__attribute__((weak)) int openblas_get_num_threads();
 __attribute__((weak)) int openblas_get_parallel();
 }
 
@@ -27,14 +28,26 @@ class ThreadLimit::Implementation {
 ThreadLimit::ThreadLimit(Index threads) : implementation_(std::make_unique<Implementation>(threads)) {}
 ThreadLimit::~ThreadLimit() = default;
 
+int take_one_blas_thread() {
+  if (openblas_get_num_threads == nullptr) return 1;
+  const int before = openblas_get_num_threads();
+  if (before != 1) openblas_set_num_threads(1);
+  return before;
+}
+
+void restore_blas_threads(int threads) {
+  if (threads != 1) openblas_set_num_threads(threads);
+}
+
 void with_threads(const std::function<void()>& work) {
+  const OneBlasThread serial_blas;
   const bool unlocked = openblas_get_parallel != nullptr && openblas_get_parallel() == 0;
-  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
   if (unlocked) {
     tbb::task_arena(1).execute(work);
   } else {
-    tbb::this_task_arena::isolate(
-        work);  // who waits inside, perhaps with a lock, takes up nothing from outside
+    // A waiting thread may hold a lock; `isolate` keeps TBB from handing it unrelated work, which could
+    // deadlock.
+    tbb::this_task_arena::isolate(work);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
@@ -129,6 +130,7 @@ Vector gathered(const Vector& values, const std::vector<Index>& unknowns) {
 }  // namespace
 
 LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name) {
+  const OneBlasThread serial_blas;
   check(problem, name);
   const Index size = problem.h.cols();
   const SparseRows rows = problem.h;
@@ -150,6 +152,7 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
 }
 
 Vector body_velocities(const GlobalFrictionProblem& problem, const Vector& impulses) {
+  const OneBlasThread serial_blas;
   const Vector momentum = problem.h * impulses + problem.f;
   std::vector<Index> place(at(problem.mass.rows()), 0);
   Vector velocities(momentum.size());

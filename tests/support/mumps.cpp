@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mumps.hpp"
 
+#include "linalg/threads.hpp"
 
 #include <dmumps_c.h>
 
@@ -73,6 +74,7 @@ class Mumps {
 
  private:
   void run(int job) {
+    const OneBlasThread serial_blas;
     data_.job = job;
     dmumps_c(&data_);
   }

@@ -67,7 +67,7 @@ Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem&
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = static_cast<idx_t>(partitioner.seed);
   std::vector<idx_t> part(at(contacts));
-  const auto lock = one_metis_at_a_time();
+  const OneMetis one_at_a_time;
   const int status =
       METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbours.data(), nullptr,
                           nullptr, nullptr, &parts, nullptr, nullptr, options, &cut, part.data());

@@ -20,7 +20,7 @@ std::vector<int> nested_dissection(GroupGraph graph, std::vector<int> weight) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
-  const auto lock = one_metis_at_a_time();
+  const OneMetis one_at_a_time;
   if (METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.data(), options, order.data(),
                    position.data()) != METIS_OK)
     throw std::bad_alloc();

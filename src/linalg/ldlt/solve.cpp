@@ -194,6 +194,7 @@ Vector SymmetricFactor::solve_on_border(const Vector& g) const {
 }
 
 Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
+  const OneBlasThread serial_blas;
   return implementation_->inverse_block(rows);
 }
 
