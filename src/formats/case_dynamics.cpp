@@ -118,6 +118,7 @@ BoundarySpec read_boundary(StrictTable section) {
                  section.where("radius"));
     check_bounds(spec.spacing, Field{.description = "", .minimum = 0}, section.where("spacing"));
   }
+  if (spec.shape != BoundaryShape::wall) section.read("orientation", spec.orientation);
   spec.motion = read_motion(section);
   section.finish();
   try {

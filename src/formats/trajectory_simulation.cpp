@@ -30,6 +30,7 @@ Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& h
       throw Error(fmt::format("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name,
                               system.boundaries[k].name));
     system.boundaries[k].motion = specs[k].motion;
+    system.boundaries[k].orientation = specs[k].orientation;
   }
   Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
   require_fit(path, simulation);

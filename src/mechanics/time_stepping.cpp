@@ -33,7 +33,8 @@ std::vector<DiskVelocity> start_velocities(const GranularSystem& system, const G
       const Index k = system.driven_by[at(i)];
       const RigidVelocity& motion = motions[at(k)];
       const auto v = velocity_of_point(motion, state.poses[at(k)], {state.x[at(i)], state.y[at(i)]});
-      result[at(i)] = {v[0], v[1], radius * motion.spin, 0};
+      const bool turns = system.boundaries[at(k)].orientation == Orientation::turning;
+      result[at(i)] = {v[0], v[1], turns ? radius * motion.spin : 0.0, 0};
     }
   }
   return result;

@@ -66,7 +66,7 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
   for (const BoundarySpec& spec : dynamics.boundaries) {
     check(spec);
     const Index boundary = count(system.boundaries);
-    system.boundaries.push_back({spec.name, spec.motion});
+    system.boundaries.push_back({spec.name, spec.motion, spec.orientation});
     switch (spec.shape) {
       case BoundaryShape::wall:
         add_wall(system, spec, boundary);

@@ -51,6 +51,8 @@ std::string boundary_lines(const BoundarySpec& spec) {
     if (spec.shape == BoundaryShape::disks)
       text += fmt::format("radius = {}\nspacing = {}\n", field_text(spec.radius), field_text(spec.spacing));
   }
+  if (spec.orientation != Orientation::turning)
+    text += fmt::format("orientation = \"{}\"\n", to_string(spec.orientation));
   return text + motion_lines(spec.motion);
 }
 

@@ -48,7 +48,7 @@ TEST_CASE("moving case: everything read") {
 TEST_CASE("moving case: written and read back it is the same case") {
   CaseSpec one = parse(moving_case() +
                        "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 3\nlast = -7\n"
-                       "velocity = [0.1, -1e-9]\n");
+                       "velocity = [0.1, -1e-9]\norientation = \"fixed\"\n");
   one.dynamics->time.rest_speed = 1.0 / 3;
   one.dynamics->solver.algorithm = "enriched";
   one.dynamics->solver.eta = "optimal";
@@ -59,6 +59,8 @@ TEST_CASE("moving case: written and read back it is the same case") {
   CHECK(piston.first == 3);
   CHECK(piston.last == -7);
   CHECK(piston.motion.velocity.front().y == -1e-9);
+  CHECK(piston.orientation == Orientation::fixed);
+  CHECK(back.dynamics->boundaries.at(1).orientation == Orientation::turning);
 }
 
 TEST_CASE("moving case: every error names file, line and key") {
@@ -114,6 +116,10 @@ TEST_CASE("moving case: every error of a boundary names file, line and key") {
   require_error(replaced(good, "shape = \"disks\"", "shape = \"wall\""), "unknown key 'boundary[0].radius'");
   require_error(replaced(good, "shape = \"wall\"", "shape = \"grains\""),
                 "boundary[2].first: expected a value, met none");
+  require_error(replaced(good, "spin = -0.075\n", "orientation = \"free\"\n"),
+                "boundary[1].orientation: expected \"turning\" or \"fixed\", met \"free\"");
+  require_error(replaced(good, "centre = [3, 0]", "orientation = \"fixed\""),
+                "unknown key 'boundary[2].orientation'");
   require_error(replaced(good, "to = [3, 1]", "to = [3, 0]"), "boundary[2].to: expected another point");
   require_error(replaced(good, "radius = 0.198\n[[", "radius = -1\n[["), "boundary[0].radius");
   require_error(replaced(good, "centre = [3, 0]", "centre = [3, inf]"), "boundary[2].centre");

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nscdd {
@@ -25,11 +27,19 @@ struct Motion {
   RigidVelocity at(double t) const;
 };
 
+/// What the disks of a boundary do while it turns.
+enum class Orientation {
+  turning,  ///< they turn with it, as parts of one rigid body
+  fixed,    ///< their centres go round, but they keep their angle and do not spin
+};
+constexpr auto names_of(Orientation) { return std::to_array<std::string_view>({"turning", "fixed"}); }
+
 /// A boundary: a rigid body driven by a motion. It consists of disks (GranularSystem::driven_by), or is a
 /// straight wall.
 struct Boundary {
   std::string name;
   Motion motion;
+  Orientation orientation = Orientation::turning;  ///< of its disks
 };
 
 /// Where a boundary is: its reference point and the angle it has turned by.

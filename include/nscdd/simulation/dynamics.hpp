@@ -33,6 +33,7 @@ struct BoundarySpec {
   double spacing = 0;          ///< m between centres at the most, disks; 0: touching (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
+  Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains
 
   /// Between the centres of disks at the most, m.
   double distance() const { return spacing > 0 ? spacing : 2 * radius; }
