@@ -160,13 +160,23 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
   return text + "\n" + warnings(simulation.dynamics.solver);
 }
 
-std::string RunSummary::warnings(const StepSolver& solver) const {
+std::string RunSummary::reasons_of_gain(const Dynamics& dynamics, bool unconverged) const {
+  const bool pushes = relative_overlap_ > 0 && dynamics.interaction.restitution == 0 &&
+                      dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
+  if (!pushes && !unconverged) return "a step or tolerance too coarse";
+  const std::string push = "overlaps pushed apart (dynamics.maximum_push_speed)";
+  const std::string open = "steps that had not converged";
+  return pushes && unconverged ? push + ", or " + open : (pushes ? push : open);
+}
+
+std::string RunSummary::warnings(const Dynamics& dynamics) const {
+  const StepSolver& solver = dynamics.solver;
   std::string text;
   if (relative_overlap_ > notable_overlap)
     text += fmt::format(
-        "attention: bodies overlap by up to {:.3g} of the smaller radius: boundaries that leave no room, or "
-        "a "
-        "step or tolerance too coarse\n",
+        "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with "
+        "overlaps, "
+        "boundaries that leave no room, or a step or tolerance too coarse\n",
         relative_overlap_);
   const auto converged = statuses_.find(to_string(SolverStatus::converged));
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
@@ -179,15 +189,12 @@ std::string RunSummary::warnings(const StepSolver& solver) const {
   if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this "
-        "scheme "
-        "does not iterate on them\n",
+        "scheme does not iterate on them\n",
         gluing_, solver.gluing_tolerance);
   // Pushing the overlaps apart that are in any run is no news.
   if (gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))
-    text += fmt::format(
-        "attention: contacts added {:.3g} J in {} steps: overlaps pushed apart (dynamics."
-        "penetration_correction), or steps that had not converged\n",
-        gain_, gaining_steps_);
+    text += fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", gain_, gaining_steps_,
+                        reasons_of_gain(dynamics, open > 0));
   return text;
 }
 

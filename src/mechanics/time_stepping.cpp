@@ -98,6 +98,14 @@ void add_wall_bodies(StepProblem& problem, const GranularSystem& system, const C
 }
 
 double smaller_radius(const GranularSystem& system, const StepContact& c) {
+// Of the bodies whose motion is prescribed, m/s.
+double fastest_boundary(const std::vector<DiskVelocity>& velocities) {
+  double fastest = 0;
+  for (const DiskVelocity& v : velocities)
+    if (v.inverse_mass == 0) fastest = std::max(fastest, std::hypot(v.x, v.y));
+  return fastest;
+}
+
   const double a = system.radius[at(c.a)];
   return c.b < system.disks() ? std::min(a, system.radius[at(c.b)]) : a;
 }
@@ -107,7 +115,7 @@ bool touches(const GranularSystem& system, const StepContact& c) {
 }
 
 DiskContact solver_contact(const StepContact& c, Index second, const StepProblem& problem,
-                           const Interaction& interaction, double correction) {
+                           const Interaction& interaction, double correction, double push) {
   DiskContact k;
   k.a = static_cast<std::int32_t>(c.a);
   k.b = static_cast<std::int32_t>(second);
@@ -117,7 +125,7 @@ DiskContact solver_contact(const StepContact& c, Index second, const StepProblem
   k.inverse_w = disk_delassus(a, b);
   const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
   k.friction = driven ? problem.boundary_friction : problem.friction;
-  k.bias_n = (c.gap > 0 ? c.gap : correction * c.gap) / problem.h;
+  k.bias_n = c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push);
   if (interaction.restitution > 0 || interaction.tangential_restitution > 0) {
     const LocalVector before = relative_velocity(k, problem.start);
     if (interaction.restitution > 0) k.bias_n = interaction.restitution * std::min(0.0, before.n);
@@ -149,6 +157,12 @@ double mean_normal_delassus(const StepProblem& problem) {
 }
 
 void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
+double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
+  if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
+  const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1]);
+  return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
+}
+
   for (const StepContact& c : problem.geometry) {
     if (c.gap < -largest * smaller_radius(system, c))
       throw Error(fmt::format("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m",
@@ -188,10 +202,13 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   std::vector<Index> second(problem.geometry.size());
   add_wall_bodies(problem, system, where, motions, second);
   problem.contacts.reserve(problem.geometry.size());
+  const double boundary_speed = fastest_boundary(problem.start);
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
-    problem.contacts.push_back(
-        solver_contact(problem.geometry[k], second[k], problem, interaction, scheme.penetration_correction));
-    if (problem.pulls && touches(system, problem.geometry[k])) problem.contacts.back().pull = pull(law);
+    const StepContact& c = problem.geometry[k];
+    problem.contacts.push_back(solver_contact(c, second[k], problem, interaction,
+                                              scheme.penetration_correction,
+                                              push_speed(scheme, smaller_radius(system, c), boundary_speed)));
+    if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull(law);
   }
   if (warm_start) start_from(problem.contacts, problem.geometry, state.impulses);
   return problem;

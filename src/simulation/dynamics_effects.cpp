@@ -22,6 +22,7 @@ constexpr Effect effects[] = {
     {"interaction.epsilon", "interaction.law", "linear_viscous"},
     {"interaction.tangential_restitution", "interaction.law", "coulomb cohesive linear_viscous"},
     {"dynamics.penetration_correction", "interaction.restitution", "0"},
+    {"dynamics.maximum_push_speed", "interaction.restitution", "0"},
     {"solver.tolerance", "solver.criterion", criteria},
     {"solver.gluing_tolerance", "solver.algorithm", "generic enriched"},
     {"solver.gluing_tolerance", "solver.criterion", criteria},

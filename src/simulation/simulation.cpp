@@ -66,7 +66,7 @@ double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
 }
 
 bool energy_exploded(const StepProblem& problem, const std::vector<DiskVelocity>& velocities) {
-  double mass = 0, speed_squared = 0;  // of all free disks; the fastest that something else moves
+  double mass = 0, speed_squared = 0;  // of all free disks; of the fastest driven body or push
   for (const DiskVelocity& v : problem.start) {
     if (v.inverse_mass > 0) mass += 1 / v.inverse_mass;
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, v.x * v.x + v.y * v.y + v.rim * v.rim);
@@ -175,7 +175,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   report.residual = iteration.residual();
   step.contacts = iteration.contacts(step.problem);
   step.velocities = iteration.velocities(step.problem);
-  if (report.interface_size > 0) {  // of what is kept, not of copies that need not be glued yet
+  if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
     const double scale = report.residual.impulses;
     report.residual = contact_residual(law, step.contacts, step.velocities);
     report.residual.impulses = scale;

@@ -50,8 +50,9 @@ TEST_CASE("simulate: a value without effect is refused, not passed over") {
           {"--set solver.interface_relaxation: expected solver.interface_method richardson"});
   refused("--algorithm enriched --set solver.enrichment=semi_implicit --set solver.network=all",
           {"--set solver.network: expected solver.enrichment every_iteration or first_iteration"});
-  refused("--algorithm enriched --eta 2 --subdomains 1x1", {"--eta: expected two subdomains", "met one"});
-  refused("--set solver.redecompose=2 --set partition.grid=1,1", {"--set solver.redecompose", "met one"});
+  refused("--subdomains 2x1 --algorithm nlgs", {"--subdomains", "met nlgs"});
+  refused("--set interaction.restitution=0.5 --set dynamics.maximum_push_speed=0.5",
+          {"--set dynamics.maximum_push_speed: expected interaction.restitution 0 with it, met 0.5"});
   refused("--set contacts.tolerance=1e-3", {"--set contacts.tolerance", "linear study"});
   refused("--steps 5 --set dynamics.steps=3",
           {"--set dynamics.steps: expected dynamics.steps once, met --steps too"});

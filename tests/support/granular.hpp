@@ -45,7 +45,8 @@ LocalVector impulse_between(const GranularState& state, Index a, Index b);
 Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
                          Index seed = 1);
 
-/// Hexagonal lattice of touching unit disks, unit masses, every grain with its own random velocity.
+/// Hexagonal lattice of touching unit disks, unit masses, every grain with its own random velocity. Overlaps
+/// are pushed apart at any speed.
 Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics,
                           std::array<Index, 2> grid = {1, 1}, std::uint64_t seed = 1);
 

@@ -153,6 +153,7 @@ std::vector<Cluster> clusters() {
 Simulation shaken(const Cluster& cluster, const std::string& law, double friction, std::uint64_t seed) {
   RandomStream random(seed);
   Dynamics dynamics = tight();
+  dynamics.time.maximum_push_speed = infinity;  // overlaps are in the problem as gaps are
   dynamics.interaction.law = law;
   dynamics.interaction.friction = friction;
   dynamics.interaction.boundary_friction = friction / 2;

@@ -30,7 +30,7 @@ struct BoundarySpec {
   Choice<BoundaryShape> shape = BoundaryShape::wall;
   std::array<double, 2> from{0, 0}, to{1, 0};  ///< m, wall and disks
   double radius = 0;                           ///< m, disks
-  double spacing = 0;          ///< m between centres at the most, disks; 0: touching (two radii)
+  double spacing = 0;  ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
   Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains

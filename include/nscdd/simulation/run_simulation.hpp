@@ -14,11 +14,11 @@ namespace nscdd {
 
 /// Why a run of a simulation ended.
 enum class RunEnd {
-  completed,   ///< TimeStepping::steps are done
-  at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, and not ever rising
-  stopped,     ///< the monitor asked for it
-  broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values that are no
-               ///< numbers
+  completed,  ///< TimeStepping::steps are done
+  at_rest,    ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, without always rising
+  stopped,    ///< the monitor asked for it
+  broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values that are not
+               ///< finite
 };
 constexpr auto names_of(RunEnd) {
   return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down"});
@@ -29,7 +29,7 @@ inline constexpr Index rest_steps = 10;
 
 struct RunOutcome {
   RunEnd end = RunEnd::completed;
-  std::string reason;  ///< of a breakdown: step, and grain or contact
+  std::string reason;  ///< of a breakdown: the step, and the grain or contact
 };
 
 /// Called after each step taken, with the simulation behind it and the step as it was solved.

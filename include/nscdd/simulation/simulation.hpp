@@ -43,7 +43,7 @@ struct StepReport {
   SolverStatus status = SolverStatus::converged;
   IterationRecord last;
   ContactResidual residual;
-  Index contacts = 0;  ///< considered
+  Index contacts = 0;  ///< contacts considered
   Index interface_size = 0;
   Interpenetration overlap;
   StepEnergy energy;
@@ -83,7 +83,7 @@ class IterationWatch {
 struct PreparedStep {
   StepProblem problem;
   Partition partition;                        ///< of its contacts
-  std::optional<InterfaceOperator> enriched;  ///< X_eta, none for the generic algorithm
+  std::optional<InterfaceOperator> enriched;  ///< X_eta of the enriched algorithm
   double eta = not_a_number;                  ///< its flexibility, 1/kg
   GranularTwoStage iteration;
 };
