@@ -16,17 +16,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Throws where rows of a step are missing behind the first row there is, or are another run's.
-void require_rows_of(const RunSoFar& run, const std::vector<Index>& rows, const std::string& name) {
-  const auto first = std::find_if(rows.begin(), rows.end(), [](Index n) { return n > 0; });
-  for (auto step = first; step != rows.end(); ++step) {
-    const auto expected = static_cast<Index>(run.iterations[at(step - rows.begin())]);
+// Throws Error unless the steps in the table, which begins with any, end with the iterations that the steps
+// of the run ended with. `last`: the last iteration of each step in the table, 0 of steps that it lacks.
+void require_rows_of(const RunSoFar& run, const std::vector<Index>& last, const std::string& name) {
+  const auto first = std::find_if(last.begin(), last.end(), [](Index n) { return n > 0; });
+  for (auto step = first; step != last.end(); ++step) {
+    const auto expected = static_cast<Index>(run.iterations[at(step - last.begin())]);
     if (*step != expected)
       throw Error(
-          fmt::format("{}: expected the {} rows of step {} of the run in {}, met {}; a table of another name "
-                      "begins with the steps taken now",
-                      name, expected, step - rows.begin() + 1, run.path, *step));
+          fmt::format("{}: expected rows of step {} of the run in {} up to its last iteration, {}, met "
+                      "{}; a table of another name begins with the steps taken now",
+                      name, step - last.begin() + 1, run.path, expected,
+                      *step == 0 ? "none" : fmt::format("them up to {}", *step)));
   }
+}
+
+// The number in a cell of a line of a table that begins at `begin`, and where the next cell begins.
+std::pair<Index, std::size_t> cell_at(const std::string& text, std::size_t begin, const std::string& name) {
+  const std::size_t comma = text.find(',', begin);
+  return {parse_integer(text.substr(begin, comma - begin), name), comma + 1};
 }
 
 // Bytes of a table up to the last row of the steps done.
@@ -35,16 +43,20 @@ std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const 
   if (text.substr(0, header.size()) != header)
     throw Error(fmt::format("{}: expected the table of a run to go on with, met other columns", name));
   std::size_t kept = header.size();
-  std::vector<Index> rows(run.iterations.size(), 0);
+  std::vector<Index> last(run.iterations.size(), 0);
   for (std::size_t end = text.find('\n', kept); end != std::string::npos; end = text.find('\n', kept)) {
-    const std::string cell = text.substr(kept, text.find(',', kept) - kept);
-    const Index step = parse_integer(cell, name + ": step");
-    if (step > count(rows)) break;
+    const auto [step, behind] = cell_at(text, kept, name + ": step");
+    if (step > count(last)) break;
     if (step < 1) throw Error(fmt::format("{}: step: expected a number from 1, met {}", name, step));
-    ++rows[at(step - 1)];
+    const Index iteration = cell_at(text, behind, name + ": iteration").first;
+    Index& before = last[at(step - 1)];
+    if (iteration <= before)
+      throw Error(fmt::format("{}: step {}: expected ascending iterations, met {} after {}", name, step,
+                              iteration, before));
+    before = iteration;
     kept = end + 1;
   }
-  require_rows_of(run, rows, name);
+  require_rows_of(run, last, name);
   return kept;
 }
 
@@ -96,9 +108,9 @@ ConvergenceTable::ConvergenceTable(const std::string& path, bool force, const st
   csv_.emplace(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
 }
 
-IterationSink ConvergenceTable::sink() {
+IterationSink ConvergenceTable::sink(Index every) {
   if (!csv_) return {};
-  return [this](const IterationRow& one) { csv_->write(row(iteration_columns(), one)); };
+  return {[this](const IterationRow& one) { csv_->write(row(iteration_columns(), one)); }, every};
 }
 
 void ConvergenceTable::finish() {

@@ -31,9 +31,9 @@ class ConvergenceTable {
  public:
   /// No table where `path` is empty. `run`: the one that is gone on with, none for a new one.
   ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run);
-  IterationSink sink();
-  void finish();  ///< the run came to its end
-  void leave();   ///< it was interrupted: the partial table stays
+  IterationSink sink(Index every);  ///< `every`: see IterationSink
+  void finish();                    ///< the run came to its end
+  void leave();                     ///< it was interrupted: the partial table stays
 
  private:
   std::optional<CsvWriter> csv_;

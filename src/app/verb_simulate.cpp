@@ -26,6 +26,7 @@ struct Options {
   std::optional<std::string> algorithm, eta, criterion, tolerance;
   std::optional<Index> gauss_seidel_sweeps, steps, iterations;
   std::vector<std::string> settings;
+  std::optional<Index> convergence_every;
   Index threads = 0, save_every = 1;
   bool restart = false, force = false;
   Context context;
@@ -219,7 +220,7 @@ int run(const Options& options) {
   Progress progress("simulate " + spec.name, before, "step");
   RunSummary summary;
   RunSinks sinks;
-  sinks.iteration = table.sink();
+  sinks.iteration = table.sink(options.convergence_every.value_or(0));
   sinks.monitor = interruption.watch(progress.monitor());
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
@@ -259,9 +260,16 @@ std::function<int()> declare_simulate(Command& command, const Context& context) 
                      "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);
   command.add_option("-o,--output", options->output, "trajectory, .h5 or .hdf5")->required();
-  command.add_option("--convergence", options->convergence,
-                     "also a table with one row per iteration, - for standard output; with --restart the "
-                     "rows of the steps taken now are added to it");
+  const Option* convergence = command.add_option(
+      "--convergence", options->convergence,
+      "also a table of the iterations of every step, - for standard output; with --restart the rows of the "
+      "steps taken now are added to it");
+  command
+      .add_option("--convergence-every", options->convergence_every,
+                  "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, 10, "
+                  "13, ...), because a row costs several sweeps. The last of a step always has one")
+      ->between(1, 1000000000)
+      ->needs(convergence);
   command.add_option("--save-every", options->save_every, "keep every Nth step; the last one always is")
       ->between(1, 1000000000)
       ->shows_default();
@@ -275,7 +283,7 @@ std::function<int()> declare_simulate(Command& command, const Context& context) 
       "Examples:\n"
       "  nscdd simulate shear-1k -o shear.h5\n"
       "  nscdd simulate shear-1k --algorithm enriched --eta 1 --gauss-seidel-sweeps 100 -o e.h5\n"
-      "  nscdd simulate shear-1k --steps 10 --convergence indicators.csv -o ten.h5\n"
+      "  nscdd simulate shear-1k --steps 10 --convergence indicators.csv --convergence-every 1 -o ten.h5\n"
       "  nscdd simulate shear-1k --steps 500 --restart -o shear.h5");
   return [options] { return run(*options); };
 }

@@ -88,6 +88,14 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
 }
 
 }  // namespace
+StepProblem checked_problem(const Simulation& simulation) {
+  const Dynamics& dynamics = simulation.dynamics;
+  StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
+                                     dynamics.solver.warm_start);
+  check_overlaps(simulation.system, problem, largest_overlap);
+  return problem;
+}
+
 
 bool needs_residual(Criterion criterion) {
   return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
@@ -118,11 +126,25 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
 }
 
 PreparedStep prepare_solution(const Simulation& simulation) {
+void check_next_step(const Simulation& simulation) {
+  partition_step(simulation, checked_problem(simulation));
+}
+
+bool begins_interval(Index iteration, Index per_decade) {
+  const auto interval = [&](Index i) {
+    return std::floor(static_cast<double>(per_decade) * std::log10(static_cast<double>(i)));
+  };
+  return iteration <= 1 || interval(iteration) != interval(iteration - 1);
+}
+
+bool IterationSink::looks_at(Index iteration) const {
+  if (!row) return false;
+  return every > 0 ? iteration % every == 0 : begins_interval(iteration, 10);
+}
+
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
-  StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
-                                     solver.warm_start);
-  check_overlaps(simulation.system, problem, largest_overlap);
+  StepProblem problem = checked_problem(simulation);
   Partition partition = partition_step(simulation, problem);
   const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
   GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
@@ -159,15 +181,20 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     const auto start = Clock::now();
     report.last = iteration.iterate();
     report.solve_seconds += seconds_since(start);
-    const bool look = sink || needs_residual(solver.criterion);
-    if (look) report.residual = iteration.residual();
-    if (sink)
-      sink({.step = simulation.state.step + 1,
-            .record = report.last,
-            .residual = report.residual,
-            .status_changes = changes_of(statuses, iteration.statuses()),
-            .seconds = report.solve_seconds});
-    if (const auto status = watch.judge(report.last, report.residual)) {
+    bool look = sink.looks_at(report.last.iteration);
+    if (look || needs_residual(solver.criterion)) report.residual = iteration.residual();
+    const std::optional<SolverStatus> status = watch.judge(report.last, report.residual);
+    if (status && sink.row && !look) {
+      look = true;
+      report.residual = iteration.residual();
+    }
+    if (look)
+      sink.row({.step = simulation.state.step + 1,
+                .record = report.last,
+                .residual = report.residual,
+                .status_changes = changes_of(statuses, iteration.statuses()),
+                .seconds = report.solve_seconds});
+    if (status) {
       report.status = *status;
       break;
     }

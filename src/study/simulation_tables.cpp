@@ -37,7 +37,8 @@ const ResultColumns<IterationRow>& iteration_columns() {
         {"iteration", "1", "iteration of the step, from 1",
          [](const Iteration& row) { return row.record.iteration; }}},
        indicators(&Iteration::record),
-       {{"status_changes", "1", "contacts that open, stick or slide otherwise than an iteration before",
+       {{"status_changes", "1",
+         "contacts that open, stick or slide otherwise than at the iteration looked at before",
          &Iteration::status_changes},
         {"seconds", "s", "time of the iterations of the step so far, without the indicators",
          &Iteration::seconds}}});

@@ -58,15 +58,12 @@ const ResultColumns<Iteration>& indicator_columns() {
 }
 
 // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
-bool shown(Index iteration) {
-  const auto place = [](Index i) { return std::floor(40 * std::log10(static_cast<double>(i))); };
-  return iteration <= 20 || place(iteration) != place(iteration - 1);
-}
+bool shown(Index iteration) { return iteration <= 20 || begins_interval(iteration, 40); }
 
 Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& sink) {
   const Simulation simulation = simulation_at(work, step - 1);
   std::vector<IterationRow> rows;
-  const SolvedStep solved = solve_step(simulation, [&](const IterationRow& row) { rows.push_back(row); });
+  const SolvedStep solved = solve_step(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
   const SolverSummary solver = summary(work.one, simulation, solved.report.eta, solved.report.interface_size);
   for (const IterationRow& row : rows)
     if (shown(row.record.iteration) || &row == &rows.back()) sink({solver, row});

@@ -90,13 +90,17 @@ TEST_CASE("simulate: a restart does not go on with a table that lacks steps, or 
   const std::string restart = " --restart -o run.h5 --convergence ";
   answer(session, "simulate shear.toml --steps 2 -o run.h5 --convergence one.csv");
   answer(session, "simulate shear.toml --steps 4" + restart + "two.csv");
-  check_refused(session, "simulate shear.toml --steps 5" + restart + "one.csv",
-                {"one.csv: expected the ", " rows of step 3 of the run in run.h5, met 0"});
+  check_refused(
+      session, "simulate shear.toml --steps 5" + restart + "one.csv",
+      {"one.csv: expected rows of step 3 of the run in run.h5 up to its last iteration", "met none"});
   answer(session, "simulate shear.toml --steps 5" + restart + "two.csv");
   CHECK(read_table(session.read("two.csv")).text(0, "step") == "3");
   answer(session, "simulate shear.toml --steps 5 --iterations 3 -o other.h5 --convergence other.csv");
   check_refused(session, "simulate shear.toml --steps 6" + restart + "other.csv",
-                {"other.csv: expected the ", " rows of step 1 of the run in run.h5, met 3"});
+                {"other.csv: expected rows of step 1 of the run in run.h5 up to", "met them up to 3"});
+  session.file("twice.csv", replaced(session.read("two.csv"), "\n3,2,", "\n3,1,"));
+  check_refused(session, "simulate shear.toml --steps 6" + restart + "twice.csv",
+                {"twice.csv: step 3: expected ascending iterations, met 1 after 1"});
 }
 
 TEST_CASE("simulate: a run that replaces another and is killed goes on with its own table") {

@@ -81,7 +81,7 @@ TEST_CASE("simulate: every indicator that can end the iterations is a criterion"
     CAPTURE(name);
     answer(session,
            "simulate shear.toml --steps 3 --force -o run.h5 --convergence rows.csv --iterations "
-           "20000 --tolerance 1e-3 --set solver.gluing_tolerance=1 --criterion " +
+           "20000 --convergence-every 1 --tolerance 1e-3 --set solver.gluing_tolerance=1 --criterion " +
                name);
     const CsvTable rows = read_table(session.read("rows.csv"));
     REQUIRE(rows.rows.size() > 3);

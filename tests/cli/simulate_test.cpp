@@ -87,10 +87,50 @@ TEST_CASE("simulate: overlaps above a tenth of a radius are noticed, above a hal
   CHECK(last.state.step < 400);
 }
 
+TEST_CASE("simulate: the rows of chosen iterations are those of all, and end with each step") {
+  const MovingSession session;
+  const std::string run = "simulate shear.toml --steps 3 --force -o run.h5 --convergence ";
+  answer(session, run + "all.csv --convergence-every 1");
+  answer(session, run + "few.csv");
+  answer(session, run + "tens.csv --convergence-every 10");
+  const CsvTable all = read_table(session.read("all.csv"));
+  const auto places = [&](const CsvTable& table) {  // of its rows among all
+    std::vector<std::size_t> found;
+    for (std::size_t row = 0, k = 0; row < table.rows.size(); ++row, ++k) {
+      while (k < all.rows.size() && (all.text(k, "step") != table.text(row, "step") ||
+                                     all.text(k, "iteration") != table.text(row, "iteration")))
+        ++k;
+      REQUIRE(k < all.rows.size());
+      for (const std::string& name : all.columns)
+        if (name != "status_changes" && name != "seconds") CHECK(table.text(row, name) == all.text(k, name));
+      found.push_back(k);
+    }
+    return found;
+  };
+  const auto few = places(read_table(session.read("few.csv")));
+  const auto tens = places(read_table(session.read("tens.csv")));
+  std::vector<std::size_t> expected_few, expected_tens;
+  for (std::size_t k = 0; k < all.rows.size(); ++k) {
+    const bool last = k + 1 == all.rows.size() || all.text(k + 1, "step") != all.text(k, "step");
+    const auto iteration = static_cast<nscdd::Index>(all.number(k, "iteration"));
+    const double tenths = 10 * std::log10(all.number(k, "iteration"));
+    const double before = iteration == 1 ? -1 : 10 * std::log10(all.number(k, "iteration") - 1);
+    if (last || std::floor(tenths) != std::floor(before)) expected_few.push_back(k);
+    if (last || iteration % 10 == 0) expected_tens.push_back(k);
+  }
+  CHECK(few == expected_few);
+  CHECK(tens == expected_tens);
+  CHECK(few.size() < all.rows.size() / 4);
+  answer(session, "simulate shear.toml --steps 5 --restart -o run.h5 --convergence few.csv");
+  check_refused(session, "simulate shear.toml -o none.h5 --convergence-every 5",
+                {"--convergence-every requires --convergence"});
+}
+
 TEST_CASE("simulate: says how the run went, one row per iteration") {
   const MovingSession session;
-  const std::string text =
-      answer(session, "simulate shear.toml --steps 5 --convergence rows.csv -o run.h5 --iterations 7");
+  const std::string text = answer(
+      session,
+      "simulate shear.toml --steps 5 --convergence rows.csv --convergence-every 1 -o run.h5 --iterations 7");
   CHECK(contains(text, "completed: 5 steps in this run, 5 of 5 in all, t = 0.025 s"));
   CHECK(contains(text, "disks: 120 free, "));
   CHECK(contains(text, "maximum_reached"));

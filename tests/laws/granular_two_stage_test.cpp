@@ -288,10 +288,10 @@ TEST_CASE("semi-implicit: the interface is solved once, then left alone") {
   const SolvedStep first = solve_step(simulation);
   simulation.dynamics.solver.maximum_iterations = 40;
   Index rows = 0;
-  const SolvedStep last = solve_step(simulation, [&](const IterationRow& row) {
-    ++rows;
-    if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
-  });
+  const SolvedStep last = solve_step(simulation, {[&](const IterationRow& row) {
+                                       ++rows;
+                                       if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
+                                     }});
   CHECK(rows == 40);
   CHECK(first.interface_impulses.norm() > 0);
   CHECK(first.interface_impulses == last.interface_impulses);

@@ -15,11 +15,11 @@ namespace nscdd {
 
 /// How the iterations of a step ended.
 enum class SolverStatus {
-  converged,        ///< the criterion fell to its tolerance
-  stalled,          ///< no fall of the criterion for 10 000 iterations and four fifths of all
-  maximum_reached,  ///< as many iterations as allowed
-  diverged,   ///< impulses grew a million times beyond their first size, or energy beyond what there was
-  no_number,  ///< an impulse or velocity is no number
+  converged,  ///< the criterion fell to its tolerance
+  stalled,    ///< the criterion did not fall over the last 10 000 iterations, nor over four fifths of all
+  maximum_reached,  ///< as many iterations as allowed were made
+  diverged,   ///< impulses grew to a million times their first size, or energy far beyond what there was
+  no_number,  ///< an impulse or velocity is not finite
 };
 constexpr auto names_of(SolverStatus) {
   return std::to_array<std::string_view>(
@@ -31,12 +31,25 @@ struct IterationRow {
   Index step = 0;  ///< from 1
   IterationRecord record;
   ContactResidual residual;
-  Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the iteration before
+  Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the row before
   double seconds = 0;        ///< of the iterations of the step so far, without the indicators
 };
-using IterationSink = std::function<void(const IterationRow&)>;
 
-/// What a step left: a row of the table of steps.
+/// Whether an iteration is the first one in its interval when every decade is cut into `per_decade` intervals
+/// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
+bool begins_interval(Index iteration, Index per_decade);
+
+/// Who looks at the iterations of a step. The indicators of an iteration cost several sweeps, so that looking
+/// at all of them multiplies the time of a run.
+struct IterationSink {
+  std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
+  Index every =
+      1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
+
+  bool looks_at(Index iteration) const;
+};
+
+/// What is known of a step once it is solved: a row of the table of steps.
 struct StepReport {
   Index step = 0;   ///< from 1
   double time = 0;  ///< at its end, s
@@ -89,8 +102,12 @@ struct PreparedStep {
 };
 PreparedStep prepare_solution(const Simulation& simulation);
 
-/// Prepares and solves the next step from the state without taking it. Each iteration goes to `sink` where
-/// there is one (indicators cost about a sweep each).
+/// Throws Error as prepare_solution does, without its cost: for the first step of a run, before anything is
+/// written.
+void check_next_step(const Simulation& simulation);
+
+/// Prepares and solves the next step from the state without taking it. The iterations that `sink` looks at go
+/// to it.
 SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = {});
 
 /// Takes a solved step: moves the state on.
