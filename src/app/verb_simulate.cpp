@@ -73,16 +73,16 @@ void require_effect(const Given& given, const CaseSpec& spec) {
   if (given.key.rfind("contacts.", 0) == 0)
     throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone",
                             given.option));
-  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs)
+  const bool one_subdomain = subdomains(spec.partition) == 1;
+  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs && !one_subdomain)
     throw Error(fmt::format(
         "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
         given.option));
   nscdd::require_effect(dynamics, given.key, given.option);
-  Dynamics undivided = dynamics;  // one subdomain has no interface, as nlgs has none
+  Dynamics undivided = dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
-  if (!has_effect(undivided, given.key) && subdomains(spec.partition) == 1)
-    throw Error(fmt::format("{}: expected two subdomains or more with it, met one, which has no interface",
-                            given.option));
+  if (!has_effect(undivided, given.key) && one_subdomain)
+    note(fmt::format("{}: without effect on one subdomain, which has no interface", given.option));
 }
 
 void apply(const Options& options, CaseSpec& spec) {

@@ -15,7 +15,6 @@ void check_criterion(const CaseSpec& spec) {
   };
   if (solver.algorithm == StepAlgorithm::nlgs)
     refuse("solver.algorithm generic or enriched", "nlgs, which has no interface");
-  if (subdomains(spec.partition) == 1) refuse("two subdomains or more", "one, which has no interface");
   if (solver.algorithm == StepAlgorithm::enriched && solver.enrichment == Enrichment::semi_implicit)
     refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
 }

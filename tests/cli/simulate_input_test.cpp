@@ -65,6 +65,24 @@ TEST_CASE("simulate: a value without effect is refused, not passed over") {
          "interaction.law=cohesive --set interaction.boundary_friction=-1");
 }
 
+TEST_CASE("simulate: a loop over numbers of subdomains may begin with one") {
+  const MovingSession session;
+  const auto steps_with = [&](const std::string& options) {
+    const Outcome outcome =
+        session.run(words("simulate shear.toml --steps 2 --force --subdomains 1x1 -o run.h5 " + options));
+    CAPTURE(outcome.error);
+    CHECK(outcome.exit_code == 0);
+    return outcome.error;
+  };
+  CHECK_FALSE(contains(steps_with("--algorithm nlgs"), "without effect"));
+  const auto plain = nscdd::read_last_step((session.folder / "run.h5").string()).state.x;
+  CHECK(contains(steps_with("--algorithm enriched --eta 2 --set solver.redecompose=2"),
+                 "--eta: without effect on one subdomain"));
+  CHECK(nscdd::read_last_step((session.folder / "run.h5").string()).state.x == plain);
+  CHECK(contains(steps_with("--set solver.interface_relaxation=0.5"), "--set solver.interface_relaxation"));
+  steps_with("--criterion gluing");
+}
+
 TEST_CASE("simulate: a case made for one algorithm can be run by another, and its trajectory read") {
   const Session session;
   session.file("shear.toml",
@@ -94,8 +112,6 @@ TEST_CASE("simulate: every indicator that can end the iterations is a criterion"
   }
   check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --algorithm nlgs",
                 {"solver.criterion", "gluing", "generic or enriched", "met nlgs"});
-  check_refused(session, "simulate shear.toml -o none.h5 --criterion gluing --subdomains 1x1",
-                {"solver.criterion", "two subdomains", "met one"});
   check_refused(session,
                 "simulate shear.toml -o none.h5 --criterion gluing --algorithm enriched --set "
                 "solver.enrichment=semi_implicit",
