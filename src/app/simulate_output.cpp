@@ -133,6 +133,7 @@ void RunSummary::add(const StepReport& report) {
   overlap_ = std::max(overlap_, report.overlap.maximum);
   relative_overlap_ = std::max(relative_overlap_, report.overlap.relative);
   gluing_ = std::max(gluing_, report.last.gluing);
+  has_interface_ = has_interface_ || report.interface_size > 0;
   gaining_steps_ += report.energy.dissipation < 0;
   gain_ += std::max(0.0, -report.energy.dissipation);
   boundary_work_ += report.energy.boundary_work;
@@ -169,7 +170,7 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
       last_.energy.kinetic, boundary_work_, dissipation_, numerical_);
   text += fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", solve_seconds_, setup_seconds_);
   if (visits_ > 0) text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * solve_seconds_ / visits_);
-  return text + "\n" + warnings(simulation.dynamics.solver);
+  return text + "\n" + warnings(simulation.dynamics);
 }
 
 std::string RunSummary::reasons_of_gain(const Dynamics& dynamics, bool unconverged) const {
@@ -194,9 +195,9 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
   if (open > 0 && solver.criterion != Criterion::none)
     text += fmt::format(
-        "attention: {} of {} steps ended before {} fell to {} and jumps to {}; --iterations allows more than "
-        "{}\n",
-        open, steps_, to_string(solver.criterion), solver.tolerance, solver.gluing_tolerance,
+        "attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n", open,
+        steps_, to_string(solver.criterion), solver.tolerance,
+        has_interface_ ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
         solver.maximum_iterations);
   if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(

@@ -46,13 +46,14 @@ class RunSummary {
   std::string text(const Simulation& simulation, const RunOutcome& outcome) const;
 
  private:
-  std::string warnings(
-      const StepSolver& solver) const;  ///< what a reader of the numbers must know; mostly ""
+  std::string warnings(const Dynamics& dynamics) const;  ///< what a reader of the numbers must know; often ""
+  std::string reasons_of_gain(const Dynamics& dynamics, bool unconverged) const;
   Index gaining_steps_ = 0;
   double gain_ = 0;  // energy that contacts added, J
   Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0;
   std::map<std::string_view, Index> statuses_;
   double worst_ = 0, boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0, gluing_ = 0;
+  bool has_interface_ = false;                                 // in any step
   double relative_overlap_ = 0;                                // times the smaller radius
   double setup_seconds_ = 0, solve_seconds_ = 0, visits_ = 0;  // contacts x sweeps
   StepReport last_;

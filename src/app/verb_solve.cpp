@@ -33,7 +33,8 @@ ResultColumns<FrictionCheck> check_columns() {
           {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses",
            &FrictionCheck::residual},
           {"siconos_residual", "1",
-           "natural map with rho = 1, relative to the largest of r, u and q, as Siconos has it",
+           "natural map with rho = 1, relative to the largest of |r|, |u| and |q|, absolute where that is at "
+           "most 2.2e-16, as Siconos has it",
            &FrictionCheck::siconos_residual},
           {"open", "1", "contacts without an impulse", &FrictionCheck::open},
           {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionCheck::stick},
@@ -77,8 +78,9 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   fmt::print(
       "residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
       state.residual, field_text(tolerance));
-  fmt::print("residual of Siconos  {:.3e} (natural map, rho = 1, relative to the largest of r, u and q)\n",
-             state.siconos_residual);
+  fmt::print("residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
+             state.siconos_relative ? "relative to the largest of r, u and q"
+                                    : "absolute: r, u and q are at most 2.2e-16");
   fmt::print("open contacts        {}\n", state.open);
   fmt::print("sticking contacts    {}\n", state.stick);
   fmt::print("sliding contacts     {}\n", state.slide);

@@ -126,7 +126,8 @@ FrictionState state_of(const LocalFrictionProblem& problem, const Vector& impuls
   state.siconos_residual =
       natural_map_norm(problem, impulses, state.velocities, Vector::Ones(problem.contacts()));
   const double size = std::max({impulses.norm(), state.velocities.norm(), problem.q.norm()});
-  if (size > std::numeric_limits<double>::epsilon()) state.siconos_residual /= size;
+  state.siconos_relative = size > std::numeric_limits<double>::epsilon();
+  if (state.siconos_relative) state.siconos_residual /= size;
   for (Index c = 0; c < problem.contacts(); ++c) {
     const ContactStatus status = contact_status(component(impulses, c), problem.friction[c]);
     ++(status == ContactStatus::open    ? state.open

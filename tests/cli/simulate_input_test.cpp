@@ -70,9 +70,9 @@ TEST_CASE("simulate: a loop over numbers of subdomains may begin with one") {
   const auto steps_with = [&](const std::string& options) {
     const Outcome outcome =
         session.run(words("simulate shear.toml --steps 2 --force --subdomains 1x1 -o run.h5 " + options));
-    CAPTURE(outcome.error);
+    CAPTURE(outcome.standard_error);
     CHECK(outcome.exit_code == 0);
-    return outcome.error;
+    return outcome.standard_error;
   };
   CHECK_FALSE(contains(steps_with("--algorithm nlgs"), "without effect"));
   const auto plain = nscdd::read_last_step((session.folder / "run.h5").string()).state.x;

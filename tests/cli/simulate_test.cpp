@@ -275,14 +275,19 @@ TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, 
 TEST_CASE("simulate: says what a reader of its numbers must know") {
   const MovingSession session;
   CHECK(contains(answer(session, "simulate shear.toml --steps 3 --iterations 7 -o few.h5"),
-                 "attention: 3 of 3 steps ended before zeta fell to 0.0001"));
+                 "attention: 3 of 3 steps ended before zeta fell to 0.0001 and jumps to 0.01; "));
+  CHECK(contains(answer(session, "simulate shear.toml --steps 3 --iterations 7 -o nlgs.h5 --algorithm nlgs"),
+                 "attention: 3 of 3 steps ended before zeta fell to 0.0001; --iterations"));
   CHECK_FALSE(
       contains(answer(session, "simulate shear.toml --steps 3 --iterations 100000 -o all.h5"), "attention"));
   session.file("inside.csv", "x,y,radius\n0,0,1\n1.9,0,1\n");
   session.file("inside.toml",
                "[packing]\nfile = \"inside.csv\"\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n"
                "[dynamics]\nsteps = 2\nstep = 1e-4\ngravity = [0, 0]\n");
-  CHECK(contains(answer(session, "simulate inside.toml -o inside.h5"), "attention: contacts added "));
+  CHECK_FALSE(contains(answer(session, "simulate inside.toml -o inside.h5"), "attention: contacts added "));
+  const std::string pushed = " --force --set dynamics.maximum_push_speed=1e9";
+  CHECK(contains(answer(session, "simulate inside.toml -o inside.h5" + pushed),
+                 " J in 1 steps: overlaps pushed apart (dynamics.maximum_push_speed)\n"));
 }
 
 TEST_CASE("simulate: bad input is refused and nothing is written") {

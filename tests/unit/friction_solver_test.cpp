@@ -210,6 +210,12 @@ TEST_CASE("Siconos' residual: rho = 1, relative to the largest of r, u and q") {
   const FrictionState pressed = friction_state(problem, (Vector(2) << 10, 0).finished());
   CHECK(pressed.siconos_residual == doctest::Approx(10 / std::hypot(17, 4)));
   CHECK(pressed.stick == 1);
+  CHECK(pressed.siconos_relative);
+  // Numbers below the rounding of 1 are not divided by: the residual is then absolute, and small.
+  problem.q *= 1e-17;
+  const FrictionState tiny = friction_state(problem, Vector::Zero(2));
+  CHECK_FALSE(tiny.siconos_relative);
+  CHECK(tiny.siconos_residual == doctest::Approx(2.4e-17 * std::sqrt(1.25)));
 }
 
 TEST_CASE("what came of the sweeps is said") {

@@ -34,6 +34,7 @@ struct FrictionState {
   /// every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
   /// divided by || q ||.) It mixes velocities and impulses: its value depends on the units.
   double siconos_residual = 0;
+  bool siconos_relative = true;          ///< whether it was divided
   Index open = 0, stick = 0, slide = 0;  ///< contacts by status; a contact without friction slides
 };
 
