@@ -7,7 +7,6 @@
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
 #include "linalg/threads.hpp"
-#include "simulation/step_decomposition.hpp"
 #include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
@@ -185,13 +184,6 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
   return 1;
 }
 
-// Before anything is written.
-void check_partition(const Simulation& simulation) {
-  const Dynamics& dynamics = simulation.dynamics;
-  partition_step(simulation, prepare_step(simulation.system, simulation.state, dynamics.interaction,
-                                          dynamics.time, false));
-}
-
 int run(const Options& options) {
   check_names(options);
   const ThreadLimit limit(options.threads);
@@ -200,7 +192,6 @@ int run(const Options& options) {
   if (options.restart) check_restart(options, spec);
   const Case one = resolve_case(spec, {options.output, options.convergence});
   Simulation simulation = simulation_of(one);
-  check_partition(simulation);
   const TrajectoryHeader header{to_toml(spec), build_fingerprint(), provenance(options.context, {one}),
                                 simulation.system};
   if (options.restart) take_up(simulation, options.output);

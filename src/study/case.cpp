@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
+#include <nscdd/simulation/simulation.hpp>
 #include <nscdd/study/case.hpp>
 
 #include <fmt/format.h>
@@ -191,14 +192,6 @@ void require_geometry(const Model& model, std::string_view what) {
 
 namespace {
 
-// What the first step would refuse is refused here, before anything is written.
-void check_first_step(const Simulation& simulation) {
-  const Dynamics& dynamics = simulation.dynamics;
-  const StepProblem first =
-      prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
-  check_overlaps(simulation.system, first, largest_overlap);
-}
-
 // What arrives in the linear study starts with that velocity here.
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   ContactNetwork none;
@@ -224,7 +217,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   set_moving(one, packing, start);
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics,
                         one.spec.partition};
-  check_first_step(simulation);
+  check_next_step(simulation);
   return simulation;
 } catch (const Error& error) {
   throw located(one.spec, error);

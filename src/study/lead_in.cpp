@@ -42,15 +42,15 @@ void RunTotals::add(const StepReport& report) {
 }
 
 Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
-  Simulation fresh = simulation_of(one);
-  const StepSolver of_case = fresh.dynamics.solver;
+  check_dynamics(one);
+  const StepSolver of_case = one.dynamics->solver;
   const StepSolver used = solver == LeadInSolver::own ? of_case : plain_solver();
   CaseSpec way = one.spec;
   way.dynamics->solver = used;
   way.dynamics->time.steps = 0;
   std::map<Index, Arrival>& kept = known_[to_toml(way)];
-  const auto behind = kept.upper_bound(steps);
-  Arrival arrival = behind == kept.begin() ? Arrival{std::move(fresh), {}} : std::prev(behind)->second;
+  if (kept.empty()) kept.emplace(0, Arrival{simulation_of(one), {}});
+  Arrival arrival = std::prev(kept.upper_bound(steps))->second;
   arrival.simulation.dynamics.solver = used;
   while (arrival.simulation.state.step < steps) advance(arrival);
   kept.insert_or_assign(steps, arrival);
