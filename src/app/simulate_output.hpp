@@ -25,8 +25,8 @@ RunSoFar run_so_far(const std::string& path);
 /// down. Changes nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run);
 
-/// The table of --convergence: one row per iteration, flushed. A run that goes on keeps the rows of the steps
-/// that are done and drops those of the step that was not.
+/// The table of --convergence: one row per iteration looked at, flushed. A run that goes on keeps the rows of
+/// the steps that are done and drops those of the step that was not.
 class ConvergenceTable {
  public:
   /// No table where `path` is empty. `run`: the one that is gone on with, none for a new one.

@@ -25,13 +25,13 @@ struct Options {
   std::optional<std::string> algorithm, eta, criterion, tolerance;
   std::optional<Index> gauss_seidel_sweeps, steps, iterations;
   std::vector<std::string> settings;
-  std::optional<Index> convergence_every;
   Index threads = 0, save_every = 1;
+  std::optional<Index> convergence_every;
   bool restart = false, force = false;
   Context context;
 };
 
-// A parameter that the command line gives, with the name it has there.
+// A parameter that the command line gives, with the name of its option.
 struct Given {
   std::string key, option;
 };
@@ -66,7 +66,8 @@ void require_once(const std::vector<Given>& given) {
                                 given[other].option));
 }
 
-// What is asked for on the command line must not be passed over in silence.
+// What is asked for on the command line must not be passed over in silence. A loop over numbers of subdomains
+// may begin with one, which has no interface: there a note says what has no effect.
 void require_effect(const Given& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
   if (given.key.rfind("contacts.", 0) == 0)
@@ -113,7 +114,7 @@ void apply(const Options& options, CaseSpec& spec) {
   }
 }
 
-// What is written under these names beside the trajectory is removed with the end of the run.
+// Files of these names beside the trajectory are removed when the run ends.
 void require_not_beside(const std::string& output, const std::string& table) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -144,7 +145,7 @@ std::vector<double> speeds_of(const std::string& path, const GranularSystem& sys
   return speeds;
 }
 
-// Whether the run in the file is the one asked for, before its grains are known.
+// Throws Error unless the run in the file is the one asked for. The grains of the case are not known yet.
 void check_restart(const Options& options, const CaseSpec& spec) {
   const std::string& path = options.output;
   require_same_case(path, read_trajectory_header(path), to_toml(spec), build_fingerprint());

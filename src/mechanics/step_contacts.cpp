@@ -26,7 +26,7 @@ Alert alert_of(const GranularSystem& system, const std::vector<DiskVelocity>& fr
   return {std::max(scheme.alert * smallest, least), 2 * fastest * scheme.step};
 }
 
-// Ascending by (a, b), given grouped in no order: counted by a, then sorted within a (few each).
+// Sorts ascending by (a, b): contacts are counted by a, then the few of each a are sorted by b.
 std::vector<StepContact> sorted(const std::vector<StepContact>& contacts, Index disks) {
   std::vector<std::size_t> start(at(disks) + 1, 0);
   for (const StepContact& c : contacts) ++start[at(c.a) + 1];

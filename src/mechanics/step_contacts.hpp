@@ -15,9 +15,10 @@ struct Configuration {
   std::vector<RigidVelocity> motions;  ///< of boundaries in this step
 };
 
-/// Pairs of a free disk and a disk or wall that are within the alert distance (`least_alert`, m, where that
-/// of the scheme is smaller), or would be after the step at the velocities V^- + h g and those of boundaries,
-/// ascending by (a, b). Throws Error naming both disks of a pair with one centre.
+/// Pairs of a free disk and a disk or wall, ascending by (a, b), whose gap is within the alert distance, or
+/// would be after the step at the velocities V^- + h g and those of the boundaries. `least_alert`, m,
+/// replaces an alert distance of the scheme that is smaller. Throws Error naming both disks if two have the
+/// same centre.
 std::vector<StepContact> find_contacts(const GranularSystem& system, const Configuration& where,
                                        const std::vector<DiskVelocity>& free, const TimeStepping& scheme,
                                        double least_alert = 0);

@@ -11,7 +11,7 @@
 namespace nscdd {
 namespace {
 
-// Farther in one step than this many of its own radii, a grain has lost touch with reality.
+// A grain that moves by more than so many of its radii in one step passes through others unseen.
 constexpr double largest_move = 10;
 
 std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time) {
@@ -20,7 +20,8 @@ std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, dou
   return result;
 }
 
-// Velocity of every disk: of free ones as the state has it, of driven ones as their boundary moves them.
+// Velocities of all disks. The state knows those of free disks; a boundary gives those of the disks it
+// drives.
 std::vector<DiskVelocity> start_velocities(const GranularSystem& system, const GranularState& state,
                                            const std::vector<RigidVelocity>& motions) {
   std::vector<DiskVelocity> result(at(system.disks()));
@@ -55,7 +56,7 @@ void check_moves(const GranularSystem& system, const GranularState& state, const
   }
 }
 
-// A disk of a boundary turns about its reference point exactly, not along the tangent.
+// A driven disk goes round the reference point of its boundary on the exact circle, not along its tangent.
 void move_driven(double& x, double& y, const Pose& before, const Pose& after) {
   const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
   const double dx = x - before.x, dy = y - before.y;
@@ -82,7 +83,7 @@ Configuration middle(const GranularSystem& system, const GranularState& state,
   return where;
 }
 
-// One body per wall contact: the wall's velocity at the foot of the grain.
+// Adds one body per wall contact, which moves as the wall does at the foot of the grain.
 void add_wall_bodies(StepProblem& problem, const GranularSystem& system, const Configuration& where,
                      const std::vector<RigidVelocity>& motions, std::vector<Index>& second) {
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
@@ -97,7 +98,6 @@ void add_wall_bodies(StepProblem& problem, const GranularSystem& system, const C
   }
 }
 
-double smaller_radius(const GranularSystem& system, const StepContact& c) {
 // Of the bodies whose motion is prescribed, m/s.
 double fastest_boundary(const std::vector<DiskVelocity>& velocities) {
   double fastest = 0;
@@ -106,6 +106,7 @@ double fastest_boundary(const std::vector<DiskVelocity>& velocities) {
   return fastest;
 }
 
+double smaller_radius(const GranularSystem& system, const StepContact& c) {
   const double a = system.radius[at(c.a)];
   return c.b < system.disks() ? std::min(a, system.radius[at(c.b)]) : a;
 }
@@ -156,13 +157,13 @@ double mean_normal_delassus(const StepProblem& problem) {
   return problem.contacts.empty() ? 0 : sum / static_cast<double>(problem.contacts.size());
 }
 
-void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
 double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
   if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
   const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1]);
   return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
 }
 
+void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
   for (const StepContact& c : problem.geometry) {
     if (c.gap < -largest * smaller_radius(system, c))
       throw Error(fmt::format("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m",
@@ -201,8 +202,8 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
                   [&](const StepContact& c) { return c.gap > 0 && !(problem.pulls && touches(system, c)); });
   std::vector<Index> second(problem.geometry.size());
   add_wall_bodies(problem, system, where, motions, second);
-  problem.contacts.reserve(problem.geometry.size());
   const double boundary_speed = fastest_boundary(problem.start);
+  problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
     problem.contacts.push_back(solver_contact(c, second[k], problem, interaction,

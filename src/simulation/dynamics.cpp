@@ -24,7 +24,7 @@ void add_wall(GranularSystem& system, const BoundarySpec& spec, Index boundary) 
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y,
                const BoundarySpec& spec, Index boundary) {
   const double length = length_of(spec);
-  // As many gaps as keep them no wider than asked for, rounding of the last one aside.
+  // As few gaps as keep them no wider than asked for; rounding must not add one.
   const Index gaps =
       std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {

@@ -28,7 +28,7 @@ std::string motion_lines(const Motion& motion) {
   return text + "]\n";
 }
 
-// What has no effect is written with its default: equal runs have equal texts, and they read back.
+// A parameter without effect is written with its default, so that equal runs have equal texts.
 template <class Parameters>
 std::string effective_lines(const Dynamics& dynamics, std::string_view section,
                             const Parameters& parameters) {

@@ -12,7 +12,7 @@
 namespace nscdd {
 namespace {
 
-// The next step, or why there is none.
+// The next step; if there is none, `reason` says why.
 std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const IterationSink& sink,
                                            std::string& reason) {
   try {
@@ -28,8 +28,8 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
   return std::nullopt;
 }
 
-// Whether grains have come to rest: slow for `rest_steps` steps, and not ever faster meanwhile, which is how
-// a fall begins.
+// Whether grains have come to rest: they were slow for `rest_steps` steps, and not faster from each step to
+// the next, which is how a fall begins.
 class RestWatch {
  public:
   explicit RestWatch(double rest_speed) : rest_speed_(rest_speed) {}

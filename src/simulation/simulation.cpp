@@ -18,14 +18,14 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Without progress for this long, and for four times as long as it took to get there, a criterion that
-// rounding or cycling holds up will not fall any more. Impulses may drift along what the network carries
-// either way for thousands of iterations until a contact opens.
+// Rounding or cycling may keep a criterion from falling any further. That is taken for certain after so many
+// iterations without progress, and after four times as many as it took to get there: impulses may drift
+// within what the network carries for thousands of iterations until a contact opens.
 constexpr Index patience = 10000;
 constexpr double explosion = 1e6;
 
-// The change of F, and the jumps, are 0 where there is no interface or it is left alone: they cannot tell
-// then that the iterations ended, and zeta stands in for them.
+// If F did not change (there is no interface, or Stage 2 leaves it alone) or nothing jumps, these two cannot
+// tell that the iterations ended, and zeta stands in for them.
 double criterion_value(Criterion criterion, const IterationRecord& record, const ContactResidual& residual) {
   switch (criterion) {
     case Criterion::zeta:
@@ -52,9 +52,9 @@ bool all_finite(const std::vector<DiskVelocity>& velocities) {
   });
 }
 
-// What contacts can leave of the energy of a step: they dissipate, driven bodies and bodies that are pushed
-// out of each other hand on their speed at most twice over. A step with this many times as much went wrong,
-// however few its iterations.
+// Contacts dissipate; only driven bodies and bodies that are pushed out of each other bring energy, and hand
+// on their speed at most twice over. A step that ends with so many times as much energy as there was went
+// wrong, even after few iterations.
 constexpr double energy_explosion = 10;
 
 double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
@@ -78,7 +78,8 @@ bool energy_exploded(const StepProblem& problem, const std::vector<DiskVelocity>
   return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
 }
 
-// Contacts whose status differs from the iteration before; all that are not open at the first.
+// Contacts whose status differs from `statuses`, which then become the present ones. Those that are not open
+// differ from no statuses at all.
 Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
   statuses.resize(now.size(), ContactStatus::open);
   Index changes = 0;
@@ -87,7 +88,6 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
   return changes;
 }
 
-}  // namespace
 StepProblem checked_problem(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
@@ -96,6 +96,7 @@ StepProblem checked_problem(const Simulation& simulation) {
   return problem;
 }
 
+}  // namespace
 
 bool needs_residual(Criterion criterion) {
   return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
@@ -110,7 +111,7 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
   if (!std::isfinite(record.impulses) || !std::isfinite(record.gluing)) return SolverStatus::no_number;
   if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   if (record.impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
-  // The contacts may have settled within subdomains that have not met yet.
+  // Contacts may have settled within subdomains while their copies of shared grains still differ.
   const bool semi_implicit =
       solver_.algorithm == StepAlgorithm::enriched && solver_.enrichment == Enrichment::semi_implicit;
   const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
@@ -125,7 +126,6 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
   return std::nullopt;
 }
 
-PreparedStep prepare_solution(const Simulation& simulation) {
 void check_next_step(const Simulation& simulation) {
   partition_step(simulation, checked_problem(simulation));
 }
@@ -142,6 +142,7 @@ bool IterationSink::looks_at(Index iteration) const {
   return every > 0 ? iteration % every == 0 : begins_interval(iteration, 10);
 }
 
+PreparedStep prepare_solution(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
   StepProblem problem = checked_problem(simulation);
@@ -207,7 +208,8 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     report.residual = contact_residual(law, step.contacts, step.velocities);
     report.residual.impulses = scale;
   }
-  // Laws open a contact whose velocity is no number: its impulse is 0, and the indicators may look well.
+  // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look
+  // well.
   if (!all_finite(step.velocities))
     report.status = SolverStatus::no_number;
   else if (energy_exploded(step.problem, step.velocities))

@@ -19,7 +19,7 @@ ContactNetwork network_of(const StepProblem& problem, Index disks) {
   return network;
 }
 
-// Where contacts are found: their midpoints are compared with the box of these centres.
+// Free grains where contacts are found. The grid is laid over the box of their centres.
 Packing free_grains(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
   const double time = (1 - scheme.theta) * scheme.step;
   Packing packing;
@@ -32,7 +32,7 @@ Packing free_grains(const GranularSystem& system, const GranularState& state, co
   return packing;
 }
 
-// Normal directions only: METIS needs to know which contacts share a grain.
+// The step problem with normal directions alone: METIS needs only to know which contacts share a grain.
 ReferenceProblem normal_problem(const StepProblem& problem, Index disks) {
   ReferenceProblem result = reference_problem(problem, disks);
   std::vector<Index> normals;
@@ -41,14 +41,14 @@ ReferenceProblem normal_problem(const StepProblem& problem, Index disks) {
   return result;
 }
 
-// Columns of a contact that its status leaves in the linear problem.
+// Keeps the columns of a contact that its status leaves in the linear problem.
 void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus status) {
   kept[2 * contact] = status != ContactStatus::open;
   kept[2 * contact + 1] = status == ContactStatus::stick;
 }
 
-// Columns that impulses may use: a contact without friction has no tangential one. Links that do not exist
-// would make Stage 2 too stiff, and the iterations diverge.
+// Columns that impulses may use: a contact without friction has no tangential one. Columns that no impulse
+// can use would make Stage 2 too stiff, and the iterations diverge.
 std::vector<char> usable_columns(const Simulation& simulation, const StepProblem& problem) {
   const bool always = !opens(contact_law(simulation.dynamics.interaction, problem.h));
   std::vector<char> kept(2 * problem.contacts.size(), 1);
@@ -57,7 +57,7 @@ std::vector<char> usable_columns(const Simulation& simulation, const StepProblem
   return kept;
 }
 
-// M, H and the partition of a step for the linear analysis, with the columns that impulses may use.
+// M, H and the partition of a step for the linear analysis, restricted to the columns that impulses may use.
 Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem,
                            const Partition& partition) {
   Decomposition all =
@@ -67,8 +67,8 @@ Decomposition linear_parts(const Simulation& simulation, const StepProblem& prob
   return restrict_contacts(all, usable);
 }
 
-// Contacts that carried an impulse in the last step: both directions where they stuck, the normal one where
-// they slid. All of them where there is no step before.
+// Columns of the contacts that carried an impulse in the last step: both directions of those that stuck, the
+// normal one of those that slid. If there is no step before, all of them.
 std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
   std::vector<char> kept(2 * problem.contacts.size(), simulation.state.impulses.empty() ? 1 : 0);
   auto old = simulation.state.impulses.begin();
@@ -87,8 +87,8 @@ std::vector<char> active_columns(const Simulation& simulation, const StepProblem
   return kept;
 }
 
-// The network that some undecomposed sweeps find for this step: near enough to the one at its end to choose a
-// flexibility by, and known for the first step too.
+// The network that some undecomposed sweeps find for this step. It is near enough to the one at its end to
+// choose a flexibility by, and it is known for the first step too.
 std::vector<char> expected_columns(const Simulation& simulation, const StepProblem& problem) {
   constexpr int sweeps = 100;
   const Partition whole{.subdomains = 1,
@@ -116,7 +116,7 @@ Partition fresh_partition(const Simulation& simulation, const StepProblem& probl
       [&] { return normal_problem(problem, disks); });
 }
 
-// Known contacts stay where they were; a new one goes to the subdomain of a known one that shares a free
+// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free
 // disk.
 Partition kept_partition(const Simulation& simulation, const StepProblem& problem) {
   Partition partition = {.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};

@@ -6,18 +6,21 @@
 
 namespace nscdd {
 
-/// The partition of the contacts of a step, afresh every `redecompose` steps, else with known contacts kept.
+/// The partition of the contacts of a step. It is made afresh every `redecompose` steps; in between, known
+/// contacts stay where they are.
 Partition partition_step(const Simulation& simulation, const StepProblem& problem);
+
+/// Whether that step is partitioned afresh.
 bool decomposes_afresh(const Simulation& simulation, Index step);
 
-/// The flexibility of smallest predicted radius (see optimal_eta) for the network that 100 sweeps of the
-/// undecomposed step find, sought anew with every decomposition and kept in between, but none below
-/// stable_eta of the contacts of this step. Networks change from iteration to iteration: the best of one may
-/// diverge on those before it.
+/// The flexibility with the smallest predicted radius (see optimal_eta) for the network that 100 sweeps of
+/// the undecomposed step find. It is sought anew with every decomposition and kept in between, but raised to
+/// stable_eta of the contacts of this step: networks change from iteration to iteration, and the best value
+/// for one may diverge on those before it.
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
 
-/// X_eta of the linear Stage 2 of a step, on the contacts its network has: all considered, or (`network`
-/// active, and always in the semi-implicit scheme) those that carried an impulse in the step before.
+/// X_eta of the linear Stage 2 of a step. With `network` active, and always in the semi-implicit scheme, it
+/// has the contacts that carried an impulse in the step before; otherwise all that are considered.
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta);
 

@@ -16,8 +16,8 @@ struct RigidVelocity {
   double x = 0, y = 0, spin = 0;
 };
 
-/// Prescribed motion of a rigid body: velocities at given times, linear between them, constant before the
-/// first and after the last. One entry is a uniform motion; none is rest. A rotation about a foot has the
+/// Prescribed motion of a rigid body: velocities at given times, linear in between, constant before the first
+/// and after the last. One entry is a uniform motion, no entry is rest. To turn a body about a foot, put the
 /// reference point there.
 struct Motion {
   std::array<double, 2> centre{0, 0};  ///< reference point at time 0, m
@@ -47,8 +47,8 @@ struct Pose {
   double x = 0, y = 0, angle = 0;  ///< m, rad
 };
 
-/// A straight wall, a half-plane: grains stay on the side `normal` points to. Given at time 0, moved with its
-/// boundary.
+/// A straight wall: grains stay in the half-plane that `normal` points to. It is given at time 0 and moves
+/// with its boundary.
 struct Wall {
   std::array<double, 2> point{0, 0};
   std::array<double, 2> normal{0, 1};  ///< unit
@@ -65,7 +65,7 @@ Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h);
 std::array<double, 2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose,
                                         const std::array<double, 2>& p);
 
-/// Throws Error naming the boundary where times do not ascend, counts differ or a number is not finite.
+/// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
 void check(const Boundary& boundary);
 
 }  // namespace nscdd

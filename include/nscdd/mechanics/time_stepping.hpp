@@ -13,7 +13,8 @@ namespace nscdd {
 ///     q_m = q^- + (1 - theta) h V^-              contacts are found here
 ///     M (V - V^-) = h F + H r,  law(H^T V, r)    solved by Gauss-Seidel sweeps, whole or decomposed
 ///     q   = q_m + theta h V
-/// q_m moves by exactly h V from one step to the next, so v_n + gap/h >= 0 keeps it free of overlap.
+/// q_m moves by exactly h V from one step to the next, so v_n + gap/h >= 0 keeps it free of overlap. Where
+/// bodies overlap already, the contact asks for v_n >= min(penetration_correction |gap|/h, push speed).
 struct TimeStepping {
   double step = 0.005;  ///< h, s
   Index steps = 100;
@@ -42,13 +43,13 @@ struct TimeStepping {
           Field{.description = "part of an overlap removed per step (restitution 0)",
                 .minimum = 0,
                 .maximum = 1});
-    visit("rest_speed", self.rest_speed,
     visit("maximum_push_speed", self.maximum_push_speed,
           Field{.description = "largest speed at which an overlap is pushed apart (restitution 0); -1: 0.02 "
                                "(sqrt(g r) + w), r the smaller radius, w the speed of the fastest boundary",
                 .unit = "m/s",
                 .minimum = 0,
                 .also = -1});
+    visit("rest_speed", self.rest_speed,
           Field{.description = "the run ends once free grains are slower for 10 steps: root mean square "
                                "weighted by mass, spin included; 0 for never",
                 .unit = "m/s",
@@ -56,9 +57,9 @@ struct TimeStepping {
   }
 };
 
-/// Bodies whose gap at q_m is at most this part of the smaller radius touch, for a law that pulls: far more
-/// than rounding and unfinished iterations leave, or a rolling contact opens in a step, and far less than the
-/// alert distance, which must not be felt.
+/// For a law that pulls, bodies touch whose gap at q_m is at most this part of the smaller radius. That is
+/// far more than rounding and unfinished iterations leave, or a rolling contact opens in a step. It is far
+/// less than the alert distance, which must not be felt.
 inline constexpr double touching_gap = 1e-3;
 
 /// Geometry of a contact considered in a step.
@@ -82,9 +83,9 @@ struct StepProblem {
   std::vector<DiskVelocity> free;     ///< V^- + h M^-1 F
 };
 
-/// Finds contacts and sets the problem up; impulses start from those of the last step where `warm_start`,
-/// from zero else. Throws Error naming the disk where one would move by more than ten of its radii in the
-/// step or has a velocity that is no number, and naming both disks of a pair with one centre.
+/// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`,
+/// otherwise from zero. Throws Error naming the disk if one would move by more than ten of its radii in the
+/// step or has a velocity that is not finite, and naming both disks if two have the same centre.
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
 

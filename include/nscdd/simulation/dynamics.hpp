@@ -24,7 +24,7 @@ constexpr auto names_of(BoundaryShape) {
   return std::to_array<std::string_view>({"wall", "disks", "grains"});
 }
 
-/// A boundary as a case file has it ([[boundary]]).
+/// A boundary as a case file describes it ([[boundary]]).
 struct BoundarySpec {
   std::string name;
   Choice<BoundaryShape> shape = BoundaryShape::wall;
@@ -35,7 +35,7 @@ struct BoundarySpec {
   Motion motion;
   Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains
 
-  /// Between the centres of disks at the most, m.
+  /// Largest distance of neighbouring centres, m.
   double distance() const { return spacing > 0 ? spacing : 2 * radius; }
 };
 
@@ -47,30 +47,30 @@ struct Dynamics {
   std::vector<BoundarySpec> boundaries;
 };
 
-/// The sections as a case file has them, a blank line before each. A parameter without effect is written with
-/// its default.
+/// The sections as a case file has them, with a blank line before each. A parameter without effect is written
+/// with its default.
 std::string to_toml(const Dynamics& dynamics);
 
-/// Whether a parameter such as "solver.eta" has an effect beside the others: those of the enriched algorithm,
-/// of the interface, of a law or of random numbers have none without it.
+/// Whether a parameter such as "solver.eta" has an effect beside the others. A parameter of the enriched
+/// algorithm, of the interface, of a law or of random numbers has none where that is not in use.
 bool has_effect(const Dynamics& dynamics, std::string_view path);
 
-/// Throws Error naming `where` for a parameter without effect, saying which other value it goes with.
+/// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with.
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where);
 
-/// Throws Error naming the boundary for a wall or row of disks without extent, and for a row of too many.
+/// Throws Error naming the boundary if a wall or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
 
 /// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
-/// their order. Throws Error naming the boundary for a shape without extent, a radius or range of grains that
-/// cannot be, or a grain driven twice.
+/// their order. Throws Error naming the boundary if its shape has no extent, its radius or range of grains is
+/// impossible, or one of its grains is driven twice.
 struct GranularScene {
   GranularSystem system;
   GranularState state;  ///< at time 0
 };
 GranularScene scene(const Packing& packing, const Dynamics& dynamics);
 
-/// A granular system and how it moves. `state` is all that changes.
+/// A granular system and how it moves. Only `state` changes in a run.
 struct Simulation {
   GranularSystem system;
   GranularState state;

@@ -24,7 +24,8 @@ constexpr auto names_of(RunEnd) {
   return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down"});
 }
 
-/// Steps in a row that grains must be slow for, so that no turning point of their motion passes for rest.
+/// So many steps in a row grains must be slow before they count as at rest: a turning point of their motion
+/// is not rest.
 inline constexpr Index rest_steps = 10;
 
 struct RunOutcome {
@@ -44,14 +45,14 @@ struct RunSinks {
 };
 
 /// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks
-/// down; then the simulation is left as the last good step made it. `speeds_before`: mean_speed after each
-/// step of a run that goes on. Throws Error where the very first step of all cannot be prepared: that is bad
-/// input.
+/// down. In the end the simulation is as the last good step left it. `speeds_before`: mean_speed after each
+/// step of the run that this one goes on with. Throws Error if the very first step cannot be prepared,
+/// because that is bad input.
 RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks,
                           const std::vector<double>& speeds_before = {});
 
-/// Root of the mean square velocity of the free grains weighted by mass, spin included, m/s:
-/// sqrt(2 E / m), E their kinetic energy and m their mass.
+/// Root mean square velocity of the free grains, weighted by mass and with their spin, m/s: sqrt(2 E / m)
+/// with their kinetic energy E and their mass m.
 double mean_speed(const GranularSystem& system, double kinetic_energy);
 
 }  // namespace nscdd

@@ -26,7 +26,7 @@ constexpr auto names_of(SolverStatus) {
       {"converged", "stalled", "maximum_reached", "diverged", "no_number"});
 }
 
-/// One iteration with all its indicators: a row of `--convergence`.
+/// One iteration with all its indicators.
 struct IterationRow {
   Index step = 0;  ///< from 1
   IterationRecord record;
@@ -64,7 +64,7 @@ struct StepReport {
   double setup_seconds = 0, solve_seconds = 0;
 };
 
-/// A step prepared, decomposed and solved, not yet taken.
+/// A step that is prepared, decomposed and solved, but not yet taken.
 struct SolvedStep {
   StepProblem problem;
   Partition partition;                ///< of its contacts
@@ -75,14 +75,14 @@ struct SolvedStep {
   StepReport report;
 };
 
-/// Whether a criterion of StepSolver looks at the residual of the contact law.
+/// Whether a criterion of StepSolver needs the residual of the contact law at every iteration.
 bool needs_residual(Criterion criterion);
 
 /// Decides when the iterations of a step end.
 class IterationWatch {
  public:
   explicit IterationWatch(const StepSolver& solver);
-  /// Status at the end, none to go on. `residual` is looked at where the criterion needs it.
+  /// How the iterations ended, or nothing if they go on. `residual` counts only if the criterion needs it.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
 
  private:
@@ -91,8 +91,8 @@ class IterationWatch {
   Index best_iteration_ = 0;
 };
 
-/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step, and naming both bodies
-/// where two overlap by more than `largest_overlap`.
+/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step does, and naming both
+/// bodies if two overlap by more than `largest_overlap`.
 struct PreparedStep {
   StepProblem problem;
   Partition partition;                        ///< of its contacts
@@ -110,12 +110,12 @@ void check_next_step(const Simulation& simulation);
 /// to it.
 SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = {});
 
-/// Takes a solved step: moves the state on.
+/// Takes a solved step, which moves the state on.
 StepReport take_step(Simulation& simulation, SolvedStep step);
 
-/// Where a solver broke down, by the names and places of bodies: the first contact, then the first disk, with
-/// a value that is no number or, where all are, the contact of the largest impulse. `before`: the simulation
-/// that the step was solved from.
+/// Where a solver broke down, by the names and places of bodies. That is the first contact with an impulse
+/// that is not finite, otherwise the first disk with such a velocity, otherwise the contact with the largest
+/// impulse. `before`: the simulation that the step was solved from.
 std::string describe_breakdown(const Simulation& before, const SolvedStep& step);
 
 }  // namespace nscdd
