@@ -20,10 +20,25 @@
 namespace nscdd::app {
 namespace {
 
+// An option that sets one parameter of the case.
+struct ParameterOption {
+  std::string option, key, help;
+  std::optional<std::string> value;
+};
+
 struct Options {
   std::string name, subdomains, output, convergence;
-  std::optional<std::string> algorithm, eta, criterion, tolerance;
-  std::optional<Index> gauss_seidel_sweeps, steps, iterations;
+  std::vector<ParameterOption> parameters{
+      {"--algorithm", "solver.algorithm", "nlgs, generic or enriched", {}},
+      {"--gauss-seidel-sweeps", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration", {}},
+      {"--eta", "solver.eta", "flexibility of the enriched Stage 2, 1/kg, or optimal", {}},
+      {"--criterion",
+       "solver.criterion",
+       "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none",
+       {}},
+      {"--tolerance", "solver.tolerance", "of the criterion", {}},
+      {"--iterations", "solver.maximum_iterations", "of a step at the most", {}},
+      {"--steps", "dynamics.steps", "number of time steps", {}}};
   std::vector<std::string> settings;
   Index threads = 0, save_every = 1;
   std::optional<Index> convergence_every;
@@ -39,18 +54,11 @@ struct Given {
 // Those of options of their own, then those of --set.
 std::vector<Given> given_parameters(const Options& options) {
   std::vector<Given> given;
-  const auto add = [&](const char* key, const char* option, bool is_given) {
-    if (is_given) given.push_back({key, option});
-  };
   const bool metis = options.subdomains.rfind("metis:", 0) == 0;
-  add(metis ? "partition.metis" : "partition.grid", "--subdomains", !options.subdomains.empty());
-  add("solver.algorithm", "--algorithm", options.algorithm.has_value());
-  add("solver.gauss_seidel_sweeps", "--gauss-seidel-sweeps", options.gauss_seidel_sweeps.has_value());
-  add("solver.eta", "--eta", options.eta.has_value());
-  add("solver.criterion", "--criterion", options.criterion.has_value());
-  add("solver.tolerance", "--tolerance", options.tolerance.has_value());
-  add("solver.maximum_iterations", "--iterations", options.iterations.has_value());
-  add("dynamics.steps", "--steps", options.steps.has_value());
+  if (!options.subdomains.empty())
+    given.push_back({metis ? "partition.metis" : "partition.grid", "--subdomains"});
+  for (const ParameterOption& one : options.parameters)
+    if (one.value) given.push_back({one.key, one.option});
   for (const std::string& setting : options.settings) {
     const std::string key = setting.substr(0, setting.find('='));
     given.push_back({key, "--set " + key});
@@ -92,20 +100,8 @@ void apply(const Options& options, CaseSpec& spec) {
   require_once(given);
   if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
   apply_settings(spec, options.settings);
-  const auto set = [&](const char* key, const auto& value) {
-    if (!value) return;
-    if constexpr (std::is_same_v<typename std::decay_t<decltype(value)>::value_type, std::string>)
-      override_case(spec, key, *value);
-    else
-      override_case(spec, key, field_text(*value));
-  };
-  set("solver.algorithm", options.algorithm);
-  set("solver.gauss_seidel_sweeps", options.gauss_seidel_sweeps);
-  set("solver.eta", options.eta);
-  set("solver.criterion", options.criterion);
-  set("solver.tolerance", options.tolerance);
-  set("solver.maximum_iterations", options.iterations);
-  set("dynamics.steps", options.steps);
+  for (const ParameterOption& parameter : options.parameters)
+    if (parameter.value) override_case(spec, parameter.key, *parameter.value);
   for (const Given& parameter : given) require_effect(parameter, spec);
   try {
     check_dynamics(spec);
@@ -225,19 +221,6 @@ int run(const Options& options) {
   return close(options, simulation, outcome, summary, table);
 }
 
-void declare_solver(Command& command, Options& options) {
-  command.add_option("--algorithm", options.algorithm, "nlgs, generic or enriched: solver.algorithm");
-  command.add_option("--gauss-seidel-sweeps", options.gauss_seidel_sweeps,
-                     "sweeps n_GS per iteration: solver.gauss_seidel_sweeps");
-  command.add_option("--eta", options.eta,
-                     "flexibility of the enriched Stage 2, 1/kg, or optimal: solver.eta");
-  command.add_option("--criterion", options.criterion,
-                     "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none: "
-                     "solver.criterion");
-  command.add_option("--tolerance", options.tolerance, "of the criterion: solver.tolerance");
-  command.add_option("--iterations", options.iterations, "of a step at the most: solver.maximum_iterations");
-}
-
 }  // namespace
 
 std::function<int()> declare_simulate(Command& command, const Context& context) {
@@ -246,8 +229,8 @@ std::function<int()> declare_simulate(Command& command, const Context& context) 
   command.add_option("CASE", options->name, "case file (.toml) with [dynamics], or a known case")->required();
   command.add_option("--subdomains", options->subdomains,
                      "partition: NXxNY for a regular grid, metis:N for METIS");
-  declare_solver(command, *options);
-  command.add_option("--steps", options->steps, "number of time steps: dynamics.steps");
+  for (ParameterOption& one : options->parameters)
+    command.add_option(one.option, one.value, fmt::format("{}: {}", one.help, one.key));
   command.add_option("--set", options->settings,
                      "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);

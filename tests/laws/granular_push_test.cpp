@@ -101,7 +101,7 @@ TEST_CASE("a packing with overlaps of 7 % of a radius gains next to nothing, and
   }
   CHECK(gained < 0.03 * scale);
   CHECK(left < 1e-3);
-  // Without a bound one step adds far more than the packing weighs.
+  // Without a bound one step adds some times its weight times its height.
   Dynamics unbounded = loose();
   unbounded.time.maximum_push_speed = 1e9;
   simulation = pressed_lattice(overlap, unbounded);
