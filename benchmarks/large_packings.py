@@ -10,6 +10,7 @@ them.
 
 usage: large_packings.py [--program PATH] [--grains N] [--strips 2,16] [--peers octave,scipy] [--peer-epsilons 2]
        large_packings.py --scaling [--sizes 10000,100000,1000000]     cost of one point against N, 16 strips
+       large_packings.py --deposits [--sizes 100000,1000000]          deposits of equal to very unequal grains
 """
 import argparse
 import csv
@@ -92,7 +93,7 @@ def compare(options, folder):
 def scale(options, folder):
     print("one point, epsilon = 1, 16 strips, whole process; N log N relative to the first row")
     first = None
-    for grains in options.sizes:
+    for grains in options.sizes or [10_000, 100_000, 1_000_000]:
         packing = os.path.join(folder, f"lattice-{grains}.csv")
         lattice(packing, grains)
         own = nscdd(options.program, packing, 16, "1")
@@ -100,6 +101,25 @@ def scale(options, folder):
         first = first or (own["seconds"], law)
         print(f"{grains:9}  {own['seconds']:9.3f} s  {own['memory'] / 2**20:6.0f} MiB  cost x {own['seconds'] / first[0]:7.1f}"
               f"  N log N x {law / first[1]:7.1f}  {own['unproved']} not proved", flush=True)
+
+
+def deposits(options, folder):
+    """Deposits of four ranges of sizes: the bed is made, then read again and its contacts found.
+
+    From 10^5 grains on: below, `inspect` computes ranks as well, which takes most of its time.
+    """
+    kinds = {"equal": {"radius_max": 0.1}, "1 : 2": {"radius_max": 0.2},
+             "1 : 100, equal area of every size": {"radius_max": 10, "distribution": "uniform_volume"},
+             "1 : 100, one large in 1000": {"radius_max": 10, "distribution": "two_sizes", "fraction_large": 0.001}}
+    print("   grains  generate  inspect  radii")
+    for grains in options.sizes or [100_000, 1_000_000]:
+        for kind, sizes in kinds.items():
+            packing = os.path.join(folder, "deposit.h5")
+            keys = {"grains": grains, "radius_min": 0.1, **sizes}
+            settings = [part for key, value in keys.items() for part in ("--set", f"packing.{key}={value}")]
+            made = timed([options.program, "generate", "deposit", *settings, "--force", "-o", packing])[1]
+            read = timed([options.program, "inspect", packing])[1]
+            print(f"{grains:9}  {made:7.3f}s {read:7.3f}s  {kind}", flush=True)
 
 
 def main():
@@ -112,10 +132,11 @@ def main():
                         default=["octave", "scipy"])
     parser.add_argument("--peer-epsilons", type=int, default=2)
     parser.add_argument("--scaling", action="store_true")
-    parser.add_argument("--sizes", type=numbers, default=[10_000, 100_000, 1_000_000])
+    parser.add_argument("--deposits", action="store_true")
+    parser.add_argument("--sizes", type=numbers)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        (scale if options.scaling else compare)(options, folder)
+        (scale if options.scaling else deposits if options.deposits else compare)(options, folder)
 
 
 if __name__ == "__main__":

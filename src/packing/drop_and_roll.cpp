@@ -3,9 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace nscdd {
 namespace {
+
+// Added to sizes, relative to them: far more than coordinates lose by rounding.
+constexpr double margin = 1e-6;
+// Smaller grains in a cell of the largest, on average, beyond which they get a level of their own. The best
+// value depends little on the sizes: 4 to 16 were measured.
+constexpr double crowded = 4;
 
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
 double later(const Disk& pivot, const Point& p, const Point& q, Side side) {
@@ -37,54 +45,99 @@ std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double r
   return Point{base.x + (towards * dx - beside * dy) / d, base.y + (towards * dy + beside * dx) / d};
 }
 
-Heap::Heap(double width, double largest_radius, Index grains)
-    : width_(width), largest_(largest_radius), side_(2 * largest_radius) {
+double disk_area(std::span<const double> radii) {
+  double area = 0;
+  for (const double radius : radii) area += std::numbers::pi * radius * radius;
+  return area;
+}
+
+Heap::Heap(double width, double largest_radius, std::vector<double> radii) : width_(width) {
+  disks_.reserve(radii.size());
+  next_.reserve(radii.size());
+  const auto cells_for = [](std::size_t grains) { return 2.0 * static_cast<double>(grains) + 64; };
   // A box far wider than its grains can fill is cut into fewer, wider columns.
-  side_ = std::max(side_, width / (2.0 * static_cast<double>(grains) + 64));
-  columns_ = static_cast<std::size_t>(width / side_) + 1;
-  filled_.assign(columns_, 0);
-  disks_.reserve(at(grains));
-  next_.reserve(at(grains));
+  add_level(largest_radius, std::max(2 * largest_radius, width / cells_for(radii.size())));
+  std::sort(radii.begin(), radii.end());
+  const double room = std::max(disk_area(radii), 2 * largest_radius * width);  // about the area of the bed
+  while (true) {
+    const double largest = levels_.back().largest;
+    const auto half = std::lower_bound(radii.begin(), radii.end(), largest / 2);
+    radii.erase(half, radii.end());
+    if (radii.empty() || static_cast<double>(radii.size()) * 4 * largest * largest <= crowded * room) return;
+    // The bound is a little above the largest of them, so that rounding hides no grain beyond the border of a
+    // cell. Where the grains are few, cells are wider than that: they stay about as many as the grains.
+    const double bound = radii.back() * (1 + margin);
+    add_level(bound, std::max(2 * bound, std::sqrt(room / cells_for(radii.size()))));
+  }
 }
 
-std::size_t Heap::column_of(double x) const {
-  return std::min(columns_ - 1, static_cast<std::size_t>(std::max(0.0, x) / side_));
+void Heap::add_level(double largest, double side) {
+  Level level{.largest = largest, .side = side, .columns = static_cast<std::size_t>(width_ / side) + 1};
+  level.filled.assign(level.columns, 0);
+  levels_.push_back(std::move(level));
 }
 
-std::size_t Heap::row_of(double y) const { return static_cast<std::size_t>(std::max(0.0, y) / side_); }
+std::size_t Heap::Level::column_of(double x) const {
+  return std::min(columns - 1, static_cast<std::size_t>(std::max(0.0, x) / side));
+}
+
+std::size_t Heap::Level::row_of(double y) const { return static_cast<std::size_t>(std::max(0.0, y) / side); }
 
 template <class Visit>
-void Heap::visit_cell(std::size_t column, std::size_t row, Visit&& visit) const {
-  for (std::int32_t i = first_[row * columns_ + column]; i >= 0; i = next_[static_cast<std::size_t>(i)])
-    visit(i, disks_[static_cast<std::size_t>(i)]);
+void Heap::visit_row(const Level& level, std::size_t row, double left, double right, Visit&& visit) const {
+  const std::size_t end = row * level.columns + level.column_of(right) + 1;
+  for (std::size_t cell = row * level.columns + level.column_of(left); cell < end; ++cell)
+    for (std::int32_t i = level.first[cell]; i >= 0; i = next_[at(i)]) visit(i, disks_[at(i)]);
+}
+
+// Whether a disk meets grain i before what it met in `met`: where `lead` is positive. Where it is 0, the disk
+// meets both at one place, and a fixed order of the grains decides, so that the bed does not depend on the
+// order of search: by rows of cells of the coarsest level, in a row from left to right, in a cell from the
+// latest grain to the first.
+bool Heap::first_met(double lead, std::int32_t i, const Meeting& met, Rows rows) const {
+  if (lead != 0 || met.with != Meeting::With::grain) return lead > 0;
+  const auto cell = [&](std::int32_t grain) {
+    const Disk& disk = disks_[at(grain)];
+    const std::size_t row = levels_.front().row_of(disk.y);
+    return std::pair(rows == Rows::upwards ? row : ~row, levels_.front().column_of(disk.x));
+  };
+  const auto cell_i = cell(i), cell_met = cell(met.grain);
+  return cell_i != cell_met ? cell_i < cell_met : i > met.grain;
 }
 
 void Heap::add(const Disk& disk) {
-  const std::size_t column = column_of(disk.x), row = row_of(disk.y);
-  rows_ = std::max(rows_, row + 1);
-  if (first_.size() < rows_ * columns_) first_.resize(rows_ * columns_, -1);
-  filled_[column] = std::max(filled_[column], row + 1);
-  next_.push_back(first_[row * columns_ + column]);
-  first_[row * columns_ + column] = static_cast<std::int32_t>(disks_.size());
+  auto level = levels_.rbegin();
+  while (level->largest < disk.radius) ++level;
+  const std::size_t column = level->column_of(disk.x), row = level->row_of(disk.y);
+  level->rows = std::max(level->rows, row + 1);
+  level->first.resize(std::max(level->first.size(), level->rows * level->columns), -1);
+  level->filled[column] = std::max(level->filled[column], row + 1);
+  std::int32_t& first = level->first[row * level->columns + column];
+  next_.push_back(first);
+  first = static_cast<std::int32_t>(disks_.size());
   disks_.push_back(disk);
 }
 
 Heap::Meeting Heap::fall(const Point& from, double radius) const {
   const double x = from[0];
   Meeting met{Meeting::With::floor, {x, radius}};
-  const std::size_t first = column_of(x - radius - largest_), last = column_of(x + radius + largest_);
-  std::size_t rows = 0;
-  for (std::size_t column = first; column <= last; ++column) rows = std::max(rows, filled_[column]);
-  if (std::isfinite(from[1])) rows = std::min(rows, row_of(from[1]) + 1);
-  for (std::size_t row = rows; row-- > 0;) {
-    // What lies in this row or below stops a disk no higher than this.
-    if (met.centre[1] >= static_cast<double>(row + 1) * side_ + radius + largest_) break;
-    for (std::size_t column = first; column <= last; ++column)
-      visit_cell(column, row, [&](std::int32_t i, const Disk& disk) {
+  for (const Level& level : levels_) {
+    const double left = x - radius - level.largest, right = x + radius + level.largest;
+    const auto highest =
+        std::max_element(level.filled.begin() + static_cast<std::ptrdiff_t>(level.column_of(left)),
+                         level.filled.begin() + static_cast<std::ptrdiff_t>(level.column_of(right)) + 1);
+    std::size_t rows = *highest;
+    if (std::isfinite(from[1])) rows = std::min(rows, level.row_of(from[1]) + 1);
+    for (std::size_t row = rows; row-- > 0;) {
+      // What lies in this row or below stops a disk no higher than this.
+      if (met.centre[1] >= static_cast<double>(row + 1) * level.side + radius + level.largest) break;
+      visit_row(level, row, left, right, [&](std::int32_t i, const Disk& disk) {
         if (disk.y >= from[1]) return;
         const auto height = fall_onto(disk, x, radius);
-        if (height && *height > met.centre[1]) met = {Meeting::With::grain, {x, *height}, i};
+        if (height && first_met(*height - met.centre[1], i, met, Rows::downwards))
+          met = {Meeting::With::grain, {x, *height}, i};
       });
+    }
   }
   // A grain touched from the start may seem, by rounding, to have been met a little higher.
   met.centre[1] = std::min(met.centre[1], from[1]);
@@ -105,19 +158,39 @@ Heap::Meeting Heap::end_of_roll(const Disk& pivot, double radius, Side side) con
 }
 
 Heap::Meeting Heap::roll(const Disk& pivot, const Point& from, double radius, Side side) const {
-  Meeting met = end_of_roll(pivot, radius, side);
-  const double reach = radius + largest_;
-  const std::size_t first_column = column_of(std::min(from[0], met.centre[0]) - reach);
-  const std::size_t last_column = column_of(std::max(from[0], met.centre[0]) + reach);
-  const std::size_t last_row = std::min(rows_, row_of(from[1] + reach) + 1);
-  for (std::size_t row = row_of(met.centre[1] - reach); row < last_row; ++row)
-    for (std::size_t column = first_column; column <= last_column; ++column)
-      visit_cell(column, row, [&](std::int32_t i, const Disk& disk) {
+  const Meeting end = end_of_roll(pivot, radius, side);
+  Meeting met = end;
+  const double arc = radius + pivot.radius;  // on which the centre moves, down and away from the pivot
+  const auto away = [&](double y) {          // horizontal distance from the pivot to the arc at height y
+    const double above = std::clamp(y - pivot.y, 0.0, arc);
+    return std::sqrt((arc - above) * (arc + above));
+  };
+  for (const Level& level : levels_) {
+    const double reach = radius + level.largest, wide = reach * (1 + margin);
+    const double leftmost = std::min(from[0], end.centre[0]) - reach;
+    const double rightmost = std::max(from[0], end.centre[0]) + reach;
+    const bool many_columns = rightmost - leftmost > 8 * level.side;
+    const std::size_t last_row = level.row_of(end.centre[1] - reach);
+    for (std::size_t row = std::min(level.rows, level.row_of(from[1] + reach) + 1); row-- > last_row;) {
+      // The centre is between these heights when it meets a grain of this row.
+      const double low = static_cast<double>(row) * level.side - wide;
+      const double high = static_cast<double>(row + 1) * level.side + wide;
+      if (high < met.centre[1]) break;
+      double left = leftmost, right = rightmost;
+      if (many_columns) {
+        const double near = away(high) - wide, far = away(std::max(low, met.centre[1] - wide)) + wide;
+        left = std::max(left, side == Side::right ? pivot.x + near : pivot.x - far);
+        right = std::min(right, side == Side::right ? pivot.x + far : pivot.x - near);
+      }
+      visit_row(level, row, left, right, [&](std::int32_t i, const Disk& disk) {
         // Only what lies ahead is in the way; the pivot itself and a pivot just left are not.
         if (later(pivot, from, {disk.x, disk.y}, side) <= 0) return;
         const auto centre = roll_against(pivot, disk, radius, side);
-        if (centre && later(pivot, *centre, met.centre, side) > 0) met = {Meeting::With::grain, *centre, i};
+        if (centre && first_met(later(pivot, *centre, met.centre, side), i, met, Rows::upwards))
+          met = {Meeting::With::grain, *centre, i};
       });
+    }
+  }
   return met;
 }
 
@@ -127,13 +200,12 @@ Disk Heap::settle(double x, double radius) const {
     Meeting met = fall(centre, radius);
     centre = met.centre;
     if (met.with == Meeting::With::floor) return {centre[0], centre[1], radius};
-    const Side side = centre[0] >= disks_[static_cast<std::size_t>(met.grain)].x ? Side::right : Side::left;
+    const Side side = centre[0] >= disks_[at(met.grain)].x ? Side::right : Side::left;
     while (met.with == Meeting::With::grain) {
-      met = roll(disks_[static_cast<std::size_t>(met.grain)], centre, radius, side);
+      met = roll(disks_[at(met.grain)], centre, radius, side);
       centre = met.centre;
-      const bool held =
-          met.with == Meeting::With::grain &&
-          static_cast<double>(side) * (disks_[static_cast<std::size_t>(met.grain)].x - centre[0]) >= 0;
+      const bool held = met.with == Meeting::With::grain &&
+                        static_cast<double>(side) * (disks_[at(met.grain)].x - centre[0]) >= 0;
       if (held || met.with == Meeting::With::floor || met.with == Meeting::With::wall)
         return {centre[0], centre[1], radius};
     }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace nscdd {
@@ -28,12 +29,18 @@ enum class Side { left = -1, right = 1 };
 /// between them without touching.
 std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double radius, Side side);
 
-/// The bed of a box that grains are dropped into, in square cells as wide as the largest grain, so that a
-/// grain finds those near it at a cost that does not grow with the bed.
+/// Area of disks of these radii, overlaps counted twice, m^2.
+double disk_area(std::span<const double> radii);
+
+/// The bed of a box that grains are dropped into. Its grains lie in square cells, level by level: each level
+/// has the grains of one range of sizes, in cells as wide as the largest of them. A falling or rolling grain
+/// searches only the cells along its way. So the cost of a grain does not grow with the bed, and little with
+/// the ratio of sizes.
 class Heap {
  public:
-  /// A box with the floor y = 0 and walls x = 0 and x = width, m; `grains` is what to make room for.
-  Heap(double width, double largest_radius, Index grains);
+  /// A box with the floor y = 0 and walls x = 0 and x = width, m. `radii`, m, are those of the grains to
+  /// come: they decide how the cells are cut, not where a grain comes to rest.
+  Heap(double width, double largest_radius, std::vector<double> radii);
 
   /// Where a disk dropped at x comes to rest: on the floor, or on two supports (grains, or a grain and a
   /// wall) with its centre between them. radius <= x <= width - radius, radius <= largest_radius.
@@ -48,20 +55,29 @@ class Heap {
     Point centre;
     std::int32_t grain = -1;
   };
+  /// Cells of the grains up to one size that no finer level takes. Rows are added as the bed grows.
+  struct Level {
+    double largest, side;  ///< m
+    std::size_t columns, rows = 0;
+    std::vector<std::int32_t> first = {};  ///< latest grain of each cell, row by row; -1 for none
+    std::vector<std::size_t> filled = {};  ///< of each column: rows up to its highest grain
+
+    std::size_t column_of(double x) const;
+    std::size_t row_of(double y) const;
+  };
+  void add_level(double largest, double side);
   Meeting fall(const Point& from, double radius) const;
   Meeting roll(const Disk& pivot, const Point& from, double radius, Side side) const;
   Meeting end_of_roll(const Disk& pivot, double radius, Side side) const;
-
-  std::size_t column_of(double x) const;
-  std::size_t row_of(double y) const;
+  enum class Rows { upwards, downwards };
+  bool first_met(double lead, std::int32_t i, const Meeting& met, Rows rows) const;
   template <class Visit>
-  void visit_cell(std::size_t column, std::size_t row, Visit&& visit) const;
+  void visit_row(const Level& level, std::size_t row, double left, double right, Visit&& visit) const;
 
-  double width_, largest_, side_;
-  std::size_t columns_, rows_ = 0;
+  double width_;
+  std::vector<Level> levels_;  ///< coarsest first
   std::vector<Disk> disks_;
-  std::vector<std::int32_t> first_, next_;  ///< lists of grains: first of each cell, next of each grain
-  std::vector<std::size_t> filled_;         ///< of each column: rows up to its highest grain
+  std::vector<std::int32_t> next_;  ///< of each grain: the one before it in its cell, or -1
 };
 
 }  // namespace nscdd

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 using namespace nscdd;
 
@@ -68,6 +69,62 @@ void check_deposit(const Deposit& deposit, double width) {
     if (!held[at(i)].floor && !(held[at(i)].left && held[at(i)].right)) FAIL("grain ", i, " is not held");
 }
 
+// Drop and roll as the papers say it: every grain of the bed is tried. Of grains that are met at one place
+// the first one tried counts: by rows of square cells, downwards for a fall and upwards for rolling, in a row
+// from left to right, in a cell from the latest grain to the first.
+struct LiteralHeap {
+  double width, cell;
+  std::vector<Disk> down = {}, up = {};
+
+  void add(const Disk& disk) {
+    const auto insert = [&](std::vector<Disk>& order, double sign) {
+      const auto place = [&](const Disk& d) {
+        return std::pair(sign * std::floor(d.y / cell), std::floor(d.x / cell));
+      };
+      const auto before = [&](const Disk& a, const Disk& b) { return place(a) < place(b); };
+      order.insert(std::lower_bound(order.begin(), order.end(), disk, before), disk);
+    };
+    insert(down, -1);
+    insert(up, 1);
+  }
+
+  Disk settle(double x, double radius) const {
+    double y = infinity;
+    while (true) {
+      double height = radius;
+      const Disk* support = nullptr;
+      for (const Disk& disk : down)
+        if (const auto h = fall_onto(disk, x, radius); disk.y < y && h && *h > height)
+          height = *h, support = &disk;
+      y = std::min(y, height);
+      if (support == nullptr) return {x, y, radius};
+      const Side side = x >= support->x ? Side::right : Side::left;
+      const double sign = static_cast<double>(side), wall = side == Side::right ? width - radius : radius;
+      while (support != nullptr) {
+        const Disk& pivot = *support;
+        const auto later = [&](const Point& p, const Point& q) {
+          return -sign * ((p[0] - pivot.x) * (q[1] - pivot.y) - (p[1] - pivot.y) * (q[0] - pivot.x));
+        };
+        const double reach = radius + pivot.radius;
+        Point end{pivot.x + sign * reach, pivot.y};
+        bool rests = false;
+        if (const double below = radius - pivot.y; below >= 0)
+          end = {pivot.x + sign * std::sqrt((reach - below) * (reach + below)), radius}, rests = true;
+        if (const double away = std::abs(wall - pivot.x); sign * (end[0] - wall) >= 0)
+          end = {wall, pivot.y + std::sqrt(std::max(0.0, (reach - away) * (reach + away)))}, rests = true;
+        support = nullptr;
+        for (const Disk& disk : up) {
+          if (later({x, y}, {disk.x, disk.y}) <= 0) continue;
+          const auto centre = roll_against(pivot, disk, radius, side);
+          if (centre && later(*centre, end) > 0) end = *centre, support = &disk;
+        }
+        x = end[0], y = end[1];
+        if (support != nullptr ? sign * (support->x - x) >= 0 : rests) return {x, y, radius};
+      }
+    }
+  }
+};
+
 // Largest distance between the distribution function of the sample and the one given.
 double kolmogorov_distance(std::vector<double> sample, const std::function<double(double)>& cumulative) {
   std::sort(sample.begin(), sample.end());
@@ -87,6 +144,24 @@ std::vector<double> sizes_of(const SizeDistribution& sizes, std::uint64_t seed, 
   std::vector<double> sample(at(n));
   for (double& r : sample) r = radius(random.uniform());
   return sample;
+}
+
+// Grains that a heap places otherwise than the literal one, each on the same bed.
+Index places_that_differ(const SizeDistribution& sizes, double width, std::uint64_t seed) {
+  constexpr Index grains = 600;
+  const std::vector<double> radii = sizes_of(sizes, seed, grains);
+  RandomStream random(seed + 1000);
+  Heap heap(width, sizes.radius_max, radii);
+  LiteralHeap literal{width, std::max(2 * sizes.radius_max, width / (2.0 * grains + 64))};
+  Index different = 0;
+  for (const double radius : radii) {
+    const double x = std::min(radius + random.uniform() * (width - 2 * radius), width - radius);
+    const Disk found = heap.settle(x, radius), expected = literal.settle(x, radius);
+    different += found.x != expected.x || found.y != expected.y;
+    heap.add(expected);
+    literal.add(expected);
+  }
+  return different;
 }
 
 double mean(const std::vector<double>& values) {
@@ -123,7 +198,7 @@ TEST_CASE("drop and roll: a disk rolls into the gap between two, from either sid
 }
 
 TEST_CASE("drop and roll: grains come to rest on the floor, at a wall, in a gap, and roll past a top") {
-  Heap heap(10, 1, 10);
+  Heap heap(10, 1, {1, 1, 1, 1, 0.25});
   const Disk first = heap.settle(5, 1);
   CHECK(first.x == 5);
   CHECK(first.y == 1);
@@ -143,6 +218,35 @@ TEST_CASE("drop and roll: grains come to rest on the floor, at a wall, in a gap,
   const Disk small = heap.settle(9.75, 0.25);  // over the fourth, into the corner at the wall
   CHECK(small.x == 9.75);
   CHECK(small.y == doctest::Approx(1 + std::sqrt(1.25 * 1.25 - 0.75 * 0.75)));
+}
+
+TEST_CASE("drop and roll: cells find the places that trying every grain finds, bit for bit") {
+  const auto two_sizes = [](double smallest, double fraction) {
+    return SizeDistribution{
+        .distribution = "two_sizes", .radius_min = smallest, .radius_max = 1, .fraction_large = fraction};
+  };
+  const SizeDistribution cases[] = {{.radius_min = 0.5, .radius_max = 1},
+                                    {.radius_min = 0.01, .radius_max = 1},
+                                    {.distribution = "uniform_volume", .radius_min = 0.01, .radius_max = 1},
+                                    {.distribution = "lognormal", .radius_min = 1e-3, .radius_max = 1},
+                                    two_sizes(0.5, 0.3),
+                                    two_sizes(0.1, 0),  // no grain of the largest size
+                                    two_sizes(0.02, 0.002),
+                                    two_sizes(0.01, 0.02),
+                                    two_sizes(0.001, 0.01)};
+  for (const SizeDistribution& sizes : cases)
+    for (const double width : {2.0, 3.7, 8.0, 30.0})
+      for (const std::uint64_t seed : {1U, 2U}) {
+        CAPTURE(sizes.distribution);
+        CAPTURE(sizes.radius_min);
+        CAPTURE(width);
+        CHECK(places_that_differ(sizes, width, seed) == 0);
+      }
+}
+
+TEST_CASE("drop and roll: the same for equal sizes, where a grain often meets several at one place") {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed)
+    CHECK(places_that_differ({.radius_min = 1, .radius_max = 1}, 8, seed) == 0);
 }
 
 TEST_CASE("deposit: no overlap, every grain held on both sides or on the floor") {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace nscdd {
 namespace {
@@ -16,12 +15,8 @@ namespace {
 // Width of a bed as high as wide, at the solid fraction that beds of this kind come to.
 double square_width(const std::vector<double>& radii) {
   constexpr double solid_fraction = 0.8;
-  double area = 0, largest = 0;
-  for (const double radius : radii) {
-    area += std::numbers::pi * radius * radius;
-    largest = std::max(largest, radius);
-  }
-  return std::max(std::sqrt(area / solid_fraction), 2 * largest);
+  const double largest = *std::max_element(radii.begin(), radii.end());
+  return std::max(std::sqrt(disk_area(radii) / solid_fraction), 2 * largest);
 }
 
 }  // namespace
@@ -43,7 +38,7 @@ Packing generate(const Deposit& deposit, const Monitor& monitor) {
   packing.x.reserve(radii.size());
   packing.y.reserve(radii.size());
   packing.radius.reserve(radii.size());
-  Heap heap(width, sizes.radius_max, deposit.grains);
+  Heap heap(width, sizes.radius_max, radii);
   for (Index i = 0; i < deposit.grains; ++i) {
     if (i % 1024 == 0 && !report(monitor, i, deposit.grains)) break;
     const double radius = radii[at(i)];
