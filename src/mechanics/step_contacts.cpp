@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/step_contacts.hpp"
 
+#include "packing/contact_order.hpp"
 #include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
 
@@ -24,21 +25,6 @@ Alert alert_of(const GranularSystem& system, const std::vector<DiskVelocity>& fr
     fastest = std::max(fastest, std::hypot(free[at(i)].x, free[at(i)].y));
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
   return {std::max(scheme.alert * smallest, least), 2 * fastest * scheme.step};
-}
-
-// Sorts ascending by (a, b): contacts are counted by a, then the few of each a are sorted by b.
-std::vector<StepContact> sorted(const std::vector<StepContact>& contacts, Index disks) {
-  std::vector<std::size_t> start(at(disks) + 1, 0);
-  for (const StepContact& c : contacts) ++start[at(c.a) + 1];
-  for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-  std::vector<std::size_t> next(start.begin(), start.end() - 1);
-  std::vector<StepContact> result(contacts.size());
-  for (const StepContact& c : contacts) result[next[at(c.a)]++] = c;
-  for (std::size_t i = 0; i + 1 < start.size(); ++i)
-    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[i]),
-              result.begin() + static_cast<std::ptrdiff_t>(start[i + 1]),
-              [](const StepContact& p, const StepContact& q) { return p.b < q.b; });
-  return result;
 }
 
 }  // namespace
@@ -90,7 +76,7 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
                        .gap = gap});
     }
   }
-  return sorted(found, system.disks());
+  return sorted_by_bodies(found, system.disks());
 }
 
 }  // namespace nscdd

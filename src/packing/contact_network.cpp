@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "packing/contact_order.hpp"
 #include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/packing/contact_network.hpp>
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -37,21 +37,6 @@ void require_no_overlap(const Packing& p, const Contact& contact, double allowed
         -contact.gap, allowed, describe(i), describe(j)));
 }
 
-// By (a, b): counted into place by a, then each grain's few by b.
-std::vector<Contact> sorted(const std::vector<Contact>& contacts, Index grains) {
-  std::vector<std::size_t> start(at(grains) + 1, 0);
-  for (const Contact& contact : contacts) ++start[at(contact.a) + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<Contact> result(contacts.size());
-  std::vector<std::size_t> next(start.begin(), start.end() - 1);
-  for (const Contact& contact : contacts) result[next[at(contact.a)]++] = contact;
-  for (std::size_t a = 0; a + 1 < start.size(); ++a)
-    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[a]),
-              result.begin() + static_cast<std::ptrdiff_t>(start[a + 1]),
-              [](const Contact& l, const Contact& r) { return l.b < r.b; });
-  return result;
-}
-
 }  // namespace
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
@@ -73,7 +58,7 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
     network.contacts.push_back(contact);
   });
   // The order of cells is an accident of the grid; the order of grains is the packing's own.
-  network.contacts = sorted(network.contacts, packing.size());
+  network.contacts = sorted_by_bodies(network.contacts, packing.size());
   return network;
 }
 
