@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/disjoint_sets.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -23,19 +23,14 @@ constexpr Index columns_at_a_time = 64;  // of the right-hand sides of a large p
 
 // Unknowns of each connected piece of the pattern of M, ascending.
 std::vector<std::vector<Index>> pieces(const SparseMatrix& mass) {
-  std::vector<Index> parent(at(mass.rows()));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index i) {
-    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-    return i;
-  };
+  DisjointSets joined(mass.rows());
   for (Index j = 0; j < mass.cols(); ++j)
     for (SparseMatrix::InnerIterator e(mass, j); e; ++e)
-      if (e.value() != 0) parent[at(root(e.row()))] = root(j);
+      if (e.value() != 0) joined.join(e.row(), j);
   std::vector<Index> number(at(mass.rows()), -1);
   std::vector<std::vector<Index>> found;
   for (Index i = 0; i < mass.rows(); ++i) {
-    Index& piece = number[at(root(i))];
+    Index& piece = number[at(joined.root(i))];
     if (piece < 0) {
       piece = count(found);
       found.emplace_back();

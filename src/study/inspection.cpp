@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/disjoint_sets.hpp"
 #include "linalg/range_projector.hpp"
 #include <nscdd/mechanics/time_stepping.hpp>
 #include <nscdd/study/inspection.hpp>
@@ -6,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 namespace nscdd {
 namespace {
@@ -24,25 +25,17 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
 
 }  // namespace
 
-// By union-find over the grains.
 Index connected_pieces(const ReferenceProblem& problem) {
-  std::vector<Index> parent(at(problem.grains()));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index i) {
-    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-    return i;
-  };
+  DisjointSets joined(problem.grains());
   std::vector<char> touched(at(problem.grains()), 0);
+  Index pieces = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
     const std::vector<Index> grains = grains_of_contact(problem, c);
     for (const Index grain : grains) {
-      touched[at(grain)] = 1;
-      parent[at(root(grains.front()))] = root(grain);
+      if (!std::exchange(touched[at(grain)], char{1})) ++pieces;
+      if (joined.join(grains.front(), grain)) --pieces;
     }
   }
-  Index pieces = 0;
-  for (Index i = 0; i < problem.grains(); ++i)
-    if (touched[at(i)] && root(i) == i) ++pieces;
   return pieces;
 }
 
