@@ -1,13 +1,87 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "packing/cell_grid.hpp"
 #include <nscdd/core/types.hpp>
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
 namespace nscdd {
+
+/// Points sorted into square cells of at least a given side, for neighbour searches in O(N). The cells form a
+/// table of at most about two per point: in a sparse or elongated cloud, cells grow until the table fits.
+class CellGrid {
+ public:
+  /// x, y: coordinates, m, at least one, finite and of the same length; side > 0, m.
+  CellGrid(std::span<const double> x, std::span<const double> y, double side);
+
+  /// Calls visit(i, j) for every pair i < j in the same or in touching cells: every pair no farther apart
+  /// than `side` in both coordinates, and some that are.
+  template <class Visit>
+  void for_each_pair(Visit&& visit) const {
+    for (Index row = 0; row < rows_; ++row)
+      for (Index column = 0; column < columns_; ++column) {
+        const auto here = cell(column, row);
+        for (std::size_t a = 0; a < here.size(); ++a)
+          for (std::size_t b = a + 1; b < here.size(); ++b) ordered(here[a], here[b], visit);
+        // Half of the eight neighbours; the other half see this cell as theirs.
+        constexpr Index ahead[4][2] = {{1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+        for (const auto& step : ahead) {
+          const Index c = column + step[0], r = row + step[1];
+          if (c < 0 || c >= columns_ || r >= rows_) continue;
+          for (const Index i : here)
+            for (const Index j : cell(c, r)) ordered(i, j, visit);
+        }
+      }
+  }
+
+  /// Calls visit(i) for every point of the cells that a square about (x, y) meets: every point no farther
+  /// than `distance` from there in both coordinates, and some that are. x, y anywhere, m.
+  template <class Visit>
+  void for_each_near(double x, double y, double distance, Visit&& visit) const {
+    distance += rounding * side_;
+    const Index first = along(x - x_low_ - distance, columns_), last = along(x - x_low_ + distance, columns_);
+    const Index top = along(y - y_low_ + distance, rows_);
+    for (Index row = along(y - y_low_ - distance, rows_); row <= top; ++row)
+      for (Index column = first; column <= last; ++column)
+        for (const Index i : cell(column, row)) visit(i);
+  }
+
+  /// Indices of all points, cell by cell.
+  const std::vector<Index>& points() const { return points_; }
+
+  /// Points in the cell of a point, itself included, on average over the points: what a search costs each.
+  double crowd() const {
+    double sum = 0;
+    for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
+      const auto here = static_cast<double>(start_[c + 1] - start_[c]);
+      sum += here * here;
+    }
+    return sum / std::max(1.0, static_cast<double>(points_.size()));
+  }
+
+ private:
+  static constexpr double rounding = 1e-9;  ///< of a side, more than coordinates lose among so many cells
+
+  // The cell at an offset from the lower end of the table; the first or last one for what is beyond it.
+  Index along(double offset, Index cells) const {
+    return static_cast<Index>(std::clamp(offset / side_, 0.0, static_cast<double>(cells - 1)));
+  }
+  template <class Visit>
+  static void ordered(Index i, Index j, Visit& visit) {
+    i < j ? visit(i, j) : visit(j, i);
+  }
+  std::span<const Index> cell(Index column, Index row) const {
+    const Index c = row * columns_ + column;
+    return std::span(points_).subspan(at(start_[at(c)]), at(start_[at(c + 1)] - start_[at(c)]));
+  }
+
+  Index columns_ = 1, rows_ = 1;
+  double x_low_ = 0, y_low_ = 0, side_ = 1;
+  std::vector<Index> start_;   ///< first point of each cell, one more at the end
+  std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
+};
 
 /// Disks of any sizes, for neighbour searches in O(N log ratio). One CellGrid with cells for the largest disk
 /// serves them all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks; then

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
-#include "packing/cell_grid.hpp"
 #include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/packing/contact_network.hpp>
