@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/disjoint_sets.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/table.hpp>
@@ -150,4 +151,16 @@ TEST_CASE("suggestions: keys of a file and names of a choice") {
   CHECK(to_string(model) == "unit");
   CHECK(named<MassModel>("given") == MassModel::given);
   CHECK_FALSE(named<MassModel>("densty").has_value());
+}
+
+TEST_CASE("disjoint sets: a join makes two sets one, and says whether they were two") {
+  DisjointSets sets(6);
+  CHECK(sets.join(0, 1));
+  CHECK(sets.join(2, 3));
+  CHECK(sets.root(1) != sets.root(2));
+  CHECK(sets.join(3, 0));
+  CHECK_FALSE(sets.join(1, 2));
+  for (const Index i : {1, 2, 3}) CHECK(sets.root(i) == sets.root(0));
+  CHECK(sets.root(4) != sets.root(5));
+  CHECK(sets.root(4) != sets.root(0));
 }
