@@ -105,7 +105,7 @@ Packing simulate_to_the_end(const Case& one) {
 
 std::string canonical(const std::string& path) {
   std::error_code ignored;
-  return fs::weakly_canonical(fs::absolute(path), ignored).string();
+  return fs::weakly_canonical(fs::absolute(path, ignored), ignored).string();
 }
 
 // The case file that a case is settled from.

@@ -82,7 +82,8 @@ void require_effect(const Given& given, const CaseSpec& spec) {
     throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone",
                             given.option));
   const bool one_subdomain = subdomains(spec.partition) == 1;
-  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs && !one_subdomain)
+  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs &&
+      !one_subdomain)
     throw Error(fmt::format(
         "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
         given.option));

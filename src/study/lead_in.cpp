@@ -42,8 +42,8 @@ void RunTotals::add(const StepReport& report) {
 }
 
 Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
-  check_dynamics(one);
-  const StepSolver of_case = one.dynamics->solver;
+  check_dynamics(one.spec);
+  const StepSolver of_case = one.spec.dynamics->solver;
   const StepSolver used = solver == LeadInSolver::own ? of_case : plain_solver();
   CaseSpec way = one.spec;
   way.dynamics->solver = used;

@@ -209,8 +209,10 @@ TEST_CASE("simulate: errors of disks and walls name the file, and the boundary o
   refused("two.csv", drum, {"c.toml: disk 1 and disk 2 of boundary 'drum': expected an overlap"});
   refused("two.csv", "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
           {"c.toml: disk 0 and the wall of boundary 'floor': expected an overlap"});
-  refused("two.csv", piston + "2\n", {"c.toml:12: boundary[0].first: expected grains", "of boundary 'piston'"});
+  refused("two.csv", piston + "2\n",
+          {"c.toml:12: boundary[0].first: expected grains", "of boundary 'piston'"});
   refused("two.csv", piston + "1\n[[prescribed]]\ngrain = -1\nvelocity = [1, 0]\n",
           {"c.toml:15: prescribed[0].grain: expected a free grain, met disk 1 of boundary 'piston'"});
-  refused("two.csv", "[[prescribed]]\ngrain = 7\nvelocity = [1, 0]\n", {"c.toml:10: prescribed[0].grain", "met grain 7"});
+  refused("two.csv", "[[prescribed]]\ngrain = 7\nvelocity = [1, 0]\n",
+          {"c.toml:10: prescribed[0].grain", "met grain 7"});
 }

@@ -65,12 +65,12 @@ void check_iterations(const StudyTable& work, const CsvText& baseline) {
   std::size_t row = 0;
   for (Index k = 0; k < varied_case_count(work); ++k) {
     const VariedCase varied = varied_case(work, k);
-    const StepSolver& solver = varied.one.dynamics->solver;
+    const StepSolver& solver = varied.one.spec.dynamics->solver;
     REQUIRE(solver.criterion == "none");
     for (const Index iteration : iterations_shown(solver.maximum_iterations)) {
       CAPTURE(row);
       REQUIRE(row < table.rows.size());
-      CHECK(baseline.rows[row][0] == varied.one.name);
+      CHECK(baseline.rows[row][0] == varied.one.spec.name);
       for (std::size_t c = 0; c < varied.cells.size(); ++c)
         CHECK(baseline.rows[row][1 + c] == to_text(varied.cells[c]));
       CHECK(number(row, "step") == static_cast<double>(work.steps[0]));

@@ -149,7 +149,7 @@ TEST_CASE("scalability: the best eta of the nonsmooth strip buys a factor of two
 TEST_CASE("disorder: vacancies slow rigid contacts down and take the indeterminacy with them") {
   StudyTable work = table_of("disorder", "vacancies");
   work.sweep.epsilon = {0};
-  for (const char* size : {"packing.columns", "packing.rows"}) override_case(work.cases[0], size, "32");
+  for (const char* size : {"packing.columns", "packing.rows"}) override_case(work.cases[0].spec, size, "32");
   work.vary = {{"packing.vacancies", {"0", "0.1", "0.2"}}};
   const Table table = run(work);
   for (const double eta : {0.1, infinity}) {

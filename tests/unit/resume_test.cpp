@@ -117,7 +117,7 @@ TEST_CASE("work records: equal for equal work, different for anything that rows 
     return difference(work_identity(table), work_identity(other));
   };
   CHECK(changed([](StudyTable& t) { t.name = "other name"; }) == "");
-  CHECK(changed([](StudyTable& t) { t.cases[1].masses = {MassModel::density, 2.0}; }).find("case") < 10);
+  CHECK(changed([](StudyTable& t) { t.cases[1].spec.masses = {MassModel::density, 2.0}; }).find("case") < 10);
   for (const std::string& found : {changed([](StudyTable& t) { t.sweep.epsilon[0] = 0.5000000001; }),
                                    changed([](StudyTable& t) { t.sweep.eta.pop_back(); }),
                                    changed([](StudyTable& t) { t.sweep.relaxation.pop_back(); }),

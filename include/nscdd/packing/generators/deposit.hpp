@@ -39,10 +39,10 @@ struct Deposit {
   }
 };
 
-/// Time proportional to the grains. Sizes far apart cost more: 1 : 100 some five times as much as equal sizes,
-/// whatever the distribution. The first `grains` numbers of the stream are the sizes, the
-/// next ones the places, so that equal seeds give equal sizes in boxes of any width. Throws Error for sizes
-/// that radius_quantile refuses, and for a box narrower than the largest grain or wider than 10^7 radius_min
+/// Time proportional to the grains. Sizes far apart cost more: 1 : 100 some five times as much as equal
+/// sizes, whatever the distribution. The first `grains` numbers of the stream are the sizes, the next ones
+/// the places, so that equal seeds give equal sizes in boxes of any width. Throws Error for sizes that
+/// radius_quantile refuses, and for a box narrower than the largest grain or wider than 10^7 radius_min
 /// (where rounding would drown the tangencies).
 Packing generate(const Deposit& deposit, const Monitor& monitor = {});
 
