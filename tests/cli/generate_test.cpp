@@ -13,10 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 // The lines that are no remarks.
 std::string without_remarks(const std::string& text) { return text.substr(text.find("\nx,y,radius") + 1); }
 

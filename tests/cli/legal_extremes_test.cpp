@@ -10,10 +10,6 @@ using namespace nscdd::testing;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 // A sweep whose interface is empty: legal, said on standard error, radius 0 in every row.
 void check_nothing_to_contract(const Session& session, const std::string& packing,
                                const std::string& options) {

@@ -9,14 +9,6 @@
 
 using namespace nscdd::testing;
 
-namespace {
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-}  // namespace
-
 TEST_CASE("modes: the slowest mode of 4 disks has the radius of the sweep") {
   const Session session;
   const std::string report = answer(session, "modes disks4 --epsilon 0 --output slow");

@@ -42,10 +42,6 @@ void kill_work(const Session& session, const std::string& line = work) {
 
 std::size_t files(const Session& session) { return content_of(session.folder.path()).size(); }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 const std::string study_text = R"(title = "two tables"
 [[table]]
 name = "first"

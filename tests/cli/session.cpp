@@ -35,6 +35,10 @@ std::vector<std::string> words(const std::string& line) {
   return all;
 }
 
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 std::string answer(const Session& session, const std::vector<std::string>& arguments) {
   const Outcome outcome = session.run(arguments);
   CHECK(outcome.standard_error == "");

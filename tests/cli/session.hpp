@@ -26,6 +26,8 @@ using Texts = std::vector<std::string>;
 /// `nscdd ...` written as one line; words are separated by blanks.
 std::vector<std::string> words(const std::string& line);
 
+bool contains(const std::string& text, const std::string& part);
+
 /// Output of a run that must do its job: exit code 0 and nothing on standard error. Fails the test where not.
 std::string answer(const Session& session, const std::vector<std::string>& arguments);
 std::string answer(const Session& session, const std::string& line);

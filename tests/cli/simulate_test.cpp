@@ -17,10 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 std::string path_of(const Session& session, const std::string& name) {
   return (session.folder / name).string();
 }

@@ -16,10 +16,6 @@ namespace {
 const std::vector<std::string> verbs{"sweep", "run",      "network",  "inspect", "optimum", "modes",
                                      "list",  "generate", "simulate", "export",  "solve",   "manual"};
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 // What follows a name at the start of a line of a report.
 std::string entry(const std::string& report, const std::string& name) {
   std::istringstream stream(report);
