@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   const Packing packing = with_masses(generate(Deposit{.grains = grains}), {MassModel::unit, 0});
   const ContactNetwork network = detect_contacts(packing);
   const auto problem = assemble(packing, network);
-  const auto parts = decompose(problem, by_grid(packing, network, {{strips, 1}}));
+  const auto parts = decompose(problem, partition(GridPartitioner{{strips, 1}}, packing, network));
   bool agree = true;
   for (const double eta : {infinity, 0.5}) {
     const double epsilon = 0.01;

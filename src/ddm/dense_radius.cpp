@@ -34,11 +34,11 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
 }  // namespace
 
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
-  // Both matrices scaled by D^-1/2, D = diag(X): the pencil keeps its eigenvalues, and unequal masses lose
-  // their hold.
+  // Both matrices are scaled by D^-1/2 from both sides, D = diag(X). The pencil keeps its eigenvalues, and
+  // unequal masses no longer spoil its condition.
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
   const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
-  // P B: solved for mu directly, so that small radii keep their digits
+  // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
   if (unit_multiplicity == n) return all_unit(n, "dense");
@@ -54,7 +54,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
     return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) +
            lost_to_rounding(b, b.system.eta()) * (1 + largest);  // of S and P as they were assembled
   };
-  if (options.certify)  // until the multiples of both ends are all in sight
+  if (options.certify)  // until the list has all copies of both ends
     while (
         ends.definite && wanted < most &&
         (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
@@ -69,7 +69,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
   result.residual = ends.residual;
   result.converged = accurate(result, options.tolerance);
-  if (options.certify && result.converged) {  // the values come from Sturm counts, which miss none
+  if (options.certify && result.converged) {  // the values come from Sturm counts, which miss no eigenvalue
     result.certified = true;
     result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
     result.interval_max = {ends.high[0] - margin(), ends.high[0] + margin()};

@@ -11,17 +11,20 @@
 namespace nscdd {
 namespace {
 
-// Above this many contacts the rank of the whole packing takes much memory. Eigenvalues lambda of the rigid
-// limit then count as zero that are below the first of two shifts with none between them.
+// Above this many contacts the rank of the whole packing takes too much memory. The eigenvalues of the rigid
+// limit that are zero are then those below the first of these two shifts, provided that none lies between the
+// two.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
+
 // Ends of the spectrum of (S, P), lambda = 1 - mu.
 struct Ends {
   PencilEnd smallest, largest;
   bool found() const { return smallest.values.size() > 0 && largest.values.size() > 0; }
 };
 
-// No eigenvalue of M_E^-1 K_E is above it: with A = M^-1/2 H, ||A^T A||_2 <= || |A|^T |A| ||_infinity.
+// An upper bound of the eigenvalues of all M_E^-1 K_E: with A = M^-1/2 H, ||A^T A||_2 <= || |A|^T |A|
+// ||_infinity.
 double stiffest(const Decomposition& parts) {
   double bound = 0;
   for (const Subdomain& subdomain : parts.subdomains) {
@@ -47,9 +50,10 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
   return true;
 }
 
-// What is known of the spectrum without computing. With the same contacts S and P are functions of K against
-// M, whose ratio (1 + kappa/eta) / (1 + kappa/epsilon) runs from 1 at kappa = 0 to what it is where the
-// packing is stiffest; fewer contacts in S make S larger, others may do anything.
+// Bounds of the spectrum that need no factorisation. If S and P have the same contacts, both are functions of
+// M^-1 K. An eigenvalue kappa of that gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from
+// 1 at kappa = 0 to its value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that
+// P has not, nothing is known.
 PencilPoint known_bounds(const Contraction& b, double epsilon) {
   PencilPoint point{
       .epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
@@ -62,7 +66,7 @@ PencilPoint known_bounds(const Contraction& b, double epsilon) {
   return point;
 }
 
-// A point met again takes its own place.
+// A point that is met again replaces what was known of it.
 void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
   std::erase_if(visited, [&](const PencilMemory::Visited& v) {
@@ -75,7 +79,7 @@ void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) 
   visited.push_back({point.epsilon, point.eta, kept(ends.smallest), kept(ends.largest)});
 }
 
-// Of this problem, what another has left being thrown away.
+// The family of this problem. What another problem has left in the memory is thrown away.
 const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, const InertiaMethod& method,
                                       PencilMemory& memory) {
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.eta()) ? 1 : 0];
@@ -101,8 +105,9 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
   return ends;
 }
 
-// With the condensed form, and where that has lost the digits a proof needs (a shift can be relied on from a
-// thousand times the rounding away, see ShiftedPencil::reliable), with the augmented one, which takes longer.
+// With the condensed form. If that has lost the digits that a proof needs, again with the augmented form,
+// which takes longer. A shift is reliable from about a thousand times the rounding away, see
+// ShiftedPencil::reliable.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
   const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
@@ -141,8 +146,8 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
   return result;
 }
 
-// The rigid limit knows the range of each H_E only: contacts that depend on the others of their subdomain are
-// left out, and what stays is regular at epsilon = 0.
+// The rigid limit depends on the range of each H_E only. So contacts that depend on others of their subdomain
+// can be left out, and the saddle-point matrix with the remaining ones is regular at epsilon = 0.
 Decomposition without_dependent_contacts(const Decomposition& parts) {
   std::vector<char> kept(at(parts.contacts), 0);
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
@@ -153,7 +158,8 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
-// Eigenvalues lambda below a shift next to 0, or none where no factorisation there can be relied on.
+// The number of eigenvalues lambda below a shift next to 0; no number if no factorisation there can be relied
+// on.
 std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero,
                                    Index& factorisations) {
   for (const double shift : {zero, 2 * zero, 5 * zero}) {
@@ -164,16 +170,18 @@ std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta
   return std::nullopt;
 }
 
-// Eigenvalues lambda of the rigid limit that are 0, by inertia: an eigenvalue may be as small as 1e-8 without
-// being one of them. None where no factorisation near 0 can be relied on, or where the two counts differ.
+// The number of eigenvalues lambda of the rigid limit that are 0, by inertia. An eigenvalue may be as small
+// as 1e-8 without being 0, so two shifts must count the same; no number if they do not, or if one cannot be
+// relied on.
 std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
   const std::optional<Index> count = counted_below(family, eta, rigid_zero, factorisations);
   const std::optional<Index> again = counted_below(family, eta, rigid_zero_again, factorisations);
   return count == again ? count : std::nullopt;
 }
 
-// Whether the first shift that can be relied on, next to 0 but beyond the blur of the zeros, has `kernel`
-// eigenvalues below it. One further out would take small eigenvalues for zeros.
+// Whether `kernel` eigenvalues lie below the first reliable shift next to 0. It starts beyond the values that
+// rounding gives to the zeros, and goes no further than a hundred times that, or small eigenvalues would pass
+// for zeros.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel,
               Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
@@ -189,9 +197,9 @@ SpectralRadius unproved_rigid(Index kernel) {
   return result;
 }
 
-// Interface impulses that the networks can carry either way give lambda = 0, a unit eigenvalue each. Their
-// number comes from ranks, which no small eigenvalue can blur; a shift next to 0 that counts another number
-// says that one of the two is wrong.
+// Interface impulses that the networks can carry in more than one way give lambda = 0, a unit eigenvalue
+// each. Their number comes from ranks, which small eigenvalues do not disturb. A shift next to 0 must count
+// the same number; if it does not, one of the two is wrong and nothing is proved.
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.parts() != &b.system.parts())

@@ -10,7 +10,7 @@ double natural_map(const Vector& x, const Vector& gradient) {
   return x.size() == 0 ? 0.0 : x.cwiseMin(gradient).cwiseAbs().maxCoeff();
 }
 
-// Largest step along -p that keeps x >= 0; infinite where none leaves it.
+// Largest step along -p that keeps x >= 0; infinite if every step does.
 double feasible_step(const Vector& x, const Vector& p) {
   double step = infinity;
   for (Index i = 0; i < x.size(); ++i)

@@ -20,7 +20,7 @@ constexpr int most_refinements = 20;
 constexpr double refined = 1e-15;
 // Largest error of coefficients of size 1: below 1 no pivot has a false sign.
 constexpr double reliable = 1e-2;
-constexpr Index dense_limit = 1500;  // columns up to which a dense spectrum decides where no factors do
+constexpr Index dense_limit = 1500;  // up to so many columns a dense spectrum decides if no factors do
 
 std::vector<Index> filled_columns(const SparseMatrix& a) {
   std::vector<Index> filled;
@@ -64,7 +64,7 @@ class RangeProjector::Implementation {
     conclusive = false;
   }
 
-  // [I B; B^T 0] [v; r] = [x; 0]; what r has in ker B stays out of v.
+  // [I B; B^T 0] [v; r] = [x; 0]. A part of r in ker B does not show in v.
   Vector apply(const Vector& x) const {
     if (!conclusive) return Vector::Constant(rows, not_a_number);
     if (rank == 0) return Vector::Zero(rows);
@@ -104,8 +104,8 @@ class RangeProjector::Implementation {
   bool conclusive = true;
 
  private:
-  // The pivots of dependent columns are as small as tolerance^2: how well the factors give coefficients back,
-  // each column's by itself, is an estimate of whether their signs can be relied on.
+  // The pivots of dependent columns are as small as tolerance^2. Whether their signs can be relied on is
+  // estimated by how well the factors give back known coefficients, one for each column.
   bool exact_enough(const SparseMatrix& matrix) const {
     Vector x = Vector::Zero(matrix.rows());
     for (Index j = 0; j < b.cols(); ++j) x[rows + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));

@@ -14,8 +14,8 @@ namespace nscdd {
 ///     [ B^T  tolerance^2 I ]  =  L D L^T
 /// has as many negative eigenvalues as B^T B has eigenvalues above tolerance^2: that is the rank, counted by
 /// inertia. Pi x = x - v, where [I B; B^T 0] [v; r] = [x; 0] is solved by iterative refinement with these
-/// factors. Sparse QR without column exchanges, which SuiteSparseQR is, finds lattices of a few thousand
-/// disks to have a larger rank than they have.
+/// factors. Sparse QR without column exchanges, such as SuiteSparseQR, finds too large a rank for
+/// lattices of a few thousand disks.
 class RangeProjector {
  public:
   /// Singular values of B below it count as zero.
@@ -23,12 +23,12 @@ class RangeProjector {
 
   explicit RangeProjector(const SparseMatrix& a, double tolerance = default_tolerance);
   Index rank() const;
-  /// False where no two factorisations with a tolerance near the one asked for could be relied on and agreed:
-  /// the rank is then the last one counted, and `apply` gives no numbers.
+  /// False if there were no two reliable factorisations, with tolerances near the one asked for, that agreed
+  /// on the rank. The rank is then the last one counted, and `apply` gives NaN.
   bool conclusive() const;
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
-  /// As many columns of A as its rank, ascending, that are likely to span its range: those whose pivot is not
-  /// one of the smallest, of which there are as many as columns depend on others.
+  /// As many columns of A as its rank, ascending, that are likely to span its range: all but those with the
+  /// smallest pivots.
   std::vector<Index> independent_columns() const;
   class Implementation;
 
@@ -37,8 +37,8 @@ class RangeProjector {
   std::shared_ptr<const Implementation> implementation_;
 };
 
-/// Rank of a sparse matrix, by the same factorisation and the same tolerance; where that is not conclusive,
-/// by the dense spectrum of B^T B up to 1 500 columns.
+/// Rank of a sparse matrix, by the same factorisation and tolerance. If that is not conclusive, by the dense
+/// spectrum of B^T B for up to 1 500 columns.
 Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
 
 }  // namespace nscdd

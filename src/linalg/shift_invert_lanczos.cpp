@@ -15,9 +15,10 @@ namespace nscdd {
 namespace {
 
 constexpr double share_of_fixed_vector = 0.1;
-constexpr double breakdown = 1e-14;  // length of a new direction against that of the image it is left of
-constexpr Index first_estimate = 3;  // steps before the gaps of Ritz values are worth anything
-constexpr Index every_step = 40;     // up to here convergence is looked at in every step, then in every tenth
+constexpr double breakdown =
+    1e-14;  // a new direction counts if it is longer than this times the image it comes from
+constexpr Index first_estimate = 3;       // steps before the gaps of Ritz values are worth anything
+constexpr Index every_step = 40;          // so many steps check convergence each; later every tenth does
 constexpr std::uint64_t fixed_seed = 12;  // of the fixed vector and of those that follow a breakdown
 
 // M-orthonormal basis with its images, orthogonal to the locked vectors as well.
@@ -28,7 +29,8 @@ class Basis {
     for (Index k = 0; k < locked.cols(); ++k) locked_image_.col(k) = m(locked.col(k));
   }
 
-  // Takes in what is new in w, if there is room, and returns its length, 0 where nothing is new.
+  // Appends the part of w that is orthogonal to the basis, if there is room, and returns its length: 0 if w
+  // has none.
   double append(Vector w) {
     double old = 0;
     for (int pass = 0; pass < 2; ++pass) {  // twice is enough

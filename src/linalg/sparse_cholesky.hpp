@@ -9,7 +9,7 @@ namespace nscdd {
 
 /// Ordering and fill pattern of the Cholesky factor of one sparsity pattern (CHOLMOD), computed once
 /// and used for every matrix of that pattern.
-/// Throws std::bad_alloc where CHOLMOD runs out of memory.
+/// Throws std::bad_alloc if CHOLMOD runs out of memory.
 class CholeskyAnalysis {
  public:
   /// `pattern`: n x n symmetric, lower triangle read, values ignored.

@@ -55,8 +55,8 @@ InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve
                                 const InertiaPattern& pattern);
 
 /// ||d|| / ||x|| on the border, where x = A^-1 E 1 as the factor has it and d is the correction that one step
-/// of iterative refinement makes to it: how far the factor is from exact. Infinite where it has no finite
-/// value.
+/// of iterative refinement makes to it: how far the factor is from exact. Infinite if the ratio is
+/// not a finite number.
 double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border);
 
 /// Inexactness below which an inertia and solutions are used.
