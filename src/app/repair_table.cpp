@@ -22,7 +22,7 @@ std::string csv_line(const Row& row) {
 // What is known of a row before it is computed: the case and the coordinates of the point.
 void require_row_of(const Row& expected_head, const StudyTable& work, Index number,
                     const std::vector<std::string>& values, const std::string& where) {
-  const Table layout{headings(sweep_columns(work.sweep.spectral)), {}};
+  const Table layout{headings(sweep_columns(work.sweep)), {}};
   const auto require = [&](std::size_t column, const Cell& expected) {
     if (values[column] != to_text(expected))
       throw Error(fmt::format("{}: {}: expected {} of this sweep, met {}", where, layout.columns[column].name,
@@ -48,7 +48,7 @@ Redone redo_unproved(const Model& model, const StudyTable& work, const std::stri
                      Interruption& interruption) {
   const std::string text = read_text(path);
   CsvReader reader(text, path);
-  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep.spectral);
+  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
   const Table layout{headings(columns), {}};
   const std::string header = csv_header(layout.columns);
   if (std::string met; (met = text.substr(0, text.find('\n'))) != header)

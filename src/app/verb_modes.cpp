@@ -31,15 +31,17 @@ struct Options {
   MemoryLimit memory;
 };
 
-double one_of(const std::vector<double>& values, const std::string& option, const std::string& text) {
-  if (values.size() == 1) return values.front();
+// `scale`: of relative flexibilities, 1/kg
+double one_of(const FlexibilityValues& all, double scale, const std::string& option,
+              const std::string& text) {
+  if (all.values.size() == 1) return all.relative ? all.values.front() * scale : all.values.front();
   throw Error(fmt::format("{}: expected one number, a mode belongs to one operator, met '{}'", option, text));
 }
 
-ModeParameters parameters(const Options& options) {
+ModeParameters parameters(const Options& options, double scale) {
   ModeParameters result;
-  result.epsilon = one_of(parse_epsilon(options.epsilon), "--epsilon", options.epsilon);
-  result.eta = one_of(parse_eta(options.eta), "--eta", options.eta);
+  result.epsilon = one_of(parse_epsilon(options.epsilon), scale, "--epsilon", options.epsilon);
+  result.eta = one_of(parse_eta(options.eta), scale, "--eta", options.eta);
   result.contacts = options.spectral.contact_set();
   result.side =
       named<SpectrumSide>(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
@@ -63,6 +65,7 @@ void print_spectrum(const Model& model, const ModeParameters& parameters, const 
              model.parts.interface_size() == 0 ? " (empty interface)" : "");
   fmt::print("epsilon              {} 1/kg\n", field_text(parameters.epsilon));
   fmt::print("eta                  {} 1/kg\n", field_text(parameters.eta));
+  fmt::print("mean of W_nn         {} 1/kg\n", field_text(mean_normal_delassus(model.problem)));
   fmt::print("contacts of Stage 1  {}\n", to_string(parameters.contacts));
   fmt::print("spectral radius      {}\n", field_text(mode.spectrum.value));
   if (mode.spectrum.unit_multiplicity > 0)
@@ -133,7 +136,7 @@ int run(const Options& options) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
     throw Error(fmt::format(
         "--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output));
-  const ModeParameters wanted = parameters(options);
+  parameters(options, 1);  // refused before the model is built
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
@@ -143,6 +146,7 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Model model = build(what);
   require_geometry(model, "modes");
+  const ModeParameters wanted = parameters(options, mean_normal_delassus(model.problem));
   options.memory.require(
       {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
   const Mode mode = interface_mode(model, wanted);
@@ -169,9 +173,14 @@ std::function<int()> declare_modes(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
-      .add_option("--epsilon", options->epsilon, "flexibility of the linear law, 1/kg; 0 is the rigid limit")
+      .add_option(
+          "--epsilon", options->epsilon,
+          "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit")
       ->required();
-  command.add_option("--eta", options->eta, "flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
+  command
+      .add_option("--eta", options->eta,
+                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic "
+                  "algorithm")
       ->shows_default();
   options->spectral.declare(command, "all");
   command

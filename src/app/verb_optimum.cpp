@@ -31,7 +31,7 @@ struct Options {
 
 // The result as text for a reader: one quantity per line.
 void print_report(const OptimumResult& result) {
-  for (const auto& [heading, value] : optimum_columns()) {
+  for (const auto& [heading, value] : optimum_columns(true)) {
     const std::string unit = heading.unit == "1" || heading.unit.empty() ? "" : " " + heading.unit;
     fmt::print("{:<26}{:<30}{}\n", heading.name, to_text(value(result)) + unit, heading.description);
   }
@@ -41,7 +41,7 @@ StudyTable table_of(const Options& options) {
   StudyTable work;
   work.name = "optimum";
   work.observable = &observables::optimum;
-  work.sweep.epsilon = parse_epsilon(options.epsilon);
+  set_epsilon(work.sweep, parse_epsilon(options.epsilon));
   work.sweep.contacts = options.spectral.contact_set();
   work.sweep.spectral = options.spectral.spectral();
   work.cases = {options.one.resolve({options.csv})};
@@ -77,9 +77,9 @@ int run(const Options& options) {
   Index failed = 0;
   {
     Progress progress(work.name, csv.kept());
-    failed = optima(
-        model, work.sweep, [&](const OptimumResult& result) { csv.write(row(optimum_columns(), result)); },
-        interruption.watch(progress.monitor()), csv.kept());
+    const RowSink write = [&](const Row& cells) { csv.write(cells); };
+    failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
+                    interruption.watch(progress.monitor()), csv.kept());
   }
   if (interruption.stopped()) return leave(csv, work, options.csv);
   csv.finish();
@@ -94,8 +94,10 @@ std::function<int()> declare_optimum(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
-      .add_option("--epsilon", options->epsilon,
-                  "SPEC of the flexibility of the law, 1/kg; 0 is the rigid limit")
+      .add_option(
+          "--epsilon", options->epsilon,
+          "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid "
+          "limit")
       ->shows_default();
   options->spectral.declare(command, "active");
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");

@@ -37,8 +37,8 @@ struct Options {
 
 SweepParameters parameters(const Options& options) {
   SweepParameters result;
-  result.epsilon = parse_epsilon(options.epsilon);
-  result.eta = parse_eta(options.eta);
+  set_epsilon(result, parse_epsilon(options.epsilon));
+  set_eta(result, parse_eta(options.eta));
   result.relaxation = parse_relaxation(options.relaxation);
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   result.contacts = options.spectral.contact_set();
@@ -88,7 +88,7 @@ Unproved work_through(const Model& model, const StudyTable& work, ResumableTable
     unproved.all += !converged;
     unproved.rigid += !converged && point.epsilon == 0 && solver == "shift-invert";
   };
-  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep.spectral);
+  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
   const Table layout{headings(columns), {}};
   Index number = 0;
   csv.replay([&](const Row& cells) {  // of the file
@@ -130,7 +130,7 @@ int run(const Options& options) {
     Interruption interruption;
     return explain(redo_unproved(model, work, options.csv, interruption), options.csv);
   }
-  Table table{headings(sweep_columns(work.sweep.spectral)), {}};
+  Table table{headings(sweep_columns(work.sweep)), {}};
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
   ResumableTable csv(options.csv, work, how);
@@ -155,12 +155,15 @@ std::function<int()> declare_sweep(Command& command, const Context& context) {
   options->context = context;
   options->one.declare(command);
   command
-      .add_option("--epsilon", options->epsilon,
-                  "SPEC of the flexibility of the linear law, 1/kg; 0 is the rigid limit")
+      .add_option(
+          "--epsilon", options->epsilon,
+          "SPEC of the flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the "
+          "rigid limit")
       ->required();
   command
       .add_option("--eta", options->eta,
-                  "SPEC of the flexibility Stage 2 sees, 1/kg; inf is the generic algorithm")
+                  "SPEC of the flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the "
+                  "generic algorithm")
       ->shows_default();
   options->spectral.declare(command, "all");
   options->spectral.declare_ends(command);

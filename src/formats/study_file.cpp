@@ -30,15 +30,15 @@ std::vector<std::string> list(StrictTable& section, std::string_view key) {
   return items;
 }
 
-// The SPEC of a sweep parameter handed to its parser; errors name file and line.
-template <class Values, class Parser>
-void read_spec(StrictTable& section, std::string_view key, Values& values, Parser&& parse) {
+// Hands on the SPEC of a sweep parameter; errors name file and line.
+template <class Use>
+void read_spec(StrictTable& section, std::string_view key, Use&& use) {
   const std::vector<std::string> items = list(section, key);
   if (items.empty()) return;
   std::string spec;
   for (const std::string& item : items) spec += (spec.empty() ? "" : ",") + item;
   try {
-    values = parse(spec);
+    use(spec);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", section.location(section.node(key)), error.what()));
   }
@@ -174,10 +174,13 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
     }
   read_vary(section, table);
   check_moving(section, table);
-  read_spec(section, "epsilon", table.sweep.epsilon, parse_epsilon);
-  read_spec(section, "eta", table.sweep.eta, parse_eta);
-  read_spec(section, "relaxation", table.sweep.relaxation, parse_relaxation);
-  read_spec(section, "gauss_seidel_sweeps", table.sweep.gauss_seidel_sweeps, parse_sweeps);
+  SweepParameters& sweep = table.sweep;
+  read_spec(section, "epsilon", [&](const std::string& spec) { set_epsilon(sweep, parse_epsilon(spec)); });
+  read_spec(section, "eta", [&](const std::string& spec) { set_eta(sweep, parse_eta(spec)); });
+  read_spec(section, "relaxation",
+            [&](const std::string& spec) { sweep.relaxation = parse_relaxation(spec); });
+  read_spec(section, "gauss_seidel_sweeps",
+            [&](const std::string& spec) { sweep.gauss_seidel_sweeps = parse_sweeps(spec); });
   Choice<ContactSet> contacts = table.sweep.contacts;
   section.read("contacts", contacts);
   table.sweep.contacts = contacts;

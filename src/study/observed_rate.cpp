@@ -133,7 +133,7 @@ bool ObservedResult::agree() const {
   return std::abs(difference()) <= observed.error + predicted.radius.residual + rounding;
 }
 
-const ResultColumns<ObservedResult>& observed_rate_columns() {
+ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters) {
   using Result = ObservedResult;
   static const auto columns = joined<Result>(
       {columns_of(&Result::predicted, place_columns()),
@@ -150,7 +150,7 @@ const ResultColumns<ObservedResult>& observed_rate_columns() {
         {"residual", "1", "residual of the prediction",
          [](const Result& r) { return r.predicted.radius.residual; }},
         {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
-  return columns;
+  return joined<Result>({columns, columns_of(&Result::predicted, relative_columns(parameters))});
 }
 
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
@@ -179,11 +179,12 @@ constinit const Observable observables::observed_rate{
     .name = "observed_rate",
     .summary = "rate fitted to a run of the algorithm, beside the predicted radius",
     .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify", "seed"},
-    .columns = [](const StudyTable&) { return headings(observed_rate_columns()); },
+    .columns = [](const StudyTable& table) { return headings(observed_rate_columns(table.sweep)); },
     .run =
         [](const ObservedCase& work) {
           return observe(build(work.one), work.table.sweep, work.table.seed,
-                         as_rows(observed_rate_columns(), work.sink), work.monitor, work.first);
+                         as_rows(observed_rate_columns(work.table.sweep), work.sink), work.monitor,
+                         work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },
     .known = known_of_point};

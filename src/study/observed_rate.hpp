@@ -36,7 +36,7 @@ struct ObservedResult {
 };
 
 /// Columns of these results, described in docs/formats.md.
-const ResultColumns<ObservedResult>& observed_rate_columns();
+ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters = {});
 
 /// Observed and predicted rate at every point of a sweep from point `first` on (relaxation must be a number
 /// or optimal, Gauss-Seidel sweeps may be finite); returns how many did not converge.

@@ -19,7 +19,7 @@ Optimum optimum(const Model& model, const OptimumParameters& parameters) {
   return optimum_of(model, select(model, parameters.contacts), parameters.epsilon, parameters.spectral);
 }
 
-const ResultColumns<OptimumResult>& optimum_columns() {
+ResultColumns<OptimumResult> optimum_columns(bool relative) {
   static const ResultColumns<Optimum> best{
       {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1, left out of every radius of this table",
        &Optimum::unit_multiplicity},
@@ -45,18 +45,27 @@ const ResultColumns<OptimumResult>& optimum_columns() {
       {columns_of(&OptimumResult::of_case, case_columns()),
        {{"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &OptimumResult::epsilon}},
        columns_of(&OptimumResult::best, best)});
-  return columns;
+  static const ResultColumns<OptimumResult> in_multiples{
+      {"mean_w_nn", "1/kg", "mean of W_nn over the contacts", &OptimumResult::scale},
+      {"epsilon_relative", "1", "epsilon in multiples of mean_w_nn", &OptimumResult::relative_epsilon},
+      {"best_eta_relative", "1", "best_eta in multiples of mean_w_nn",
+       [](const OptimumResult& r) { return r.best.eta / r.scale; }},
+      {"relaxed_best_eta_relative", "1", "relaxed_best_eta in multiples of mean_w_nn",
+       [](const OptimumResult& r) { return r.best.relaxed_eta / r.scale; }}};
+  return relative ? joined<OptimumResult>({columns, in_multiples}) : columns;
 }
 
 Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
              const Monitor& monitor, Index first) {
   const Selection selection = select(model, sweep.contacts);
   const CaseSummary of_case = summary(model, selection);
+  const double scale = mean_normal_delassus(model.problem);
   Index failed = 0;
   const Index total = count(sweep.epsilon);
   for (Index i = first; i < total; ++i) {
-    const double epsilon = sweep.epsilon[at(i)];
-    const OptimumResult result{of_case, epsilon, optimum_of(model, selection, epsilon, sweep.spectral)};
+    const double asked = sweep.epsilon[at(i)], epsilon = sweep.relative_epsilon ? asked * scale : asked;
+    const OptimumResult result{of_case, epsilon, optimum_of(model, selection, epsilon, sweep.spectral),
+                               sweep.relative_epsilon ? asked : epsilon / scale, scale};
     failed += result.best.status == OptimumStatus::not_converged;
     sink(result);
     if (!report(monitor, i + 1, total)) break;
@@ -68,16 +77,19 @@ constinit const Observable observables::optimum{
     .name = "optimum",
     .summary = "best flexibility eta of the enriched algorithm, with and without relaxation",
     .keys = {"epsilon", "contacts", "solver", "certify"},
-    .columns = [](const StudyTable&) { return headings(optimum_columns()); },
+    .columns =
+        [](const StudyTable& table) { return headings(optimum_columns(table.sweep.relative_epsilon)); },
     .run =
         [](const ObservedCase& work) {
-          return optima(build(work.one), work.table.sweep, as_rows(optimum_columns(), work.sink),
+          const SweepParameters& sweep = work.table.sweep;
+          return optima(build(work.one), sweep, as_rows(optimum_columns(sweep.relative_epsilon), work.sink),
                         work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return count(table.sweep.epsilon); },
     .known =
         [](const StudyTable& table, Index row) {
-          return KnownCells{{"epsilon", table.sweep.epsilon[at(row)]}};
+          return KnownCells{
+              {table.sweep.relative_epsilon ? "epsilon_relative" : "epsilon", table.sweep.epsilon[at(row)]}};
         }};
 
 }  // namespace nscdd

@@ -91,6 +91,13 @@ void set_inexact(SweepResult& result, const Decomposition& stage_one, const Inte
   result.dominant = radius.dominant;
 }
 
+// The point with its flexibilities in 1/kg.
+SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double scale) {
+  if (parameters.relative_epsilon) point.epsilon *= scale;
+  if (parameters.relative_eta) point.eta *= scale;
+  return point;
+}
+
 // Columns of certificates and further eigenvalues.
 ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
   using Radius = SpectralRadius;
@@ -203,7 +210,20 @@ const ResultColumns<SweepResult>& place_columns() {
   return columns;
 }
 
-ResultColumns<SweepResult> sweep_columns(const SpectralOptions& options) {
+ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters) {
+  ResultColumns<SweepResult> columns;
+  if (!parameters.relative_epsilon && !parameters.relative_eta) return columns;
+  columns.push_back({"mean_w_nn", "1/kg", "mean of W_nn over the contacts", &SweepResult::scale});
+  if (parameters.relative_epsilon)
+    columns.push_back({"epsilon_relative", "1", "epsilon in multiples of mean_w_nn",
+                       [](const SweepResult& result) { return result.asked.epsilon; }});
+  if (parameters.relative_eta)
+    columns.push_back({"eta_relative", "1", "eta in multiples of mean_w_nn",
+                       [](const SweepResult& result) { return result.asked.eta; }});
+  return columns;
+}
+
+ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
   using Radius = SpectralRadius;
   static const ResultColumns<Radius> moduli{
       {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator",
@@ -228,7 +248,8 @@ ResultColumns<SweepResult> sweep_columns(const SpectralOptions& options) {
        &Radius::converged}};
   return joined<SweepResult>({place_columns(), columns_of(&SweepResult::radius, moduli), dominant,
                               columns_of(&SweepResult::radius, certificate),
-                              columns_of(&SweepResult::radius, end_columns(options))});
+                              columns_of(&SweepResult::radius, end_columns(parameters.spectral)),
+                              relative_columns(parameters)});
 }
 
 Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
@@ -242,6 +263,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
             *sweeps));
   const Selection selection = select(model, parameters.contacts);
   const CaseSummary of_case = summary(model, selection);
+  const double scale = mean_normal_delassus(model.problem);
   const SpectralOptions& options = parameters.spectral;
   // One family where the contacts are the same: P and S then share what does not depend on them.
   const InterfaceFamily stage_two(model.parts);
@@ -254,7 +276,8 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
       choose_solver(model.parts.interface_size(), false, options).solver != SpectralSolver::dense;
   Index failed = 0;
   for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
-    SweepResult result{of_case, sweep_point(parameters, number), {}, {}};
+    const SweepPoint asked = sweep_point(parameters, number);
+    SweepResult result{of_case, at_scale(asked, parameters, scale), {}, {}, asked, scale};
     const auto& [epsilon, eta, relaxation, sweeps] = result.point;
     if (number < first && sweeps) continue;
     if (sweeps)
@@ -276,9 +299,12 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
 KnownCells known_of_point(const StudyTable& table, Index number) {
   const SweepPoint point = sweep_point(table.sweep, number);
   KnownCells cells;
-  for (const auto& [heading, value] : point_columns())
+  for (const auto& [heading, value] : point_columns()) {
+    const bool relative = (heading.name == "epsilon" && table.sweep.relative_epsilon) ||
+                          (heading.name == "eta" && table.sweep.relative_eta);
     if (point.relaxation || heading.name != "relaxation")  // the optimal one is known with the spectrum
-      cells.emplace_back(heading.name, value(point));
+      cells.emplace_back(heading.name + (relative ? "_relative" : ""), value(point));
+  }
   return cells;
 }
 
@@ -286,11 +312,11 @@ constinit const Observable observables::spectral_radius{
     .name = "spectral_radius",
     .summary = "spectral radius of the contraction operator at every point of a sweep",
     .keys = {"epsilon", "eta", "relaxation", "gauss_seidel_sweeps", "contacts", "solver", "certify"},
-    .columns = [](const StudyTable& table) { return headings(sweep_columns(table.sweep.spectral)); },
+    .columns = [](const StudyTable& table) { return headings(sweep_columns(table.sweep)); },
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& parameters = work.table.sweep;
-          return sweep(build(work.one), parameters, as_rows(sweep_columns(parameters.spectral), work.sink),
+          return sweep(build(work.one), parameters, as_rows(sweep_columns(parameters), work.sink),
                        work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },

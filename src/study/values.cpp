@@ -77,16 +77,50 @@ std::vector<double> parse_values(std::string_view spec, std::string_view name) {
   return values;
 }
 
-std::vector<double> parse_epsilon(std::string_view spec) {
-  const auto values = parse_values(spec, "epsilon");
-  require(values, "epsilon", "a finite number >= 0", [](double v) { return std::isfinite(v) && v >= 0; });
-  return values;
+namespace {
+
+template <class Check>
+FlexibilityValues flexibilities(std::string_view spec, std::string_view name, std::string_view expected,
+                                Check&& check) {
+  FlexibilityValues all;
+  bool absolute = false;
+  for (std::string_view item : split(spec, ',')) {
+    const bool relative = item.ends_with('W');
+    if (relative) item.remove_suffix(1);
+    while (item.ends_with(' ')) item.remove_suffix(1);
+    const std::vector<double> values = parse_values(item, name);
+    for (const double value : values) absolute |= !relative && value != 0 && std::isfinite(value);
+    all.relative |= relative;
+    all.values.insert(all.values.end(), values.begin(), values.end());
+    if (all.values.size() > most_values)
+      throw Error(fmt::format("{}: expected at most {} values, met more", name, most_values));
+  }
+  require(all.values, name, expected, check);
+  if (all.relative && absolute)
+    throw Error(fmt::format("{}: expected a W behind every number or behind none, met '{}'", name, spec));
+  return all;
 }
 
-std::vector<double> parse_eta(std::string_view spec) {
-  const auto values = parse_values(spec, "eta");
-  require(values, "eta", "a number > 0 (or inf for the generic algorithm)", [](double v) { return v > 0; });
-  return values;
+}  // namespace
+
+FlexibilityValues parse_epsilon(std::string_view spec) {
+  return flexibilities(spec, "epsilon", "a finite number >= 0",
+                       [](double v) { return std::isfinite(v) && v >= 0; });
+}
+
+FlexibilityValues parse_eta(std::string_view spec) {
+  return flexibilities(spec, "eta", "a number > 0 (or inf for the generic algorithm)",
+                       [](double v) { return v > 0; });
+}
+
+void set_epsilon(SweepParameters& sweep, FlexibilityValues epsilon) {
+  sweep.epsilon = std::move(epsilon.values);
+  sweep.relative_epsilon = epsilon.relative;
+}
+
+void set_eta(SweepParameters& sweep, FlexibilityValues eta) {
+  sweep.eta = std::move(eta.values);
+  sweep.relative_eta = eta.relative;
 }
 
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {

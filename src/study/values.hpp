@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/study/sweep.hpp>
+
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -14,9 +16,18 @@ namespace nscdd {
 /// Throws Error naming `what` and the item that cannot be read. Never returns an empty list.
 std::vector<double> parse_values(std::string_view spec, std::string_view what);
 
-/// The same for each quantity of a sweep, with its bounds checked:
-std::vector<double> parse_epsilon(std::string_view spec);  ///< finite, >= 0
-std::vector<double> parse_eta(std::string_view spec);      ///< > 0, inf allowed
+/// Flexibilities of a sweep.
+struct FlexibilityValues {
+  std::vector<double> values;
+  bool relative = false;  ///< multiples of the scale W of the packing (see Flexibility), else 1/kg
+};
+
+/// The same for each quantity of a sweep, with its bounds checked. Flexibilities are relative where a W
+/// stands behind every item ("0.1W,1:10:5 W"); 0 and inf need none.
+FlexibilityValues parse_epsilon(std::string_view spec);  ///< finite, >= 0
+FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
+void set_epsilon(SweepParameters& sweep, FlexibilityValues epsilon);
+void set_eta(SweepParameters& sweep, FlexibilityValues eta);
 /// Relaxation: finite, > 0; the word "optimal" (an empty value here) asks for 2 / (lambda_min + lambda_max).
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
 /// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.

@@ -83,8 +83,9 @@ std::string options_text(const StudyTable& table) {
     text += fmt::format("together {} = {}\n", variation.parameter, list_text(variation.values));
   for (const Variation& variation : table.vary)
     text += fmt::format("{} = {}\n", variation.parameter, list_text(variation.values));
-  text += fmt::format("epsilon = {}\n", list_text(texts(sweep.epsilon)));
-  text += fmt::format("eta = {}\n", list_text(texts(sweep.eta)));
+  const auto unit = [](bool relative) { return relative ? " W" : ""; };
+  text += fmt::format("epsilon = {}{}\n", list_text(texts(sweep.epsilon)), unit(sweep.relative_epsilon));
+  text += fmt::format("eta = {}{}\n", list_text(texts(sweep.eta)), unit(sweep.relative_eta));
   text += fmt::format("relaxation = {}\n", list_text(texts(sweep.relaxation, "optimal")));
   text += fmt::format("gauss_seidel_sweeps = {}\n", list_text(texts(sweep.gauss_seidel_sweeps, "inf")));
   text += fmt::format("contacts = {}\n", to_string(sweep.contacts));

@@ -50,13 +50,13 @@ void values(std::string_view spec) {
 }
 
 void epsilon(std::string_view spec) {
-  const auto all = parse_epsilon(spec);
+  const auto all = parse_epsilon(spec).values;
   require_amount(all);
   for (const double value : all) require(std::isfinite(value) && value >= 0, "epsilon is finite and >= 0");
 }
 
 void eta(std::string_view spec) {
-  const auto all = parse_eta(spec);
+  const auto all = parse_eta(spec).values;
   require_amount(all);
   for (const double value : all) require(value > 0, "eta is > 0");
 }

@@ -44,7 +44,7 @@ std::vector<std::string> rows_of(const Model& model, const SweepParameters& para
       model, parameters,
       [&](const SweepResult& result) {
         std::string line;
-        for (const Cell& cell : row(sweep_columns(parameters.spectral), result)) line += to_text(cell) + ",";
+        for (const Cell& cell : row(sweep_columns(parameters), result)) line += to_text(cell) + ",";
         rows.push_back(line);
       },
       {}, first);

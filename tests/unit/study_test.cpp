@@ -36,10 +36,31 @@ TEST_CASE("SPEC: nonsense is refused by name") {
   for (const char* spec : {"0", "-1", "nan", "-inf", "0:1:3:linear"}) CHECK_THROWS_AS(parse_eta(spec), Error);
   for (const char* spec : {"0", "-1", "inf", "best"}) CHECK_THROWS_AS(parse_relaxation(spec), Error);
   for (const char* spec : {"0", "1.5", "-inf", "nan", "1e10"}) CHECK_THROWS_AS(parse_sweeps(spec), Error);
-  CHECK(parse_epsilon("0") == std::vector<double>{0});
-  CHECK(parse_eta("inf")[0] == infinity);
+  CHECK(parse_epsilon("0").values == std::vector<double>{0});
+  CHECK(parse_eta("inf").values[0] == infinity);
   CHECK(parse_relaxation("1,optimal") == std::vector<std::optional<double>>{1.0, std::nullopt});
   CHECK(parse_sweeps("1:3:3:linear,inf") == std::vector<std::optional<long>>{1, 2, 3, std::nullopt});
+}
+
+TEST_CASE("SPEC: flexibilities relative to the packing have a W behind every number") {
+  const FlexibilityValues mixed = parse_eta("0.5W,1:100:3 W,inf");
+  CHECK(mixed.relative);
+  CHECK(mixed.values == std::vector<double>{0.5, 1, 10, 100, infinity});
+  CHECK(parse_epsilon("0,2 W").relative);
+  CHECK(parse_epsilon("1:3:3:linear W").values == std::vector<double>{1, 2, 3});
+  CHECK_FALSE(parse_epsilon("0,2").relative);
+  CHECK_THROWS_WITH_AS(parse_epsilon("1,2W"), doctest::Contains("a W behind every number or behind none"),
+                       Error);
+  for (const char* spec : {"W", "1WW", "1w", "1:2W:3", "-1W", ",W"}) CHECK_THROWS_AS(parse_eta(spec), Error);
+}
+
+TEST_CASE("scale of flexibilities: the mean of 1/m_i + 1/m_j over the contacts") {
+  Case one = testing::strip(4);  // contacts 01, 02, 12, 13, 23
+  one.spec.packing = PackingFile{"four"};
+  one.packing = build(testing::strip(4)).packing;
+  one.packing.mass = {1, 2, 4, 8};
+  CHECK(mean_normal_delassus(build(one).problem) ==
+        doctest::Approx((2 * (1 + 0.125) + 3 * (0.5 + 0.25)) / 5).epsilon(1e-14));
 }
 
 TEST_CASE("case: parameters overridden by name, unknown ones refused with those there are") {

@@ -20,12 +20,15 @@ Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
 /// The optimum of a case at one epsilon, as a row of a table of optima tells it.
 struct OptimumResult {
   CaseSummary of_case;
-  double epsilon = 0;
+  double epsilon = 0;  ///< 1/kg
   Optimum best;
+  double relative_epsilon = 0;  ///< epsilon / scale
+  double scale = 1;             ///< mean_normal_delassus of the case, 1/kg
 };
 
-/// Columns of these results, described in docs/formats.md.
-const ResultColumns<OptimumResult>& optimum_columns();
+/// Columns of these results, described in docs/formats.md. `relative`: also of flexibilities in multiples of
+/// the scale of the case.
+ResultColumns<OptimumResult> optimum_columns(bool relative);
 
 /// The optima for every epsilon of `sweep` (its other lists are not looked at) from number `first` on;
 /// returns how many did not converge. Stops early where the monitor asks for it.

@@ -16,8 +16,10 @@ namespace nscdd {
 
 /// What to vary and how to solve: rows are the product of the lists, the last one running fastest.
 struct SweepParameters {
-  std::vector<double> epsilon{1.0};
+  std::vector<double> epsilon{1.0};  ///< 1/kg, or multiples of the scale of the case
   std::vector<double> eta{infinity};
+  /// Whether these are multiples of mean_normal_delassus of the case. Tables then have columns of them too.
+  bool relative_epsilon = false, relative_eta = false;
   std::vector<std::optional<double>> relaxation{1.0};                  ///< empty: the optimal one
   std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
   ContactSet contacts = ContactSet::all;
@@ -32,7 +34,7 @@ struct SweepPoint {
   std::optional<long> gauss_seidel_sweeps;  ///< empty: exact Stage 1
 };
 
-/// How many points a sweep has, and the one of row `number`, counted from 0.
+/// How many points a sweep has, and the one of row `number`, counted from 0, as it is asked for.
 Index point_count(const SweepParameters& parameters);
 SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 
@@ -70,12 +72,16 @@ struct SweepResult {
   SweepPoint point;               ///< with the relaxation used, the optimal one where that was asked for
   SpectralRadius radius;          ///< with an inexact Stage 1 its ends are not known
   std::complex<double> dominant;  ///< eigenvalue of largest modulus; of a pair the one above the real axis
+  SweepPoint asked = {};          ///< the point with its flexibilities as asked for, maybe relative
+  double scale = 1;               ///< mean_normal_delassus of the case, 1/kg
 };
 
-/// Columns of the case and the point alone, and of everything. They are described in docs/formats.md;
-/// certificates and further eigenvalues add theirs at the end.
+/// Columns of the case and the point alone, of relative flexibilities where they are asked for, and of
+/// everything. They are described in docs/formats.md; certificates, further eigenvalues and relative
+/// flexibilities add theirs at the end.
 const ResultColumns<SweepResult>& place_columns();
-ResultColumns<SweepResult> sweep_columns(const SpectralOptions& options = {});
+ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters);
+ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters = {});
 
 /// Spectral radius at every point of a sweep from point `first` on. Points that do not converge have
 /// radius.converged = false; returns how many there are. Stops early where the monitor asks for it. Results
