@@ -15,7 +15,7 @@ namespace nscdd::app {
 CaseSpec find_spec(const std::string& name);
 
 /// The case that a verb works on. `outputs` are the files that the verb writes (empty names: not asked for).
-/// Throws Error where one of them is a file that the case comes from, and for whatever cannot be used.
+/// Throws Error if one of them is a file that the case comes from, and for whatever cannot be used.
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs);
 
 /// Sets parameters of a case from texts KEY=VALUE.

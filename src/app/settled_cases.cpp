@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An entry of the cache is a packing file (CSV) below two remarks: what it is, and the fingerprint of all
-// that follows, by which damage is noticed.
+// An entry of the cache is a packing file (CSV). Its first line is a remark with the fingerprint of all that
+// follows, by which damage is noticed. Further remarks tell which case was settled.
 constexpr std::string_view mark = "# content ";
 
 std::string entry_text(const Packing& packing, const std::string& resolved) {
@@ -41,7 +41,7 @@ std::string entry_text(const Packing& packing, const std::string& resolved) {
   return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
 }
 
-// None where there is no such entry or it is damaged.
+// None if there is no such entry or it is damaged.
 std::optional<Packing> cached(const fs::path& entry) {
   std::error_code ignored;
   if (!fs::is_regular_file(entry, ignored)) return std::nullopt;
@@ -57,8 +57,8 @@ std::optional<Packing> cached(const fs::path& entry) {
   }
 }
 
-// Written beside and renamed, so that no other run ever reads half of it. Without a cache there is only time
-// to lose.
+// The entry is written beside its place and renamed, so that no other run reads half of it. If that fails,
+// the packing will be settled again next time, which costs time alone.
 void remember(const fs::path& entry, const std::string& text) {
   std::error_code status;
   fs::create_directories(entry.parent_path(), status);

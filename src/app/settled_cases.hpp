@@ -20,8 +20,8 @@ Case resolve_settled(const CaseSpec& spec);
 /// is settled from, at any depth.
 std::vector<std::filesystem::path> files_behind(const CaseSpec& spec);
 
-/// Throws Error where an output (empty: none) is one of these files, under whatever name: it would be lost,
-/// and --force does not ask for that.
+/// Throws Error if an output (an empty name is none) is one of these files, under whatever name. The input
+/// would be lost, and --force does not ask for that.
 void require_no_input(const std::vector<std::string>& outputs,
                       const std::vector<std::filesystem::path>& inputs);
 

@@ -7,6 +7,7 @@
 #include <nscdd/core/error.hpp>
 #include <nscdd/files/csv.hpp>
 #include <nscdd/study/inspection.hpp>
+#include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>
 
@@ -41,8 +42,7 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   if (friction)
     fmt::print("  links              {} (normal and tangent of each contact)\n", model.problem.contacts());
   fmt::print("coordination number  {:.6g}\n", found.coordination_number);
-  fmt::print("mean of W_nn         {:.6g} 1/kg (scale of eta and epsilon)\n",
-             mean_normal_delassus(model.problem));
+  fmt::print("mean of W_nn         {:.6g} 1/kg (scale of eta and epsilon)\n", flexibility_scale(model));
   fmt::print("connected pieces     {}\n", found.components);
   fmt::print("subdomains           {} ({} without a contact)\n", model.partition.subdomains,
              found.empty_subdomains);

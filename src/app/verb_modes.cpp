@@ -65,7 +65,7 @@ void print_spectrum(const Model& model, const ModeParameters& parameters, const 
              model.parts.interface_size() == 0 ? " (empty interface)" : "");
   fmt::print("epsilon              {} 1/kg\n", field_text(parameters.epsilon));
   fmt::print("eta                  {} 1/kg\n", field_text(parameters.eta));
-  fmt::print("mean of W_nn         {} 1/kg\n", field_text(mean_normal_delassus(model.problem)));
+  fmt::print("mean of W_nn         {} 1/kg\n", field_text(flexibility_scale(model)));
   fmt::print("contacts of Stage 1  {}\n", to_string(parameters.contacts));
   fmt::print("spectral radius      {}\n", field_text(mode.spectrum.value));
   if (mode.spectrum.unit_multiplicity > 0)
@@ -146,7 +146,7 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Model model = build(what);
   require_geometry(model, "modes");
-  const ModeParameters wanted = parameters(options, mean_normal_delassus(model.problem));
+  const ModeParameters wanted = parameters(options, flexibility_scale(model));
   options.memory.require(
       {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
   const Mode mode = interface_mode(model, wanted);

@@ -70,7 +70,7 @@ std::vector<Case> cases_of(const Study& study) {
   return cases;
 }
 
-// One table of the study, the rows found included; false where it was interrupted.
+// Runs one table of the study; `result` also takes the rows found. Returns false if it was interrupted.
 bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interruption, LeadIn& lead_in,
              Table& result) {
   const auto collect = [&](const Row& row) { result.rows.push_back(row); };
@@ -110,7 +110,7 @@ bool has_baseline(const StudyTable& table, const std::string& baseline) {
   return table.baseline && (!table.large || fs::exists(baseline));
 }
 
-// Before hours of work rather than after them.
+// Baselines are read before hours of work rather than after them.
 void require_baselines(const Study& study, const std::string& folder) {
   for (std::size_t i = 0; i < study.tables.size(); ++i) {
     const std::string baseline = (fs::path(folder) / baseline_name(study, i)).string();
@@ -144,7 +144,7 @@ struct Outputs {
   std::string table(const StudyTable& work) const { return (folder / (work.name + ".csv")).string(); }
 };
 
-// Whether nothing of the study is missing and nothing is left of a run that was interrupted.
+// Whether every table of the study is there, and no record of a run that was interrupted.
 bool is_complete(const Study& study, const Outputs& outputs) {
   bool all = nscdd::is_complete(outputs.hdf5.string());
   for (const StudyTable& work : study.tables) all = all && nscdd::is_complete(outputs.table(work));
@@ -178,7 +178,7 @@ void check_outputs(const Study& study, const std::string& folder, const Options&
   require_no_input(names, inputs);
 }
 
-// Where a study that is complete is to be resumed.
+// A study that is complete is to be resumed.
 int nothing_to_do(const Study& study, const Outputs& outputs, const std::string& folder, bool check) {
   note(fmt::format("{}: already complete, nothing to resume", outputs.folder.string()));
   if (!check) return 0;
@@ -202,7 +202,7 @@ int run(const Options& options) {
   const Outputs outputs = prepare(study, options);
   if (how.resume && !how.force && is_complete(study, outputs))
     return nothing_to_do(study, outputs, folder, options.check);
-  // Before hours of work rather than after them.
+  // Refused before hours of work rather than after them.
   for (const StudyTable& work : study.tables)
     options.memory.require(largest_need(work, kept_rows(outputs.table(work), work, how).rows));
   Interruption interruption;

@@ -31,7 +31,10 @@ struct Options {
   std::vector<ParameterOption> parameters{
       {"--algorithm", "solver.algorithm", "nlgs, generic or enriched", {}},
       {"--gauss-seidel-sweeps", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration", {}},
-      {"--eta", "solver.eta", "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal", {}},
+      {"--eta",
+       "solver.eta",
+       "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal",
+       {}},
       {"--criterion",
        "solver.criterion",
        "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none",

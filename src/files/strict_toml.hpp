@@ -15,7 +15,7 @@
 namespace nscdd {
 
 /// A TOML table read strictly: every key must be asked for before `finish`, and every value must have the
-/// type and lie in the bounds asked for; else Error "file:line: key: expected ..., met ...".
+/// type and lie in the bounds asked for. Otherwise it throws Error "file:line: key: expected ..., met ...".
 class StrictTable {
  public:
   StrictTable(const toml::table& table, std::string file, std::string path)
@@ -40,7 +40,7 @@ class StrictTable {
     return table_->get(key);
   }
 
-  /// A section [key]; `required` ones must be there, others read as empty.
+  /// A section [key]. A required section must be there; any other is read as empty if it is missing.
   StrictTable section(std::string_view key, bool required) {
     static const toml::table empty;
     const toml::node* found = node(key);
@@ -53,7 +53,7 @@ class StrictTable {
     return {*found->as_table(), file_, key_path(key)};
   }
 
-  /// The tables [[key]], none where the key is absent.
+  /// The tables [[key]]; none if the key is absent.
   std::vector<StrictTable> tables(std::string_view key) {
     std::vector<StrictTable> all;
     const toml::node* found = node(key);

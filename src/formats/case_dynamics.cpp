@@ -71,7 +71,8 @@ Motion read_motion(StrictTable& section) {
   return motion;
 }
 
-// A key that is given with another value than its default must have an effect; a resolved case has them all.
+// A key that is given with another value than its default must have an effect. (A case that the program wrote
+// has every key, those without effect at their defaults.)
 template <class Parameters>
 void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
   const std::vector<FieldDescription> now = describe_fields(parameters),

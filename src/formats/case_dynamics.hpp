@@ -8,8 +8,8 @@
 
 namespace nscdd {
 
-/// The sections [dynamics], [interaction], [solver] and [[boundary]] of a case file; none where there is no
-/// [dynamics], and then none of the others may be there.
+/// The sections [dynamics], [interaction], [solver] and [[boundary]] of a case file. Without [dynamics] the
+/// result is empty, and any of the other sections throws Error.
 std::optional<Dynamics> read_dynamics(StrictTable& root);
 
 }  // namespace nscdd

@@ -54,7 +54,7 @@ const Observable* read_observable(StrictTable& section) {
   section.fail("observable", "one of " + known, "\"" + name + "\"");
 }
 
-// The parameters of the table `name`, each value tried on every case.
+// The parameters in the table `name`. Each value is tried on every case, so that it is refused here.
 std::vector<Variation> read_variations(StrictTable& table, std::string_view name,
                                        const std::vector<Case>& cases) {
   StrictTable section = table.section(name, false);
@@ -130,7 +130,7 @@ void read_lead_in(StrictTable& section, StudyTable& table) {
   table.lead_in = solver;
 }
 
-// A key that the observable does not look at would be passed over.
+// A key that the observable does not use must not be ignored in silence.
 void require_uses(const StrictTable& section, const Observable& observable) {
   for (const Observable* other : observables::all)
     for (const std::string_view key : other->keys)
@@ -138,7 +138,7 @@ void require_uses(const StrictTable& section, const Observable& observable) {
         section.fail(key, "an observable with it that uses it", fmt::format("\"{}\"", observable.name));
 }
 
-// What can be told of cases that move before they are settled and run.
+// Refuses what can be refused of cases that move before they are settled and run.
 void check_moving(StrictTable& section, const StudyTable& table) {
   if (!table.observable->moving) return;
   for (Index number = 0; number < varied_case_count(table); ++number) {

@@ -81,7 +81,7 @@ double mean_normal_delassus(const ReferenceProblem& problem) {
     for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e)
       sum += e.value() * e.value() / problem.inertia[e.row()];
   const Index contacts = problem.h.cols() / problem.columns_per_contact;
-  return contacts == 0 ? 1 : sum / static_cast<double>(contacts);
+  return contacts == 0 ? 0 : sum / static_cast<double>(contacts);
 }
 
 SparseMatrix scaled_connectivity(const Vector& inertia, const SparseMatrix& h) {

@@ -154,7 +154,7 @@ void start_from(std::vector<DiskContact>& contacts, const std::vector<StepContac
 double mean_normal_delassus(const StepProblem& problem) {
   double sum = 0;
   for (const DiskContact& c : problem.contacts) sum += 1 / c.inverse_w.inverse_n;
-  return problem.contacts.empty() ? 1 : sum / static_cast<double>(problem.contacts.size());
+  return problem.contacts.empty() ? 0 : sum / static_cast<double>(problem.contacts.size());
 }
 
 double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {

@@ -10,7 +10,7 @@
 namespace nscdd {
 namespace {
 
-// A parameter that is looked at only where another has one of these values.
+// A parameter that has an effect only if another one has one of these values.
 struct Effect {
   std::string_view path, with, values;
 };
@@ -70,7 +70,7 @@ std::string any_of(std::string_view words) {
   return text;
 }
 
-// What the parameter lacks; none where nothing. The first of what it needs comes first in the list.
+// The first entry of the list that keeps the parameter from having an effect; none if it has one.
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   for (const Effect& effect : effects)
     if (effect.path == path && !is_among(value_of(dynamics, effect.with), effect.values)) return &effect;

@@ -59,7 +59,7 @@ Index optima(const Model& model, const SweepParameters& sweep, const Sink<Optimu
              const Monitor& monitor, Index first) {
   const Selection selection = select(model, sweep.contacts);
   const CaseSummary of_case = summary(model, selection);
-  const double scale = mean_normal_delassus(model.problem);
+  const double scale = flexibility_scale(model);
   Index failed = 0;
   const Index total = count(sweep.epsilon);
   for (Index i = first; i < total; ++i) {

@@ -138,6 +138,10 @@ ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
 
 }  // namespace
 
+double flexibility_scale(const Model& model) {
+  return model.problem.contacts() == 0 ? 1 : mean_normal_delassus(model.problem);
+}
+
 Index point_count(const SweepParameters& parameters) {
   return count(parameters.epsilon) * count(parameters.eta) * count(parameters.relaxation) *
          count(parameters.gauss_seidel_sweeps);
@@ -263,7 +267,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
             *sweeps));
   const Selection selection = select(model, parameters.contacts);
   const CaseSummary of_case = summary(model, selection);
-  const double scale = mean_normal_delassus(model.problem);
+  const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
   // One family where the contacts are the same: P and S then share what does not depend on them.
   const InterfaceFamily stage_two(model.parts);

@@ -181,3 +181,18 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   override_case(one_subdomain, "partition.grid", "1,1");
   CHECK_NOTHROW(simulation_of({one_subdomain}));
 }
+
+TEST_CASE("moving case: eta in 1/kg, relative to the masses, or optimal") {
+  const std::string enriched = replaced(moving_case(), "\"generic\"", "\"enriched\"");
+  const auto eta_of = [&](const std::string& text) {
+    return parse(replaced(enriched, "warm_start = true", "eta = \"" + text + "\"")).dynamics->solver.eta;
+  };
+  CHECK(parse(enriched).dynamics->solver.eta.text() == "10 W");
+  CHECK(eta_of("0.5W").text() == "0.5 W");
+  CHECK(eta_of("0.5 W").flexibility().at_scale(4) == 2);
+  CHECK(eta_of("0.5").flexibility().at_scale(4) == 0.5);
+  CHECK(eta_of("optimal").optimal());
+  CaseSpec spec = parse(enriched);
+  override_case(spec, "solver.eta", "3W");
+  CHECK(parse(to_toml(spec)).dynamics->solver.eta == spec.dynamics->solver.eta);
+}

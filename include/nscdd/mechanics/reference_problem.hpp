@@ -45,7 +45,7 @@ void require_arriving_velocity(const ReferenceProblem& problem);
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact);
 
 /// Scale of flexibilities: the mean over the contacts of W_nn = h_n^T M^-1 h_n, h_n their normal columns of
-/// H, 1/kg. With masses m_i, m_j of the grains of a contact, W_nn = 1/m_i + 1/m_j. 1 without contacts.
+/// H, 1/kg. With masses m_i, m_j of the grains of a contact, W_nn = 1/m_i + 1/m_j. 0 without contacts.
 double mean_normal_delassus(const ReferenceProblem& problem);
 
 /// M^-1/2 H: its Gram matrix is the Delassus operator W = H^T M^-1 H, its rank that of W.

@@ -90,7 +90,7 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
                          const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
 
 /// Scale of flexibilities in a step: the mean of W_nn over its contacts, 1/kg (see ReferenceProblem). A body
-/// whose motion is prescribed adds nothing to W_nn. 1 without contacts.
+/// whose motion is prescribed adds nothing to W_nn. 0 without contacts.
 double mean_normal_delassus(const StepProblem& problem);
 
 /// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where

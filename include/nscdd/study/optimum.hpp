@@ -23,7 +23,7 @@ struct OptimumResult {
   double epsilon = 0;  ///< 1/kg
   Optimum best;
   double relative_epsilon = 0;  ///< epsilon / scale
-  double scale = 1;             ///< mean_normal_delassus of the case, 1/kg
+  double scale = 1;             ///< flexibility_scale of the case, 1/kg
 };
 
 /// Columns of these results, described in docs/formats.md. `relative`: also of flexibilities in multiples of

@@ -18,7 +18,7 @@ namespace nscdd {
 struct SweepParameters {
   std::vector<double> epsilon{1.0};  ///< 1/kg, or multiples of the scale of the case
   std::vector<double> eta{infinity};
-  /// Whether these are multiples of mean_normal_delassus of the case. Tables then have columns of them too.
+  /// Whether these are multiples of flexibility_scale of the case. Tables then have columns of them too.
   bool relative_epsilon = false, relative_eta = false;
   std::vector<std::optional<double>> relaxation{1.0};                  ///< empty: the optimal one
   std::vector<std::optional<long>> gauss_seidel_sweeps{std::nullopt};  ///< empty: exact Stage 1
@@ -33,6 +33,9 @@ struct SweepPoint {
   std::optional<double> relaxation;         ///< empty: the optimal one
   std::optional<long> gauss_seidel_sweeps;  ///< empty: exact Stage 1
 };
+
+/// Scale of eta and epsilon, 1/kg: mean_normal_delassus, or 1 without contacts, where no flexibility matters.
+double flexibility_scale(const Model& model);
 
 /// How many points a sweep has, and the one of row `number`, counted from 0, as it is asked for.
 Index point_count(const SweepParameters& parameters);
@@ -73,7 +76,7 @@ struct SweepResult {
   SpectralRadius radius;          ///< with an inexact Stage 1 its ends are not known
   std::complex<double> dominant;  ///< eigenvalue of largest modulus; of a pair the one above the real axis
   SweepPoint asked = {};          ///< the point with its flexibilities as asked for, maybe relative
-  double scale = 1;               ///< mean_normal_delassus of the case, 1/kg
+  double scale = 1;               ///< flexibility_scale of the case, 1/kg
 };
 
 /// Columns of the case and the point alone, of relative flexibilities where they are asked for, and of
