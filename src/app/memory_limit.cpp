@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
-constexpr double usable_share = 0.9;  // of what is available: an estimate is no measurement
+constexpr double usable_share = 0.9;  // of what is available, because the need is only estimated
 
 double system_available() {
   std::ifstream stream("/proc/meminfo");
@@ -27,14 +27,14 @@ double system_available() {
   return infinity;
 }
 
-// The number in a file of a control group; infinite where there is none ("max", no such file).
+// The number in a file of a control group; infinite if the file is missing or says "max".
 double number_in(const fs::path& file) {
   std::ifstream stream(file);
   double value = 0;
   return stream >> value ? value : infinity;
 }
 
-// What a group and those it lies in leave.
+// What a group, and every group that it lies in, leave of their limits.
 double left_in(const fs::path& root, fs::path group, const char* limit_name, const char* usage_name) {
   double left = infinity;
   while (true) {

@@ -49,7 +49,7 @@ ModeParameters parameters(const Options& options, double scale) {
   return result;
 }
 
-// The same work as one row of a sweep.
+// The sweep whose only row is the same work.
 SweepParameters as_sweep(const ModeParameters& parameters) {
   SweepParameters sweep;
   sweep.epsilon = {parameters.epsilon};
@@ -140,7 +140,7 @@ int run(const Options& options) {
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
-  // Both are opened before the work, and named after it: a run that fails leaves neither.
+  // Both files are opened before the work and get their names after it: a run that fails leaves neither.
   CsvWriter impulses(impulses_name, options.force, headings(mode_impulse_columns()));
   CsvWriter velocities(velocities_name, options.force, headings(mode_velocity_columns()));
   const ThreadLimit limit(options.threads);

@@ -13,8 +13,9 @@
 namespace nscdd {
 namespace {
 
-// Impulses are unique where the columns of H of all contacts that stay closed are independent. (Where they
-// are not, they may still be, if no self-stress spares the idle ones; that is not looked into.)
+// Impulses are unique if the columns of H of all contacts that stay closed are independent. This condition is
+// sufficient. Impulses may be unique without it, if every self-stress needs an idle contact; that case is not
+// looked for.
 bool unique_impulses(const ReferenceProblem& problem, const std::vector<UnilateralStatus>& status) {
   std::vector<Index> closed;
   std::vector<char> touched(at(problem.grains()), 0);
@@ -24,8 +25,8 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
     closed.push_back(c);
   }
   if (closed.empty()) return true;
-  // Two translations and a rotation are invisible to contacts: more columns than that leaves cannot be
-  // independent, which spares large packings a factorisation.
+  // Two translations and a rotation are invisible to contacts. More columns than the other motions cannot be
+  // independent; counting them spares large packings a factorisation.
   const Index grains = std::count(touched.begin(), touched.end(), 1);
   if (count(closed) > problem.dofs_per_grain * grains - 3) return false;
   return sparse_rank(selected_columns(problem.h, closed)) == count(closed);

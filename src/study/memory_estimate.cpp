@@ -17,8 +17,8 @@ constexpr double bytes_per_number = 8;
 
 // P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK.
 constexpr double dense_matrices = 6;
-// In the rigid limit with unit eigenvalues also a kernel and its complement, a basis, and the restricted
-// pencil.
+// In the rigid limit with unit eigenvalues there are also a kernel with its complement, a basis, and the
+// restricted pencil.
 constexpr double rigid_dense_matrices = 13;
 // The deflation of ARPACK in the rigid limit splits a dense kernel up to `dense_kernel_limit` unknowns.
 constexpr double rigid_kernel_matrices = 5;
@@ -28,27 +28,30 @@ constexpr double inexact_matrices = 9;
 // Subdomains and undivided packing at eta and at epsilon, and one more while a flexibility changes.
 constexpr double factors = 5;
 constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
-// Fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16 parts, and never
-// below it on lattices cut down to a few grains per subdomain, where it is up to 1.7 times as much. With s
-// rows of the saddle point, b = s / unknowns of the undivided packing (its rows of a grain are eliminated
-// together, so that an entry of a factor of the packing becomes b^2): entries of the factor over s b log2 s,
-// and a little more with a finite eta; bytes per grain unknown for matrices and their assembly, and how many
-// times more with a finite eta.
+// These four are fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16
+// parts. On lattices cut down to a few grains per subdomain the estimate is up to 1.7 times what was
+// measured, and never below it. Let the saddle point have s rows, and let b be s over the unknowns of the
+// undivided packing. The rows of a grain are eliminated together, so an entry of a factor of the packing
+// becomes b^2.
+//   shift_fill          entries of the factor over s b log2 s
+//   shift_fill_finite   how many times more with a finite eta
+//   shift_bytes         bytes per grain unknown for matrices and their assembly
+//   shift_bytes_finite  how many times more with a finite eta
 constexpr double shift_fill = 6.9, shift_fill_finite = 1.2, shift_bytes = 1400, shift_bytes_finite = 1.5;
-constexpr double program_bytes = 3e7;  // the program and its libraries, which small packings are less than
-// In the rigid limit the contact impulses are unknowns of their own (measured on a deposit of 10^5 disks in
-// 2 x 2 parts: 1.54 GB for 0.55), and so are they for the ranks: bytes per unknown, from a lattice of 10^4
-// disks in 16 strips, 0.22 GB in all.
+constexpr double program_bytes = 3e7;  // the program and its libraries, which outweigh small packings
+// In the rigid limit the contact impulses are unknowns of their own: a deposit of 10^5 disks in 2 x 2 parts
+// took 1.54 GB where a positive epsilon took 0.55 GB. They are also unknowns for the ranks, whose bytes per
+// unknown were measured on a lattice of 10^4 disks in 16 strips (0.22 GB in all).
 constexpr double rigid_shift = 3, rigid_ranks = 5000;
-// Of ranks by themselves, and of the impulses that take as much, per n log2 n with a row for each grain
-// unknown and for each contact: 250 on a lattice of 10^4 disks (0.22 GB in all), 130 on a deposit of 5 10^4
-// (0.52 GB).
+// Ranks by themselves, and the impulses that take as much, have a row for each grain unknown and for each
+// contact. Bytes over m log2 m with m rows: 250 were measured on a lattice of 10^4 disks (0.22 GB in all),
+// 130 on a deposit of 5 10^4 disks (0.52 GB).
 constexpr double rank_bytes = 300;
-constexpr double model_bytes = 550;   // per unknown: geometry, H, A, and their like
+constexpr double model_bytes = 550;   // per unknown, for geometry, H and A
 constexpr double arpack_vectors = 5;  // beside the basis
 
 // Above `dense_impulse_limit` contacts the impulses behind an active set come from a sparse factorisation of
-// the packing with its contacts, and their rank from another, which is the larger.
+// the packing with its contacts, and their rank from another one, which is larger.
 constexpr double dense_impulse_matrices = 2;  // the matrix, and what LAPACK reduces
 
 double square(double x) { return x * x; }
@@ -68,13 +71,13 @@ double model_need(const Model& model) {
   return model_bytes * numbers_of(model) + bytes_per_number * modes;
 }
 
-// Of sparse_rank: a factor of a saddle point with these rows and columns.
+// What sparse_rank needs: a factor of a saddle point with these rows and columns.
 double rank_need(double rows, double columns) {
   const double n = std::max(rows + columns, 2.0);
   return rank_bytes * n * std::log2(n);
 }
 
-// Of the impulses that choose a set of contacts.
+// What the impulses need that choose a set of contacts.
 double choice_need(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all) return 0;
   if (contacts == ContactSet::active && model.parts.contacts <= dense_impulse_limit)
@@ -82,7 +85,7 @@ double choice_need(const Model& model, ContactSet contacts) {
            static_cast<double>(model.parts.contacts);
   const double rows = numbers_of(model);
   const auto columns = static_cast<double>(model.parts.contacts);
-  // More columns than rows are not independent, and the unilateral problem takes less than their rank.
+  // More columns than rows cannot be independent. The unilateral problem takes less than their rank does.
   return rank_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
 }
 
@@ -90,7 +93,7 @@ bool has_rigid_limit(const SweepParameters& parameters) {
   return std::find(parameters.epsilon.begin(), parameters.epsilon.end(), 0.0) != parameters.epsilon.end();
 }
 
-// Of shift-invert for epsilon > 0.
+// What shift-invert needs for epsilon > 0.
 double shifted_need(const Model& model, bool finite_eta) {
   const double unknowns = numbers_of(model);
   const double rows =
@@ -153,7 +156,7 @@ double estimated_rank_bytes(const Model& model) {
 MemoryNeed largest_need(const StudyTable& table, Index first) {
   MemoryNeed largest;
   const auto rows = row_count(table);
-  if (!rows || table.observable->moving) return largest;  // what moves takes some hundred bytes per grain
+  if (!rows || table.observable->moving) return largest;  // a moving case takes some hundred bytes per grain
   const Index cases = varied_case_count(table);
   for (Index number = first * cases / std::max<Index>(*rows, 1); number < cases; ++number) {
     const Case one = varied_case(table, number).one;

@@ -11,10 +11,10 @@
 namespace nscdd {
 namespace {
 
-// Components that differ by less are equal to rounding, and rounding must not choose the sign.
+// Components that differ by less, relatively, count as equal: rounding must not choose the sign of a mode.
 constexpr double tie = 1e-6;
 
-// As in a sweep: where both ends are equal and opposite (best eta) rounding must not choose between them.
+// At the best eta both ends are equal and opposite. Rounding must not choose between them, as in a sweep.
 SpectrumSide resolve(SpectrumSide side, const SpectralRadius& spectrum) {
   if (side != SpectrumSide::slowest) return side;
   const bool low = std::abs(spectrum.subdominant_min) > std::abs(spectrum.subdominant_max) * (1 + 1e-9);
@@ -58,12 +58,12 @@ Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
 Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   const Selection selection = select(model, parameters.contacts);
   const InterfaceFamily stage_two(model.parts);
-  // The same family where the contacts are the same: P and S then share what does not depend on them.
+  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_one =
       parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one);
   const Contraction b{stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)};
   SpectralOptions options = parameters.spectral;
-  // A second one costs nothing there and tells whether the mode is one of several.
+  // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.
   if (choose_solver(b.rows(), parameters.epsilon == 0, options).solver == SpectralSolver::dense)
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
@@ -78,7 +78,7 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   if (found.size() == 0) return mode;
   mode.impulses = normalised(found, b.preconditioner);
   derive(mode, b);
-  // Of this mode alone: the other end may be the harder one.
+  // This judges one mode. The other end of the spectrum may not have converged.
   mode.converged =
       mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
   return mode;

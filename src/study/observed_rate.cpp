@@ -12,7 +12,7 @@
 namespace nscdd {
 namespace {
 
-// A correction this much smaller than the one before means the algorithm is done: its radius is 0.
+// A correction this much smaller than the one before means that the algorithm is done: its radius is 0.
 constexpr double done_ratio = 1e-13;
 
 TwoStageState difference(const TwoStageState& next, const TwoStageState& previous) {
@@ -28,9 +28,9 @@ TwoStageState scaled(TwoStageState state, double factor) {
   return state;
 }
 
-// Follows the corrections F_{i+1} - F_i of a run without loads. The iteration is linear, so corrections obey
-// it themselves: they are iterated in place of F, which keeps their digits however small they get, and are
-// rescaled on the way, so that a long run never underflows.
+// Follows the corrections F_{i+1} - F_i of a run without loads. The iteration is linear, so the corrections
+// obey it themselves. They are iterated in place of F, which keeps their digits however small they get. They
+// are rescaled on the way, so that a long run never underflows.
 class Run {
  public:
   Run(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner, std::uint64_t seed)
@@ -50,7 +50,8 @@ class Run {
     const double after = norm(correction_);
     record(after, before);
     if (!vanished_ && iteration_.rigid() && after < 1e-6 * last_cleaned_) clean(after);
-    if (!vanished_ && (after < 1e-100 || after > 1e100)) {  // linear: a factor changes nothing but the offset
+    if (!vanished_ &&
+        (after < 1e-100 || after > 1e100)) {  // the map is linear: a factor changes the offset only
       correction_ = scaled(correction_, 1 / after);
       offset_ += std::log(after);
       last_cleaned_ = 1;
@@ -70,8 +71,8 @@ class Run {
     if (last_cleaned_ == 0) last_cleaned_ = norm;
     if (!vanished_) logarithms.push_back(std::log(norm) + offset_);
   }
-  // Rounding feeds stationary components (unit eigenvalues of a hyperstatic rigid limit), which do not decay:
-  // a further difference removes them before they can be seen, at the price of one constant factor.
+  // Unit eigenvalues of a hyperstatic rigid limit have components that do not decay, and rounding feeds them.
+  // A further difference removes them before they show. It costs one constant factor, which is scaled away.
   void clean(double size) {
     correction_ = difference(iteration_.iterate(correction_), correction_);
     const double cleaned = norm(correction_);
@@ -107,7 +108,7 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
         observed.iterations = count(run.logarithms);
         return observed;  // rate 0: nothing left to correct
       }
-    // Slopes of the last three sixths: they close in on log(rate) geometrically, which bounds what is left.
+    // The slopes of the last three sixths approach log(rate) geometrically. Their ratio bounds what is left.
     const std::size_t n = run.logarithms.size(), sixth = n / 6;
     double standard_error = 0;
     const double s1 = slope(run.logarithms, n - 3 * sixth, n - 2 * sixth);
@@ -115,8 +116,8 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
     const double s3 = slope(run.logarithms, n - sixth, n, &standard_error);
     const double ratio = s2 == s1 ? 0.0 : std::min(0.99, std::abs((s3 - s2) / (s2 - s1)));
     const double drift = std::abs(s3 - s2) * std::max(1.0, ratio / (1 - ratio));
-    // Residuals of the fit are no independent noise (a complex pair makes them oscillate): fully correlated
-    // ones shift the slope by up to the standard error times the root of their number.
+    // The residuals of the fit are not independent: a complex pair makes them oscillate. Fully correlated
+    // residuals shift the slope by up to the standard error times the root of their number.
     const double correlated_error = standard_error * std::sqrt(static_cast<double>(sixth));
     observed.value = std::exp(s3);
     observed.error = observed.value * (correlated_error + drift);
@@ -163,8 +164,8 @@ Index observe(const Model& model, const SweepParameters& parameters, std::uint64
     const InterfaceOperator preconditioner = family.at(point.eta);
     const TwoStageIteration iteration(selection.stage_one, LinearViscous{point.epsilon}, preconditioner,
                                       point.gauss_seidel_sweeps, *point.relaxation);
-    // With inexact Stage 1 corrections oscillate, and the error of a fit falls no faster than the run is
-    // long.
+    // With an inexact Stage 1 the corrections oscillate. The error of the fit is then about inversely
+    // proportional to the length of the run, and less is asked for.
     const double tolerance = point.gauss_seidel_sweeps ? 1e-4 : 1e-9;
     const ObservedResult result{predicted, observed_rate(iteration, preconditioner, seed, 20000, tolerance),
                                 seed};

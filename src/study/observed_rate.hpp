@@ -14,13 +14,14 @@ struct ObservedRate {
   double value = 0;  ///< factor by which the correction of F_Gamma shrinks per iteration
   double error = 0;  ///< of the fit: standard error plus what the fit still drifts by
   Index iterations = 0;
-  bool converged = true;  ///< the drift fell below the tolerance before the last iteration allowed
+  bool converged = true;  ///< the error fell below the tolerance within the iterations allowed
 };
 
-/// Runs the two-stage iteration without loads from a random F_Gamma (the error of the linear problem obeys
-/// it) and fits a line (GSL) to log || F_{i+1} - F_i ||_P, P = X_eta, over the last sixth of the run. In that
-/// norm the ratio of successive corrections rises to the radius, never overshooting, for an exact Stage 1.
-/// Doubles the run until slope and drift agree to `tolerance`, or to `maximum_iterations`.
+/// Runs the two-stage iteration without loads from a random F_Gamma; the error of the linear problem obeys
+/// the same iteration. A line is fitted (GSL) to log || F_{i+1} - F_i ||_P, P = X_eta, over the last sixth of
+/// the run. With an exact Stage 1 the ratio of successive corrections rises to the radius in that norm and
+/// never exceeds it. The length of the run is doubled until the error of the fit is at most `tolerance`, or
+/// up to `maximum_iterations`.
 ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner,
                            std::uint64_t seed, Index maximum_iterations = 20000, double tolerance = 1e-9);
 

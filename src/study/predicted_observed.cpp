@@ -23,7 +23,7 @@ constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth 
 // Iterations without a change of status.
 struct Stretch {
   Index first = 0;
-  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as it stands out of rounding, and Z of the same iterations
+  // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as rounding does not hide it, and Z of the same iterations
   std::vector<double> second_changes, z;
   std::vector<ContactStatus> statuses;
 
@@ -76,7 +76,7 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   const std::span<const double> all_x(x), all_y(y);
   const double drift = std::abs(linear_fit(all_x.first(half), all_y.first(half)).slope -
                                 linear_fit(all_x.subspan(half), all_y.subspan(half)).slope);
-  // A rate that still changes by this much along the fit is not that of one mode.
+  // A rate that still changes by this much along the fit belongs to more than one mode.
   if (drift > largest_drift * std::abs(line.slope)) return;
   result.observed = std::exp(line.slope);
   result.rate_z = std::exp(linear_fit(x, z).slope);

@@ -24,26 +24,29 @@ struct PredictedObserved {
   Index iterations = 0;                   ///< run in all
   SolverStatus status = SolverStatus::maximum_reached;
 
-  /// |observed - predicted| / (1 - predicted): what is left of a run to say about its rate. NaN where either
-  /// is not known.
+  /// |observed - predicted| / (1 - predicted), the relative error of the number of iterations to come. NaN if
+  /// either rate is not known.
   double relative_gap() const;
   /// Whether the gap is at most 1 %, or the rates differ by at most three times `observed_error`.
   bool agree() const;
 };
 
-/// Runs the iterations of the next step of a simulation to their end, and looks for the stretch of iterations
-/// without a change of status in which the corrections of F_Gamma fell most, or grew most: with friction a
-/// frozen map may be unstable, and the run then leaves these statuses at the rate of its radius, above 1.
-/// Near a solution, and between changes of status on the way to it, the run is the frozen linear iteration:
-/// corrections F_i - F_{i-1} tend to a constant drift (impulses that the networks carry either way; zero
-/// where there are none) with the subdominant radius as their rate. So the rate is fitted to |F_i - 2 F_{i-1}
-/// + F_{i-2}| over the last half of the stretch, and compared with the radius at the statuses of that
-/// stretch. Throws Error as require_comparable.
+/// Compares the rate of one step with the local theory, as follows.
+/// 1. Run the iterations of the next step of a simulation to their end.
+/// 2. Look for the stretch of iterations without a change of status in which the corrections of F_Gamma fell
+///    most, or grew most. (With friction a frozen map may be unstable. The run then leaves these statuses at
+///    the rate of its radius, above 1.)
+/// 3. Between changes of status the run is the frozen linear iteration. The corrections F_i - F_{i-1} tend to
+///    a constant drift at a rate that is the subdominant radius. (The drift consists of impulses that the
+///    networks carry either way; it is zero where there are none.) So the rate is fitted to
+///    |F_i - 2 F_{i-1} + F_{i-2}| over the last half of the stretch.
+/// 4. Compare it with the radius of the frozen iteration at the statuses of that stretch.
+/// Throws Error as require_comparable.
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor = {});
 
-/// Throws Error naming the key for settings whose rate is not predicted: plain Gauss-Seidel and one
-/// subdomain, which have no interface, and what the frozen iteration does not have: conjugate gradients, an
-/// enrichment that is not that of every iteration, relaxed contacts, the viscous law.
+/// Throws Error naming the key for settings whose rate is not predicted. Plain Gauss-Seidel and one subdomain
+/// have no interface. The frozen iteration has no conjugate gradients, no enrichment but that of every
+/// iteration, no relaxed contacts and no viscous law.
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner);
 
 }  // namespace nscdd

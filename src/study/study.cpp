@@ -8,13 +8,13 @@
 namespace nscdd {
 namespace {
 
-// Rows per case, where they are known.
+// Rows per case, if they are known.
 std::optional<Index> rows_per_case(const StudyTable& table) {
   if (table.observable->rows == nullptr) return std::nullopt;
   return table.observable->rows(table);
 }
 
-// A varied value as a cell: a number where it reads as one.
+// A varied value as a cell: a number if it reads as one, else a text.
 Cell as_cell(const std::string& value) {
   try {
     return parse_number(value, "value");
@@ -23,7 +23,7 @@ Cell as_cell(const std::string& value) {
   }
 }
 
-// Numbers where every value of the parameter is one, else texts: a column has one type.
+// A column has one type: numbers if every value of the parameter is a number, else texts.
 std::vector<Cell> as_cells(const std::vector<std::string>& values) {
   std::vector<Cell> cells;
   for (const std::string& value : values) cells.push_back(as_cell(value));

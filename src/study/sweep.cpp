@@ -15,14 +15,15 @@ double optimal_relaxation(const SpectralRadius& plain) {
   return 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max);
 }
 
-// Eigenvalues in the certified interval, or else those found that agree with the first within the tolerance.
+// Counts the eigenvalues in the certified interval or, without one, those found that agree with the first
+// within the tolerance.
 Index multiplicity(const std::vector<double>& values, Index within, double tolerance) {
   if (within > 0) return within;
   return std::count_if(values.begin(), values.end(),
                        [&](double mu) { return std::abs(mu - values[0]) <= tolerance; });
 }
 
-// Operators of one family; the last one made is kept, which serves the inner loop of a sweep.
+// Operators of one family. The last one is kept, because the inner loop of a sweep asks for it again.
 class OperatorStore {
  public:
   explicit OperatorStore(InterfaceFamily family) : family_(std::move(family)) {}
@@ -70,7 +71,7 @@ void set_exact(SweepResult& result, const SpectralRadius& plain, double toleranc
   if (!result.point.relaxation) result.point.relaxation = computed ? optimal_relaxation(plain) : 1.0;
   result.radius = relaxed(plain, *result.point.relaxation, tolerance);
   const SpectralRadius& radius = result.radius;
-  // Where the ends are equal and opposite (optimal relaxation) rounding must not choose between them.
+  // With the optimal relaxation both ends are equal and opposite. Rounding must not choose between them.
   const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
   result.dominant = {low_end ? radius.eigenvalue_min : radius.eigenvalue_max, computed ? 0.0 : not_a_number};
 }
@@ -269,7 +270,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
   const CaseSummary of_case = summary(model, selection);
   const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
-  // One family where the contacts are the same: P and S then share what does not depend on them.
+  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_two(model.parts);
   Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one),
                   stage_two, options);
@@ -288,11 +289,11 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
       set_inexact(result, selection.stage_one, spectra.preconditioner(eta), options);
     else
       set_exact(result, spectra.at(epsilon, eta, number / per_pair), options.tolerance);
-    if (number < first) {  // the block that the first row belongs to
+    if (number < first) {  // only to warm up the block that the first row belongs to
       if (!report(monitor, first, total)) return failed;
       continue;
     }
-    result.radius.converged &= selection.certain;  // the radius of an uncertain set of contacts
+    result.radius.converged &= selection.certain;  // a radius of uncertain contacts proves nothing
     failed += !result.radius.converged;
     sink(result);
     if (!report(monitor, number + 1, total)) return failed;

@@ -25,7 +25,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-// Points of one range; both ends are met exactly, whatever the rounding between.
+// Points of one range. Both ends are met exactly, whatever rounding does between them.
 std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts,
                           const std::string& what) {
   const bool linear = parts.size() == 4 && parts[3] == "linear";
@@ -47,7 +47,8 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
     const double t = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
     const double value =
         linear ? std::lerp(from, to, t) : std::pow(10.0, std::lerp(std::log10(from), std::log10(to), t));
-    values.push_back(std::clamp(value, std::min(from, to), std::max(from, to)));  // rounding, of close ends
+    values.push_back(
+        std::clamp(value, std::min(from, to), std::max(from, to)));  // if rounding leaves the range
   }
   values.front() = from;
   values.back() = to;

@@ -27,8 +27,8 @@ struct ContactChoice {
   std::vector<char> active;  ///< one flag per contact
   Vector impulses;           ///< r behind the flags, kg m/s; empty for ContactSet::all
   /// "all", "compressive (unique)", "compressive (least norm)", "complementarity (unique)", or
-  /// "complementarity (maximal)" where other impulses solve the unilateral problem too: the flags are then
-  /// those of every contact that carries in one of its solutions.
+  /// "complementarity (maximal)". The last means that other impulses solve the unilateral problem too; the
+  /// flags are then those of every contact that carries in one of its solutions.
   std::string rule;
   /// The same as one word: "unique", "least_norm", "unilateral_unique", "unilateral_maximal", "none" for all.
   std::string solution;

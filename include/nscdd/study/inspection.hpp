@@ -10,8 +10,8 @@
 
 namespace nscdd {
 
-/// Kinematics of one contact network: rank W = rank H. Rank and what follows from it are 0 where ranks were
-/// left out.
+/// Kinematics of one contact network, rank W = rank H. Rank and what follows from it are 0 if ranks were left
+/// out.
 struct NetworkDegrees {
   Index grains = 0;
   Index contacts = 0;        ///< links, columns of H: two of each contact with friction
@@ -42,8 +42,8 @@ struct Inspection {
 };
 
 struct InspectionOptions {
-  /// Ranks are computed for networks of at most so many contacts: seconds there, and growing faster than the
-  /// network.
+  /// Ranks are computed for networks of at most so many contacts. There they take seconds, and the time grows
+  /// faster than the network.
   Index ranks_up_to = 100'000;
 };
 

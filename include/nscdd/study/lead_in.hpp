@@ -35,8 +35,8 @@ struct Arrival {
   RunTotals totals;
 };
 
-/// States of cases on the way. Every state asked for is kept, so that variants of the solver of a step, and
-/// several tables, start from the same one.
+/// States of cases after some steps. Every state asked for is kept, so that variants of the solver of a step,
+/// and several tables, start from the same one.
 class LeadIn {
  public:
   /// Throws Error for a case that is not made to move and where a step on the way breaks down.
@@ -46,8 +46,8 @@ class LeadIn {
   std::map<std::string, std::map<Index, Arrival>> known_;  // by the case and the steps done
 };
 
-/// The next step after a state, solved as a lead-in solves it, but decomposed as the case says (as for the
-/// generic algorithm where the case has plain Gauss-Seidel).
+/// The next step after a state, solved as a lead-in solves it, but decomposed as the case says. A case with
+/// plain Gauss-Seidel is decomposed as for the generic algorithm.
 SolvedStep next_step(Simulation simulation, LeadInSolver solver);
 
 }  // namespace nscdd

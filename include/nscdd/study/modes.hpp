@@ -35,17 +35,17 @@ struct ModeParameters {
 ///     Stage 1   (M_E + K_E / epsilon) V_E = - A_E^T F        ([ADI12] eqs. (9), (14) with F^d_E = 0)
 ///     Stage 2   F' = F + P^-1 sum_E A_E V_E = mu F
 /// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = 1 - mu.
-/// Normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it within
-/// 1e-6). Where an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
+/// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it
+/// within 1e-6). If an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
 struct Mode {
   SpectralRadius spectrum;
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;        ///< mu
-  /// The eigenvalue inwards of it; NaN where unknown: known where the solver is dense or was asked for two.
+  /// The eigenvalue next to it, inwards. It is known if the solver is dense or was asked for two, else NaN.
   double next = not_a_number;
   double residual = not_a_number;  ///< ||S F - lambda P F||_{P^-1} of the vectors given here
-  /// `residual` is within the tolerance and the contacts are certain: this is a mode of the operator. That no
-  /// other lies further out is for `spectrum.converged` to say.
+  /// Whether this is a mode of the operator: `residual` is within the tolerance and the contacts are certain.
+  /// `spectrum.converged` tells whether no other mode lies further out.
   bool converged = true;
   Vector impulses;                 ///< F, n_Gamma, kg m/s; empty where there is none (`found`)
   Vector jumps;                    ///< sum_E A_E V_E, n_Gamma, m/s
@@ -56,8 +56,8 @@ struct Mode {
   bool found() const { return impulses.size() > 0; }
 };
 
-/// The mode of one end. None is found for an empty interface, where B = I or B = 0, and where the solver
-/// failed. Throws Error where the contacts cannot be chosen (see choose_contacts).
+/// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed.
+/// Throws Error if the contacts cannot be chosen (see choose_contacts).
 Mode interface_mode(const Model& model, const ModeParameters& parameters);
 
 /// F scaled to F^T P F = 1 and its sign fixed, as in Mode. F must not be zero.
