@@ -40,6 +40,18 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
   sum.slide += status == ContactStatus::slide_forward || status == ContactStatus::slide_backward;
 }
 
+template <class Contact>
+ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, std::span<const DiskVelocity> v,
+                         const Contact& contact) {
+  ContactResidual sum;
+  std::visit(
+      [&](const auto& one) {
+        for (std::size_t k = 0; k < contacts; ++k) add(sum, one, contact(k), v);
+      },
+      law);
+  return sum;
+}
+
 }  // namespace
 
 ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
@@ -67,24 +79,12 @@ double ContactResidual::mean_dv_over_r() const { return work == 0 ? 0.0 : work /
 
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
                                  std::span<const DiskVelocity> v) {
-  ContactResidual sum;
-  std::visit(
-      [&](const auto& one) {
-        for (std::size_t k = 0; k < contacts.size(); ++k) add(sum, one, contacts.contact(k, v), v);
-      },
-      law);
-  return sum;
+  return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
 }
 
 ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
                                  std::span<const DiskVelocity> v) {
-  ContactResidual sum;
-  std::visit(
-      [&](const auto& one) {
-        for (const DiskContact& c : contacts) add(sum, one, c, v);
-      },
-      law);
-  return sum;
+  return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts[k]; });
 }
 
 ContactStatus status_of(const ContactLaw& law, const DiskContact& contact) {

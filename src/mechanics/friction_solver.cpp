@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/gauss_seidel.hpp"
+#include "mechanics/progress_watch.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/contact_law.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
@@ -152,38 +153,6 @@ void check_options(const LocalFrictionProblem& problem, const FrictionSolverOpti
         options.maximum_sweeps, options.check_every, options.patience));
 }
 
-// Decides whether the sweeps go on.
-class Judge {
- public:
-  Judge(const FrictionSolverOptions& options, double scale) : options_(options), scale_(scale) {}
-
-  // Whether the sweeps end here; `status` then says why.
-  bool over(const FrictionState& state, const Vector& impulses, FrictionStatus& status) {
-    const double size = impulses.norm();
-    if (std::isnan(state.residual) || !std::isfinite(size)) {
-      status = FrictionStatus::not_finite;
-    } else if (state.residual <= options_.tolerance) {
-      status = FrictionStatus::converged;
-    } else if (size > growth_allowed * scale_) {
-      status = FrictionStatus::diverged;
-    } else if (state.residual < progress_wanted * smallest_) {
-      smallest_ = state.residual;
-      checks_without_progress_ = 0;
-      return false;
-    } else if (++checks_without_progress_ >= options_.patience) {
-      status = FrictionStatus::stalled;
-    } else {
-      return false;
-    }
-    return true;
-  }
-
- private:
-  const FrictionSolverOptions& options_;
-  double scale_, smallest_ = infinity;
-  Index checks_without_progress_ = 0;
-};
-
 }  // namespace
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
@@ -197,16 +166,20 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
   solution.impulses = guess.size() == 0 ? Vector::Zero(2 * problem.contacts()) : guess;
   const BlockRows rows = block_rows(problem);
   const double alone = lone_impulses(problem);
-  Judge judge(options, std::max(alone, solution.impulses.norm()));
-  while (true) {
+  const double scale = std::max(alone, solution.impulses.norm());
+  ProgressWatch<FrictionStatus> watch({.tolerance = options.tolerance,
+                                       .growth = growth_allowed,
+                                       .fall = progress_wanted,
+                                       .patience = options.patience},
+                                      FrictionStatus::not_finite);
+  for (Index check = 0;; ++check) {
     solution.state = state_of(problem, solution.impulses, alone);
     const FrictionState& now = solution.state;
-    const bool over = judge.over(now, solution.impulses, solution.status);
+    const auto over = watch.judge(check, now.residual, solution.impulses.norm(), scale);
     const bool go_on = !observer || observer({solution.sweeps, now.residual, now.siconos_residual, now.open,
                                               now.stick, now.slide});
-    if (over) return solution;
-    if (!go_on || solution.sweeps >= options.maximum_sweeps) {
-      solution.status = go_on ? FrictionStatus::maximum_reached : FrictionStatus::stopped;
+    if (over || !go_on || solution.sweeps >= options.maximum_sweeps) {
+      solution.status = over ? *over : go_on ? FrictionStatus::maximum_reached : FrictionStatus::stopped;
       return solution;
     }
     const Index many = std::min(options.check_every, options.maximum_sweeps - solution.sweeps);

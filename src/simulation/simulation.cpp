@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/iteration_watch.hpp"
 #include "simulation/step_decomposition.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/simulation/simulation.hpp>
@@ -16,34 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Rounding or cycling may keep a criterion from falling any further. That is taken for certain after so many
-// iterations without progress, and after four times as many as it took to get there: impulses may drift
-// within what the network carries for thousands of iterations until a contact opens.
-constexpr Index patience = 10000;
-constexpr double explosion = 1e6;
-
-// If F did not change (there is no interface, or Stage 2 leaves it alone) or nothing jumps, these two cannot
-// tell that the iterations ended, and zeta stands in for them.
-double criterion_value(Criterion criterion, const IterationRecord& record, const ContactResidual& residual) {
-  switch (criterion) {
-    case Criterion::zeta:
-      return record.zeta;
-    case Criterion::interface_change:
-      return record.interface_change == 0 ? record.zeta : record.interface_change;
-    case Criterion::gluing:
-      return record.gluing == 0 ? record.zeta : record.gluing;
-    case Criterion::natural_map:
-      return residual.relative_natural_map();
-    case Criterion::quad_dv:
-      return residual.quad_dv();
-    case Criterion::mean_dv_over_r:
-      return std::abs(residual.mean_dv_over_r());
-    case Criterion::none:
-      break;
-  }
-  return infinity;  // as many iterations as allowed
 }
 
 bool all_finite(const std::vector<DiskVelocity>& velocities) {
@@ -97,34 +70,6 @@ StepProblem checked_problem(const Simulation& simulation) {
 }
 
 }  // namespace
-
-bool needs_residual(Criterion criterion) {
-  return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
-         criterion == Criterion::mean_dv_over_r;
-}
-
-IterationWatch::IterationWatch(const StepSolver& solver) : solver_(solver) {}
-
-std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
-                                                  const ContactResidual& residual) {
-  const double value = criterion_value(solver_.criterion, record, residual);
-  if (!std::isfinite(record.impulses) || !std::isfinite(record.gluing)) return SolverStatus::no_number;
-  if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
-  if (record.impulses > explosion * explosion * first_impulses_) return SolverStatus::diverged;
-  // Contacts may have settled within subdomains while their copies of shared grains still differ.
-  const bool semi_implicit =
-      solver_.algorithm == StepAlgorithm::enriched && solver_.enrichment == Enrichment::semi_implicit;
-  const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
-  if (value <= solver_.tolerance && glued) return SolverStatus::converged;
-  if (value < best_) {
-    best_ = value;
-    best_iteration_ = record.iteration;
-  }
-  if (record.iteration >= solver_.maximum_iterations) return SolverStatus::maximum_reached;
-  if (value < infinity && record.iteration - best_iteration_ >= std::max(patience, 4 * best_iteration_))
-    return SolverStatus::stalled;
-  return std::nullopt;
-}
 
 void check_next_step(const Simulation& simulation) {
   partition_step(simulation, checked_problem(simulation));

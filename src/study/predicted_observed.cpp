@@ -3,6 +3,7 @@
 
 #include "ddm/frozen_iteration.hpp"
 #include "linalg/linear_fit.hpp"
+#include "simulation/iteration_watch.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>

@@ -75,22 +75,6 @@ struct SolvedStep {
   StepReport report;
 };
 
-/// Whether a criterion of StepSolver needs the residual of the contact law at every iteration.
-bool needs_residual(Criterion criterion);
-
-/// Decides when the iterations of a step end.
-class IterationWatch {
- public:
-  explicit IterationWatch(const StepSolver& solver);
-  /// How the iterations ended, or nothing if they go on. `residual` counts only if the criterion needs it.
-  std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
-
- private:
-  StepSolver solver_;
-  double best_ = infinity, first_impulses_ = 0;
-  Index best_iteration_ = 0;
-};
-
 /// The next step of a simulation, ready to be iterated. Throws Error as prepare_step does, and naming both
 /// bodies if two overlap by more than `largest_overlap`.
 struct PreparedStep {
