@@ -188,8 +188,7 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
   if (relative_overlap_ > notable_overlap)
     text += fmt::format(
         "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with "
-        "overlaps, "
-        "boundaries that leave no room, or a step or tolerance too coarse\n",
+        "overlaps, boundaries that leave no room, or a step or tolerance too coarse\n",
         relative_overlap_);
   const auto converged = statuses_.find(to_string(SolverStatus::converged));
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
