@@ -114,9 +114,7 @@ int export_fclib(const FclibExport& what, const Context& context) {
   const FclibFile local = local_form(file);
   if (what.local) file = local;
   file.info = info_of(what, header, before, file.solution.has_value());
-  OutputFile output(what.output, what.force);
-  output.bytes(to_hdf5(file, provenance_of(context, header)));
-  output.finish();
+  write_file(what.output, to_hdf5(file, provenance_of(context, header)), what.force);
   print_report(what, file, std::get<LocalFrictionProblem>(local.problem));
   return 0;
 }

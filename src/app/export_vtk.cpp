@@ -48,12 +48,6 @@ void make_folder(const VtkExport& what) {
   if (status) throw Error(fmt::format("{}: cannot be made: {}", what.folder, status.message()));
 }
 
-void write(const fs::path& path, const std::string& bytes, bool force) {
-  OutputFile output(path.string(), force);
-  output.bytes(bytes);
-  output.finish();
-}
-
 }  // namespace
 
 int export_vtk(const VtkExport& what) {
@@ -69,12 +63,12 @@ int export_vtk(const VtkExport& what) {
     for (const Index step : steps) {
       const VtkFrame frame = vtk_frame(system, read_trajectory_step(what.trajectory, step));
       files.push_back({frame.time, fmt::format("step-{:06}.vtp", step)});
-      write(folder / files.back().path, vtp_text(frame), what.force);
+      write_file((folder / files.back().path).string(), vtp_text(frame), what.force);
       if (!report(monitor, count(files), count(steps))) break;
     }
   }
   const fs::path collection = folder / (fs::path(what.trajectory).stem().string() + ".pvd");
-  write(collection, pvd_text(files), what.force);
+  write_file(collection.string(), pvd_text(files), what.force);
   if (files.size() < steps.size()) {
     note(fmt::format("{}: interrupted after {} of {} steps, which {} lists", what.folder, files.size(),
                      steps.size(), collection.string()));

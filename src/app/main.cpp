@@ -2,6 +2,7 @@
 #include "app/progress.hpp"
 #include "app/verbs.hpp"
 #include <nscdd/core/error.hpp>
+#include <nscdd/files/hdf5.hpp>
 
 #include <fmt/format.h>
 #ifdef __GLIBC__
@@ -60,6 +61,7 @@ void keep_freed_memory() {
 
 int run(int argc, char** argv) {
   keep_freed_memory();
+  nscdd::leave_hdf5_alone_at_exit();
   std::vector<DescribedVerb> described;
   described.reserve(verbs.size());  // the options that a verb declares stay where they are
   const Context context{joined(argc, argv), &described};

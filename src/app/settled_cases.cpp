@@ -13,11 +13,9 @@
 #include <nscdd/simulation/run_simulation.hpp>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 
 namespace nscdd::app {
 namespace {
@@ -35,9 +33,7 @@ std::string entry_text(const Packing& packing, const std::string& resolved) {
     text += fmt::format("# {}\n", resolved.substr(begin, end - begin));
     begin = end + 1;
   }
-  text += "x,y,radius,mass\n";
-  for (std::size_t i = 0; i < packing.x.size(); ++i)
-    text += fmt::format("{},{},{},{}\n", packing.x[i], packing.y[i], packing.radius[i], packing.mass[i]);
+  text += packing_csv(packing);
   return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
 }
 
@@ -57,19 +53,15 @@ std::optional<Packing> cached(const fs::path& entry) {
   }
 }
 
-// The entry is written beside its place and renamed, so that no other run reads half of it. If that fails,
-// the packing will be settled again next time, which costs time alone.
+// If the entry cannot be written, the packing will be settled again next time, which costs time alone.
 void remember(const fs::path& entry, const std::string& text) {
-  std::error_code status;
-  fs::create_directories(entry.parent_path(), status);
-  const std::string temporary = fmt::format("{}.{}", entry.string(), ::getpid());
-  std::ofstream file(temporary, std::ios::binary);
-  file << text;
-  file.close();
-  if (file) fs::rename(temporary, entry, status);
-  if (file && !status) return;
-  fs::remove(temporary, status);
-  note(fmt::format("{}: cannot be written, so that this packing will be settled again", entry.string()));
+  std::error_code ignored;
+  fs::create_directories(entry.parent_path(), ignored);
+  try {
+    write_file(entry.string(), text, true);
+  } catch (const Error& error) {
+    note(fmt::format("{}; this packing will be settled again", error.what()));
+  }
 }
 
 Packing free_grains(const Simulation& simulation, Index grains) {

@@ -113,6 +113,10 @@ IterationSink ConvergenceTable::sink(Index every) {
   return {[this](const IterationRow& one) { csv_->write(row(iteration_columns(), one)); }, every};
 }
 
+void ConvergenceTable::flush() {
+  if (csv_) csv_->flush();
+}
+
 void ConvergenceTable::finish() {
   if (csv_) csv_->finish();
 }

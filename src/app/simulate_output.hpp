@@ -25,15 +25,17 @@ RunSoFar run_so_far(const std::string& path);
 /// down. Changes nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run);
 
-/// The table of --convergence: one row per iteration looked at, flushed. A run that goes on keeps the rows of
-/// the steps that are done and drops those of the step that was not.
+/// The table of --convergence: one row per iteration looked at. A run that goes on keeps the rows of the steps
+/// that are done and drops those of the step that was not.
 class ConvergenceTable {
  public:
   /// No table where `path` is empty. `run`: the one that is gone on with, none for a new one.
   ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run);
   IterationSink sink(Index every);  ///< `every`: see IterationSink
-  void finish();                    ///< the run came to its end
-  void leave();                     ///< it was interrupted: the partial table stays
+  /// Before the trajectory takes the steps of these rows: a restart needs the rows of all of them.
+  void flush();
+  void finish();  ///< the run came to its end
+  void leave();   ///< it was interrupted: the partial table stays
 
  private:
   std::optional<CsvWriter> csv_;

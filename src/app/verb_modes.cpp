@@ -150,8 +150,6 @@ int run(const Options& options) {
   options.memory.require(
       {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
   const Mode mode = interface_mode(model, wanted);
-  impulses.write_header();
-  velocities.write_header();
   mode_impulses(model, wanted, mode,
                 [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
   mode_velocities(model, mode,

@@ -218,8 +218,12 @@ int run(const Options& options) {
     const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
     trajectory->append(trajectory_step(after, solved), row(step_columns(), report), keep);
     summary.add(report);
+    if (!trajectory->due()) return;
+    table.flush();
+    trajectory->commit();
   };
   const RunOutcome outcome = run_simulation(simulation, sinks, speeds);
+  table.flush();
   trajectory->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
                                          : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
   return close(options, simulation, outcome, summary, table);

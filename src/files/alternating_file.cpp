@@ -11,9 +11,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 namespace nscdd {
 namespace {
@@ -111,17 +113,26 @@ void AlternatingFile::create(const Change& make) {
 }
 
 void AlternatingFile::change(Change change) {
-  std::error_code ignored;
-  if (missing_.empty() || !fs::exists(spare_, ignored) || is_read(spare_)) {
+  const Change missing = std::exchange(missing_, {});  // a change that fails leaves a spare of no worth
+  if (!missing || copying_is_faster() || is_read(spare_)) {
     remove(spare_);
     copy_to_spare();
-    missing_.clear();
+  } else {
+    missing(spare_);
   }
-  for (const Change& earlier : missing_) earlier(spare_);
+  const auto started = std::chrono::steady_clock::now();
   change(spare_);
+  missing_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   swap();
-  missing_.clear();
-  missing_.push_back(std::move(change));
+  missing_ = std::move(change);
+}
+
+// Many small changes take longer than the bytes of a small file do.
+bool AlternatingFile::copying_is_faster() const {
+  constexpr double bytes_per_second = 3e8;  // of a slow disk
+  std::error_code ignored;
+  return !fs::exists(spare_, ignored) ||
+         static_cast<double>(fs::file_size(path_, ignored)) < missing_seconds_ * bytes_per_second;
 }
 
 void AlternatingFile::copy_to_spare() const {

@@ -8,11 +8,11 @@
 namespace nscdd {
 
 /// A file that is changed again and again and yet complete under its name at every moment, however the
-/// program ends. There are two copies: `path`, never touched while it has that name, and `path.next`, which
-/// gets the change the other one has already and the new one, and takes the name then. Whoever reads `path`
-/// meets a finished version and does not disturb the writer. `path.lock` keeps a second writer away. A
-/// symbolic link stays one: `path` is then what it leads to.
-/// Every function throws Error naming the file where the system refuses.
+/// program ends. There are two copies: `path`, never touched while it has that name, and `path.next`. The
+/// spare one gets the change that the other one has already (or its bytes, where that is faster), then the
+/// new change, and takes the name. Whoever reads `path` meets a finished version and does not disturb the
+/// writer. `path.lock` keeps a second writer away. A symbolic link stays one: `path` is then what it leads
+/// to. Every function throws Error naming the file where the system refuses.
 class AlternatingFile {
  public:
   /// Changes the file of the given name; must leave it closed.
@@ -33,11 +33,13 @@ class AlternatingFile {
 
  private:
   void take_lock() const;
+  bool copying_is_faster() const;
   void copy_to_spare() const;
   void swap();
   std::string path_, spare_, previous_, lock_;
   int lock_descriptor_ = -1;
-  std::vector<Change> missing_;  ///< changes that the spare does not have yet
+  Change missing_;              ///< the change that the spare does not have yet, if there is one
+  double missing_seconds_ = 0;  ///< that it took
 };
 
 }  // namespace nscdd

@@ -10,18 +10,21 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace nscdd {
 namespace {
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += c;
+// Adds a value to a line that holds `before` of them.
+void append_value(std::string& line, std::size_t before, std::string_view text) {
+  if (before > 0) line += ',';
+  if (text.find_first_of(",\"\n\r") == std::string_view::npos) {
+    line += text;
+    return;
   }
-  return result + '"';
+  line += '"';
+  for (const char c : text) line.append(c == '"' ? 2 : 1, c);
+  line += '"';
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -94,37 +97,42 @@ std::vector<std::string> csv_values(std::string_view line, const std::string& wh
   return {values.begin(), values.end()};
 }
 
+std::string csv_line(const std::vector<std::string>& values) {
+  std::string line;
+  for (std::size_t i = 0; i < values.size(); ++i) append_value(line, i, values[i]);
+  return line;
+}
+
+std::string csv_line(const Row& row) {
+  std::string line;
+  for (std::size_t i = 0; i < row.size(); ++i) append_value(line, i, to_text(row[i]));
+  return line;
+}
+
 std::string csv_header(const std::vector<Column>& columns) {
-  std::string header;
-  for (const Column& column : columns) header += (header.empty() ? "" : ",") + quoted(column.name);
-  return header;
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(column.name);
+  return csv_line(names);
 }
 
 CsvWriter::CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
                      std::optional<std::uintmax_t> kept_bytes)
     : file_(path, force, kept_bytes) {
-  if (kept_bytes.value_or(0) == 0) header_ = csv_header(columns);
+  if (kept_bytes.value_or(0) == 0) header_ = csv_header(columns) + '\n';
 }
 
-void CsvWriter::write_header() {
-  if (header_.empty()) return;
-  file_.line(header_);
-  header_.clear();
+void CsvWriter::flush() {
+  file_.flush();
+  if (!header_.empty()) file_.bytes(std::exchange(header_, {}));
 }
 
 void CsvWriter::finish() {
-  write_header();
+  flush();
   file_.finish();
 }
 
-void CsvWriter::leave() { file_.leave(); }
-
-void CsvWriter::write(const Row& row) {
-  write_header();
-  std::string line;
-  for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + quoted(to_text(row[i]));
-  file_.line(line);
-}
+// The names go with the first row, which is written at once.
+void CsvWriter::write(const Row& row) { file_.line(std::exchange(header_, {}) + csv_line(row)); }
 
 CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
   if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);

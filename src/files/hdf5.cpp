@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/hdf5_handles.hpp"
+#include "files/hdf5_file.hpp"
 #include <nscdd/core/error.hpp>
+#include <nscdd/files/csv.hpp>
 #include <nscdd/files/hdf5.hpp>
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace nscdd {
 namespace {
 
-using hdf5::Handle;
+using hdf5::Group;
 
-// One column; `type` is that of the data and of the file.
-void write_column(hid_t group, const Column& column, hid_t type, std::size_t rows, const void* data) {
-  const Handle dataset = hdf5::write_dataset(group, column.name, type, rows, data);
-  hdf5::write_attribute(dataset, "unit", column.unit);
-  hdf5::write_attribute(dataset, "description", column.description);
+void put_table_head(const Group& group, const std::vector<Column>& columns) {
+  std::string order;
+  for (const Column& column : columns) order += (order.empty() ? "" : ",") + column.name;
+  group.put_attribute("columns", order);
+}
+
+template <class Value>
+void put_column(const Group& group, const Column& column, std::span<const Value> values) {
+  group.put(column.name, values, {{"unit", column.unit}, {"description", column.description}});
 }
 
 template <class Value>
@@ -26,79 +29,88 @@ std::vector<Value> gather(const Table& table, std::size_t j) {
   return values;
 }
 
-void write_column(hid_t group, const Table& table, std::size_t j) {
+void put_column(const Group& group, const Table& table, std::size_t j) {
   const Column& column = table.columns[j];
-  const std::size_t rows = table.rows.size();
-  if (rows == 0 || std::holds_alternative<double>(table.rows[0][j])) {
-    write_column(group, column, H5T_IEEE_F64LE, rows, gather<double>(table, j).data());
+  if (table.rows.empty() || std::holds_alternative<double>(table.rows[0][j])) {
+    put_column<double>(group, column, gather<double>(table, j));
   } else if (std::holds_alternative<std::int64_t>(table.rows[0][j])) {
-    write_column(group, column, H5T_STD_I64LE, rows, gather<std::int64_t>(table, j).data());
+    put_column<std::int64_t>(group, column, gather<std::int64_t>(table, j));
   } else if (std::holds_alternative<bool>(table.rows[0][j])) {
-    std::vector<signed char> flags;
-    for (const bool flag : gather<bool>(table, j)) flags.push_back(flag ? 1 : 0);
-    write_column(group, column, H5T_STD_I8LE, rows, flags.data());
+    const std::vector<bool> flags = gather<bool>(table, j);
+    put_column<std::int8_t>(group, column, std::vector<std::int8_t>(flags.begin(), flags.end()));
   } else {
-    const auto texts = gather<std::string>(table, j);
-    std::size_t length = 1;
-    for (const std::string& text : texts) length = std::max(length, text.size());
-    std::string bytes;
-    for (const std::string& text : texts) {
-      bytes += text;
-      bytes.append(length - text.size(), '\0');
-    }
-    write_column(group, column, hdf5::text_type(length), rows, bytes.data());
+    group.put_texts(column.name, gather<std::string>(table, j),
+                    {{"unit", column.unit}, {"description", column.description}});
   }
 }
 
-std::string joined_names(const std::vector<Column>& columns) {
-  std::string order;
-  for (const Column& column : columns) order += (order.empty() ? "" : ",") + column.name;
-  return order;
+std::vector<Cell> column_cells(const Group& group, const std::string& name) {
+  const auto cells = [](const auto& values) { return std::vector<Cell>(values.begin(), values.end()); };
+  if (group.kind(name) == H5T_STRING) return cells(group.texts(name));
+  if (group.kind(name) == H5T_FLOAT) return cells(group.numbers<double>(name));
+  if (group.element_size(name) > 1) return cells(group.numbers<std::int64_t>(name));
+  std::vector<Cell> flags;
+  for (const std::int8_t flag : group.numbers<std::int8_t>(name)) flags.emplace_back(flag != 0);
+  return flags;
 }
 
-// The bytes of a file with its provenance that `fill` writes its groups into.
-template <class Fill>
-std::string write_all(const Provenance& provenance, Fill&& fill) {
-  return hdf5::file_bytes([&](hid_t file) {
-    const Handle origin = hdf5::new_group(file, "provenance");
-    for (const auto& [name, text] : provenance) hdf5::write_text(origin, name, text);
-    fill(file);
-  });
+Table table_of(const Group& group) {
+  Table table;
+  for (const std::string& name : csv_values(group.text_attribute("columns"), group.path())) {
+    const std::vector<Cell> cells = column_cells(group, name);
+    if (table.columns.empty()) table.rows.resize(cells.size());
+    if (cells.size() != table.rows.size())
+      throw Error(fmt::format("{}: expected {} values as in the first column, met {}", group.of(name),
+                              table.rows.size(), cells.size()));
+    for (std::size_t i = 0; i < cells.size(); ++i) table.rows[i].push_back(cells[i]);
+    table.columns.push_back(
+        {name, group.text_attribute("unit", name), group.text_attribute("description", name)});
+  }
+  return table;
 }
 
 }  // namespace
 
 std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables) {
-  return write_all(provenance, [&](hid_t file) {
+  return hdf5::new_file_bytes([&](const Group& root) {
+    hdf5::put_provenance(root, provenance);
     for (const NamedTable& named : tables) {
-      const std::vector<Column>& columns = named.table.columns;
-      const Handle group = hdf5::new_group(file, named.name);
-      hdf5::write_attribute(group, "columns", joined_names(columns));
-      for (std::size_t j = 0; j < columns.size(); ++j) write_column(group, named.table, j);
+      const Group group = root.make_group(named.name);
+      put_table_head(group, named.table.columns);
+      for (std::size_t j = 0; j < named.table.columns.size(); ++j) put_column(group, named.table, j);
     }
   });
 }
 
 std::string to_hdf5(const Provenance& provenance, const std::string& name,
                     const std::vector<NumberColumn>& columns) {
-  return write_all(provenance, [&](hid_t file) {
-    const Handle group = hdf5::new_group(file, name);
+  return hdf5::new_file_bytes([&](const Group& root) {
+    hdf5::put_provenance(root, provenance);
+    const Group group = root.make_group(name);
     std::vector<Column> headings;
     for (const NumberColumn& column : columns) headings.push_back(column.heading);
-    hdf5::write_attribute(group, "columns", joined_names(headings));
-    for (const NumberColumn& column : columns)
-      write_column(group, column.heading, H5T_IEEE_F64LE, column.values.size(), column.values.data());
+    put_table_head(group, headings);
+    for (const NumberColumn& column : columns) put_column(group, column.heading, column.values);
   });
 }
 
+TablesFile tables_from_hdf5(std::string_view bytes, const std::string& name) {
+  const hdf5::File file(bytes, name);
+  const Group root = file.root();
+  TablesFile content{hdf5::provenance_of(root), {}};
+  for (const std::string& table : root.members())
+    if (table != "provenance") content.tables.push_back({table, table_of(root.group(table))});
+  return content;
+}
+
+void leave_hdf5_alone_at_exit() { H5dont_atexit(); }
+
 std::map<std::string, std::vector<double>> numbers_from_hdf5(std::string_view bytes, const std::string& name,
                                                              const std::string& group_name) {
-  const Handle file = hdf5::open_bytes(bytes, name);
-  const Handle group(H5Gopen2(file, group_name.c_str(), H5P_DEFAULT), H5Gclose,
-                     fmt::format("{}: expected a group '{}', met none", name, group_name));
+  const hdf5::File file(bytes, name);
+  const Group group = file.root().group(group_name);
   std::map<std::string, std::vector<double>> columns;
-  for (const std::string& member : hdf5::members(group, name))
-    columns[member] = hdf5::read_numbers(group, member, fmt::format("{}: {}/{}", name, group_name, member));
+  for (const std::string& member : group.members()) columns[member] = group.numbers<double>(member);
   return columns;
 }
 

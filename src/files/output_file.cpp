@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 namespace nscdd {
 namespace {
@@ -115,44 +116,55 @@ void OutputFile::open_growing(std::uintmax_t kept_bytes) {
 }
 
 OutputFile::~OutputFile() {
-  if (stream_ != nullptr && stream_ != stdout) std::fclose(stream_);
-  if (stream_ != nullptr && !growing_.empty() && removable_) {
-    std::error_code ignored;
-    fs::remove(growing_, ignored);
-  }
+  if (stream_ == nullptr) return;
+  if (!removable_) std::fwrite(gathered_.data(), 1, gathered_.size(), stream_);
+  if (stream_ != stdout) std::fclose(stream_);
+  std::error_code ignored;
+  if (!growing_.empty() && removable_) fs::remove(growing_, ignored);
 }
 
 void OutputFile::line(std::string_view text) {
-  std::fwrite(text.data(), 1, text.size(), stream_);
-  std::fputc('\n', stream_);
-  bytes({});
+  constexpr std::chrono::milliseconds longest_wait{100};
+  constexpr std::size_t most = 1 << 16;
+  gathered_.append(text).push_back('\n');
+  if (gathered_.size() >= most || std::chrono::steady_clock::now() - flushed_ >= longest_wait) flush();
+}
+
+void OutputFile::flush() {
+  const std::string lines = std::exchange(gathered_, {});
+  bytes(lines);
+  flushed_ = std::chrono::steady_clock::now();
 }
 
 void OutputFile::bytes(std::string_view text) {
+  if (!gathered_.empty()) flush();
   std::fwrite(text.data(), 1, text.size(), stream_);
   if (std::fflush(stream_) != 0 || std::ferror(stream_) != 0) refuse(name_, "be written");
 }
 
+void OutputFile::close() {
+  if (stream_ == nullptr) return;
+  flush();
+  if (stream_ != stdout && std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(name_, "be written");
+}
+
 void OutputFile::finish() {
-  if (stream_ == stdout) {
-    if (std::fflush(stdout) != 0) refuse(name_, "be written");
-    return;
-  }
-  if (std::fclose(stream_) != 0) {
-    stream_ = nullptr;
+  try {
+    close();
+  } catch (const Error&) {
     std::error_code ignored;
     if (!growing_.empty() && removable_) fs::remove(growing_, ignored);
-    refuse(name_, "be written");
+    throw;
   }
-  stream_ = nullptr;
   if (!growing_.empty()) complete(name_);
 }
 
-void OutputFile::leave() {
-  if (stream_ == stdout || stream_ == nullptr) return;
-  const int closed = std::fclose(stream_);
-  stream_ = nullptr;
-  if (closed != 0) refuse(name_, "be written");
+void OutputFile::leave() { close(); }
+
+void write_file(const std::string& path, std::string_view bytes, bool force) {
+  OutputFile file(path, force);
+  file.bytes(bytes);
+  file.finish();
 }
 
 }  // namespace nscdd

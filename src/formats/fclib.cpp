@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/hdf5_handles.hpp"
+#include "files/hdf5_file.hpp"
+#include <nscdd/core/error.hpp>
 #include <nscdd/files/csv.hpp>
 #include <nscdd/formats/fclib.hpp>
 
@@ -12,31 +13,15 @@
 namespace nscdd {
 namespace {
 
-using hdf5::Handle;
+using hdf5::Group;
 
 constexpr std::int64_t largest_index = std::numeric_limits<int>::max();
 constexpr std::array<const char*, 3> problem_groups{"fclib_local", "fclib_global", "fclib_global_rolling"};
 
-// A group with the name that errors give it.
-struct Group {
-  Handle id;
-  std::string path;  ///< "file: fclib_local"
-
-  Group(hid_t parent, const std::string& name, const std::string& full)
-      : id(hdf5::open_group(parent, name, full)), path(full) {}
-  Group(const Group& parent, const std::string& name) : Group(parent.id, name, parent.of(name)) {}
-
-  std::string of(const std::string& member) const { return path + "/" + member; }
-  bool has(const std::string& member) const { return hdf5::has(id, member); }
-  std::int64_t integer(const std::string& name) const { return hdf5::read_integer(id, name, of(name)); }
-  std::vector<std::int64_t> integers(const std::string& name) const {
-    return hdf5::read_integers(id, name, of(name));
-  }
-  Vector numbers(const std::string& name) const {
-    const std::vector<double> values = hdf5::read_numbers(id, name, of(name));
-    return Eigen::Map<const Vector>(values.data(), count(values));
-  }
-};
+Vector vector_of(const Group& group, const std::string& name) {
+  const std::vector<double> values = group.numbers<double>(name);
+  return Eigen::Map<const Vector>(values.data(), count(values));
+}
 
 void require_length(const Group& group, const std::string& name, Index met, Index expected) {
   if (met != expected)
@@ -44,7 +29,7 @@ void require_length(const Group& group, const std::string& name, Index met, Inde
 }
 
 Vector numbers_of(const Group& group, const std::string& name, Index expected) {
-  Vector values = group.numbers(name);
+  Vector values = vector_of(group, name);
   require_length(group, name, values.size(), expected);
   return values;
 }
@@ -68,8 +53,8 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 
 // nz >= 0: entry k lies at (p_k, i_k), or (i_k, p_k) where only that fits.
 Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t columns, Index entries) {
-  auto p = group.integers("p"), i = group.integers("i");
-  const Vector x = group.numbers("x");
+  auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
+  const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), entries);
   require_length(group, "i", count(i), entries);
   if (x.size() < entries) require_length(group, "x", x.size(), entries);  // longer where nzmax is
@@ -87,8 +72,8 @@ Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t col
 // nz = -1 (lines are columns) or -2 (rows): line k holds entries p_k ... p_(k+1) - 1 at i within the line.
 Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax,
                             bool by_columns) {
-  const auto p = group.integers("p"), i = group.integers("i");
-  const Vector x = group.numbers("x");
+  const auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
+  const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), lines + 1);
   require_length(group, "i", count(i), nzmax);
   require_length(group, "x", x.size(), nzmax);
@@ -117,7 +102,7 @@ std::int64_t size_of(const Group& group, const std::string& name) {
 }
 
 SparseMatrix read_matrix(const Group& parent, const std::string& name) {
-  const Group group(parent, name);
+  const Group group = parent.group(name);
   const std::int64_t rows = size_of(group, "m"), columns = size_of(group, "n");
   const std::int64_t nz = group.integer("nz"), nzmax = size_of(group, "nzmax");
   Triplets entries;
@@ -142,14 +127,14 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
   throw Error(
       fmt::format("{}: not supported: {} ({} contacts, spacedim {}); expected a plane problem, spacedim "
                   "2, with contacts alone",
-                  group.path, what, dimension > 0 ? columns / dimension : 0, dimension));
+                  group.path(), what, dimension > 0 ? columns / dimension : 0, dimension));
 }
 
 // The number of contacts; refuses whatever is no plane problem with contacts alone.
 Index plane_contacts(const Group& group, const std::string& kind, const std::string& matrix,
                      std::initializer_list<std::pair<const char*, const char*>> refused) {
   const std::int64_t dimension = group.integer("spacedim");
-  const Group counted(group, matrix);
+  const Group counted = group.group(matrix);
   const std::int64_t columns = size_of(counted, "n");
   if (dimension == 3)
     not_supported(group, fmt::format("a {} problem in three dimensions", kind), columns, dimension);
@@ -167,34 +152,34 @@ Index plane_contacts(const Group& group, const std::string& kind, const std::str
 LocalFrictionProblem read_local(const Group& group) {
   const Index contacts =
       plane_contacts(group, "local", "W", {{"V", "equality constraints"}, {"R", "equality constraints"}});
-  const Group vectors(group, "vectors");
+  const Group vectors = group.group("vectors");
   LocalFrictionProblem problem;
   problem.q = numbers_of(vectors, "q", 2 * contacts);  // first: they bound the sizes of the matrix
   problem.friction = numbers_of(vectors, "mu", contacts);
   problem.w = read_matrix(group, "W");
-  check(problem, group.path);
+  check(problem, group.path());
   return problem;
 }
 
 GlobalFrictionProblem read_global(const Group& group) {
   const Index contacts = plane_contacts(group, "global", "H", {{"G", "equality constraints"}});
-  const Group vectors(group, "vectors");
+  const Group vectors = group.group("vectors");
   GlobalFrictionProblem problem;
-  problem.f = numbers_of(vectors, "f", size_of(Group(group, "M"), "m"));
+  problem.f = numbers_of(vectors, "f", size_of(group.group("M"), "m"));
   problem.w = numbers_of(vectors, "w", 2 * contacts);
   problem.friction = numbers_of(vectors, "mu", contacts);
   problem.mass = read_matrix(group, "M");
   problem.h = read_matrix(group, "H");
-  check(problem, group.path);
+  check(problem, group.path());
   return problem;
 }
 
 FclibInfo read_info(const Group& problem) {
   FclibInfo info;
   if (!problem.has("info")) return info;
-  const Group group(problem, "info");
+  const Group group = problem.group("info");
   const auto text = [&](const char* name, std::optional<std::string>& value) {
-    if (group.has(name)) value = hdf5::read_text(group.id, name, group.of(name));
+    if (group.has(name)) value = group.text(name);
   };
   text("title", info.title);
   text("description", info.description);
@@ -214,7 +199,8 @@ FclibSolution read_solution(const Group& group, std::array<Index, 2> expected) {
   solution.u = numbers_of(group, "u", expected[1]);
   solution.r = numbers_of(group, "r", expected[1]);
   for (const Vector* values : {&solution.v, &solution.u, &solution.r})
-    if (!values->allFinite()) throw Error(fmt::format("{}: expected finite numbers, met others", group.path));
+    if (!values->allFinite())
+      throw Error(fmt::format("{}: expected finite numbers, met others", group.path()));
   return solution;
 }
 
@@ -222,14 +208,14 @@ std::vector<FclibSolution> read_guesses(const Group& group, std::array<Index, 2>
   const std::int64_t number = size_of(group, "number_of_guesses");
   std::vector<FclibSolution> guesses;
   for (std::int64_t k = 1; k <= number; ++k)
-    guesses.push_back(read_solution(Group(group, std::to_string(k)), expected));
+    guesses.push_back(read_solution(group.group(std::to_string(k)), expected));
   return guesses;
 }
 
-std::vector<std::string> problems_in(hid_t file) {
+std::vector<std::string> problems_in(const Group& root) {
   std::vector<std::string> found;
   for (const char* name : problem_groups)
-    if (hdf5::has(file, name)) found.emplace_back(name);
+    if (root.has(name)) found.emplace_back(name);
   return found;
 }
 
@@ -240,31 +226,29 @@ Index FclibFile::contacts() const {
 }
 
 bool holds_fclib(std::string_view bytes, const std::string& name) {
-  const Handle file = hdf5::open_bytes(bytes, name);
-  return !problems_in(file).empty();
+  return !problems_in(hdf5::File(bytes, name).root()).empty();
 }
 
 FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
-  const Handle file = hdf5::open_bytes(bytes, name);
-  const std::vector<std::string> problems = problems_in(file);
+  const hdf5::File file(bytes, name);
+  const Group root = file.root();
+  const std::vector<std::string> problems = problems_in(root);
   if (problems.size() != 1)
     throw Error(fmt::format("{}: expected one group fclib_local or fclib_global, met {}", name,
                             problems.empty() ? "none" : problems[0] + " and " + problems[1]));
-  const Group group(file, problems[0], name + ": " + problems[0]);
+  const Group group = root.group(problems[0]);
   FclibFile result;
   if (problems[0] == "fclib_local") {
     result.problem = read_local(group);
   } else if (problems[0] == "fclib_global") {
     result.problem = read_global(group);
   } else {
-    throw Error(
-        fmt::format("{}: not supported: rolling friction; expected fclib_local or fclib_global", group.path));
+    throw Error(fmt::format("{}: not supported: rolling friction; expected fclib_local or fclib_global",
+                            group.path()));
   }
   result.info = read_info(group);
-  if (hdf5::has(file, "solution"))
-    result.solution = read_solution(Group(file, "solution", name + ": solution"), sizes(result));
-  if (hdf5::has(file, "guesses"))
-    result.guesses = read_guesses(Group(file, "guesses", name + ": guesses"), sizes(result));
+  if (root.has("solution")) result.solution = read_solution(root.group("solution"), sizes(result));
+  if (root.has("guesses")) result.guesses = read_guesses(root.group("guesses"), sizes(result));
   return result;
 }
 

@@ -11,7 +11,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
 
 namespace nscdd {
 namespace {
@@ -97,25 +96,6 @@ std::string remarks(const Provenance& provenance) {
   return text;
 }
 
-void write_csv(OutputFile& file, const Packing& packing, const Provenance& provenance) {
-  const auto columns = columns_of(packing);
-  fmt::memory_buffer text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{}", remarks(provenance));
-  for (const PackingColumn* column : columns)
-    fmt::format_to(out, "{}{}", column == columns[0] ? "" : ",", column->name);
-  text.push_back('\n');
-  for (std::size_t i = 0; i < packing.x.size(); ++i) {
-    for (const PackingColumn* column : columns)
-      fmt::format_to(out, "{}{}", column == columns[0] ? "" : ",", (packing.*(column->values))[i]);
-    text.push_back('\n');
-    if (text.size() < (1 << 20)) continue;
-    file.bytes({text.data(), text.size()});
-    text.clear();
-  }
-  file.bytes({text.data(), text.size()});
-}
-
 }  // namespace
 
 std::optional<PackingFormat> packing_format(const std::string& path) {
@@ -173,9 +153,22 @@ Packing read_packing(const std::string& path) {
                                                      : parse_packing(content, path);
 }
 
+std::string packing_csv(const Packing& packing) {
+  const auto columns = columns_of(packing);
+  std::vector<std::string> names;
+  for (const PackingColumn* column : columns) names.emplace_back(column->name);
+  std::string text = csv_line(names) + '\n';
+  Row row(columns.size());
+  for (std::size_t i = 0; i < packing.x.size(); ++i) {
+    for (std::size_t j = 0; j < columns.size(); ++j) row[j] = (packing.*(columns[j]->values))[i];
+    text += csv_line(row) + '\n';
+  }
+  return text;
+}
+
 void write_packing(OutputFile& file, PackingFormat format, const Packing& packing,
                    const Provenance& provenance) {
-  if (format == PackingFormat::csv) return write_csv(file, packing, provenance);
+  if (format == PackingFormat::csv) return file.bytes(remarks(provenance) + packing_csv(packing));
   std::vector<NumberColumn> columns;
   for (const PackingColumn* column : columns_of(packing))
     columns.push_back(

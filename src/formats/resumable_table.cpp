@@ -184,9 +184,7 @@ void ResumableTable::replay(const RowSink& sink) const {
 }
 
 void ResumableTable::write_record(const std::string& finished) const {
-  OutputFile file(record_path(path_).string(), true);
-  file.bytes(to_toml(RecordFile{work_, types_, finished}));
-  file.finish();
+  write_file(record_path(path_).string(), to_toml(RecordFile{work_, types_, finished}), true);
 }
 
 void ResumableTable::write(const Row& row) {
@@ -200,7 +198,7 @@ void ResumableTable::write(const Row& row) {
 
 void ResumableTable::finish() {
   if (!csv_) return;
-  csv_->write_header();
+  csv_->flush();
   if (!stream_) write_record(fingerprint(read_text(partial_path(path_).string())));
   csv_->finish();
   csv_.reset();

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "files/hdf5_arrays.hpp"
+#include "files/hdf5_file.hpp"
 #include <nscdd/formats/trajectory.hpp>
 
+#include <fmt/format.h>
+
+#include <functional>
 #include <string>
 
 /// Names and units of a trajectory, the same for writing and for reading.
@@ -21,71 +24,61 @@ inline constexpr StateArray state_arrays[] = {{"x", "m", &GranularState::x},
                                               {"velocity_y", "m/s", &GranularState::velocity_y},
                                               {"spin", "rad/s", &GranularState::spin}};
 
-/// Visits the columns of a list of structs: `visit(name, unit, get)` with `get(element)` a reference to the
-/// number, double, Index or ContactStatus.
-template <class Visit>
-void pose_columns(Visit&& visit) {
-  visit(
-      "x", "m", [](auto& p) -> auto& { return p.x; });
-  visit(
-      "y", "m", [](auto& p) -> auto& { return p.y; });
-  visit(
-      "angle", "rad", [](auto& p) -> auto& { return p.angle; });
+/// The number of a struct within another one, or within an array of two, as `get` of a column.
+template <class Whole, class Part, class Number>
+auto within(Part Whole::*part, Number Part::*number) {
+  return [=](auto& whole) -> auto& { return whole.*part.*number; };
+}
+template <class Whole, class Part, class Pair>
+auto within(Part Whole::*part, Pair Part::*pair, std::size_t i) {
+  return [=](auto& whole) -> auto& { return (whole.*part.*pair)[i]; };
+}
+template <class Whole, class Pair>
+auto entry(Pair Whole::*pair, std::size_t i) {
+  return [=](auto& whole) -> auto& { return (whole.*pair)[i]; };
 }
 
-template <class Visit>
-void contact_columns(Visit&& visit) {
-  visit(
-      "a", "1", [](auto& c) -> auto& { return c.geometry.a; });
-  visit(
-      "b", "1", [](auto& c) -> auto& { return c.geometry.b; });
-  visit(
-      "normal_x", "1", [](auto& c) -> auto& { return c.geometry.normal[0]; });
-  visit(
-      "normal_y", "1", [](auto& c) -> auto& { return c.geometry.normal[1]; });
-  visit(
-      "point_x", "m", [](auto& c) -> auto& { return c.geometry.point[0]; });
-  visit(
-      "point_y", "m", [](auto& c) -> auto& { return c.geometry.point[1]; });
-  visit(
-      "gap", "m", [](auto& c) -> auto& { return c.geometry.gap; });
-  visit(
-      "impulse_n", "N s", [](auto& c) -> auto& { return c.impulse.n; });
-  visit(
-      "impulse_t", "N s", [](auto& c) -> auto& { return c.impulse.t; });
-  visit(
-      "status", "1", [](auto& c) -> auto& { return c.status; });
-  visit(
-      "subdomain", "1", [](auto& c) -> auto& { return c.subdomain; });
-}
+/// Visits the columns of a list of structs: `visit(name, unit, get)`, where std::invoke(get, element) is a
+/// reference to the number, double, Index or ContactStatus.
+inline constexpr auto pose_columns = [](auto&& visit) {
+  visit("x", "m", &Pose::x);
+  visit("y", "m", &Pose::y);
+  visit("angle", "rad", &Pose::angle);
+};
 
-template <class Visit>
-void gluing_columns(Visit&& visit) {
-  visit(
-      "grain", "1", [](auto& g) -> auto& { return g.grain; });
-  visit(
-      "subdomain", "1", [](auto& g) -> auto& { return g.subdomain; });
-  visit(
-      "impulse_x", "N s", [](auto& g) -> auto& { return g.x; });
-  visit(
-      "impulse_y", "N s", [](auto& g) -> auto& { return g.y; });
-  visit(
-      "impulse_rim", "N s", [](auto& g) -> auto& { return g.rim; });
-}
+inline constexpr auto contact_columns = [](auto&& visit) {
+  constexpr auto geometry = &TrajectoryContact::geometry;
+  visit("a", "1", within(geometry, &StepContact::a));
+  visit("b", "1", within(geometry, &StepContact::b));
+  visit("normal_x", "1", within(geometry, &StepContact::normal, 0));
+  visit("normal_y", "1", within(geometry, &StepContact::normal, 1));
+  visit("point_x", "m", within(geometry, &StepContact::point, 0));
+  visit("point_y", "m", within(geometry, &StepContact::point, 1));
+  visit("gap", "m", within(geometry, &StepContact::gap));
+  visit("impulse_n", "N s", within(&TrajectoryContact::impulse, &LocalVector::n));
+  visit("impulse_t", "N s", within(&TrajectoryContact::impulse, &LocalVector::t));
+  visit("status", "1", &TrajectoryContact::status);
+  visit("subdomain", "1", &TrajectoryContact::subdomain);
+};
 
-template <class Visit>
-void wall_columns(Visit&& visit) {
-  visit(
-      "point_x", "m", [](auto& w) -> auto& { return w.point[0]; });
-  visit(
-      "point_y", "m", [](auto& w) -> auto& { return w.point[1]; });
-  visit(
-      "normal_x", "1", [](auto& w) -> auto& { return w.normal[0]; });
-  visit(
-      "normal_y", "1", [](auto& w) -> auto& { return w.normal[1]; });
-  visit(
-      "boundary", "1", [](auto& w) -> auto& { return w.boundary; });
-}
+inline constexpr auto gluing_columns = [](auto&& visit) {
+  visit("grain", "1", &RememberedGluing::grain);
+  visit("subdomain", "1", &RememberedGluing::subdomain);
+  visit("impulse_x", "N s", &RememberedGluing::x);
+  visit("impulse_y", "N s", &RememberedGluing::y);
+  visit("impulse_rim", "N s", &RememberedGluing::rim);
+};
+
+inline constexpr auto wall_columns = [](auto&& visit) {
+  visit("point_x", "m", entry(&Wall::point, 0));
+  visit("point_y", "m", entry(&Wall::point, 1));
+  visit("normal_x", "1", entry(&Wall::normal, 0));
+  visit("normal_y", "1", entry(&Wall::normal, 1));
+  visit("boundary", "1", &Wall::boundary);
+};
+
+/// Name of the group of a kept step.
+inline std::string step_name(Index step) { return fmt::format("{:06}", step); }
 
 /// Type in the file of a number.
 inline double stored(double value) { return value; }

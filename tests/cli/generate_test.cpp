@@ -181,7 +181,7 @@ TEST_CASE("packing file: HDF5 that is none is refused wherever a packing is read
   for (const std::string& verb :
        Texts{"inspect ", "network ", "generate -o b.csv ", "sweep --epsilon 1 --csv - "}) {
     check_refused(session, verb + "text.h5", {"text.h5", "HDF5"});
-    check_refused(session, verb + "sweep.h5", {"sweep.h5", "'packing'"});
+    check_refused(session, verb + "sweep.h5", {"sweep.h5: packing: expected a group"});
     check_refused(session, verb + "own.toml", {"own.toml:2: packing.file", "text.h5", "HDF5"});
     check_refused(session, verb + "missing.h5", {"missing.h5"});
   }

@@ -319,17 +319,21 @@ TEST_CASE("simulate: bad input is refused and nothing is written") {
   check_refused(session, "simulate shear.toml -o text.h5 --restart", {"text.h5", "trajectory"});
 }
 
-TEST_CASE("simulate: a full disk is an error and leaves the last whole step") {
+TEST_CASE(
+    "simulate: a full disk is an error and leaves the steps written before, which a restart goes on with") {
   const MovingSession session;
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
   RunOptions options;
   options.largest_file = 600'000;
-  const Outcome outcome = session.run(words("simulate shear.toml --steps 400 -o run.h5"), options);
+  const Outcome outcome = session.run(words("simulate shear.toml --steps 400 --restart -o run.h5"), options);
   CHECK(outcome.exit_code == 2);
   CHECK(contains(outcome.standard_error, "nscdd: error: "));
   const auto step = nscdd::read_last_step(path_of(session, "run.h5")).state.step;
-  CHECK(step > 0);
+  CHECK(step >= 2);
   CHECK(step < 400);
   CHECK(!session.has("run.h5.next"));
+  answer(session, "simulate shear.toml --steps 60 --restart -o run.h5");
+  CHECK(nscdd::read_last_step(path_of(session, "run.h5")).state.step == 60);
 }
 
 TEST_CASE("simulate: a settled packing is made once, kept, and made again where the cache is damaged") {

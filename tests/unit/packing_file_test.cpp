@@ -108,7 +108,7 @@ TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
   const std::string good = file_of("packing", {{"x", two}, {"y", two}, {"radius", two}});
   CHECK(packing_from_hdf5(good, "p.h5").size() == 2);
   refused(good.substr(0, good.size() / 2), "p.h5: expected an HDF5 file");
-  refused(file_of("sweep", {{"x", two}}), "p.h5: expected a group 'packing', met none");
+  refused(file_of("sweep", {{"x", two}}), "p.h5: packing: expected a group, met none");
   refused(file_of("packing", {{"x", two}, {"y", two}}),
           "p.h5: packing: expected a dataset 'radius', met none");
   refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),

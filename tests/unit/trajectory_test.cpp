@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
+#include "../support/error_handler.hpp"
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
 #include "study/simulation_tables.hpp"
@@ -14,8 +15,11 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <thread>
 
 using namespace nscdd;
 using nscdd::testing::moving_case;
@@ -42,6 +46,7 @@ std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simul
     writer.append(steps.back(), row(step_columns(), report), report.step % save_every == 0);
   };
   REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
+  writer.commit();
   return steps;
 }
 
@@ -140,6 +145,68 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   CHECK(count(read_summary(path, "step")) == 20);
 }
 
+TEST_CASE("trajectory: steps reach the file together, in commits no more than a second apart") {
+  const TemporaryFolder folder;
+  const std::string one = folder / "one.h5", together = folder / "together.h5";
+  Simulation simulation = small(4);
+  TrajectoryWriter singly(one, header_of(simulation), {simulation.state, {}}, step_columns());
+  TrajectoryWriter gathering(together, header_of(simulation), {simulation.state, {}}, step_columns());
+  RunSinks sinks;
+  sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+    for (TrajectoryWriter* writer : {&singly, &gathering})
+      writer->append(trajectory_step(after, solved), step_row(report), report.step == 2);
+    singly.commit();
+    CHECK(read_last_step(one).state.step == report.step);
+    CHECK(read_last_step(together).state.step == 0);
+    CHECK(trajectory_steps(together) == std::vector<Index>{0});
+    CHECK(read_summary(together, "step").empty());
+  };
+  REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
+  CHECK_FALSE(singly.due());
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  CHECK(gathering.due());
+  gathering.commit();
+  CHECK_FALSE(gathering.due());
+  for (const std::string& path : {one, together}) {
+    CHECK(trajectory_steps(path) == std::vector<Index>{0, 2});
+    CHECK(read_summary(path, "step") == std::vector<double>{1, 2, 3, 4});
+    check_equal(read_last_step(path).state, simulation.state);
+    CHECK(count(read_last_step(path).contacts) == count(read_last_step(one).contacts));
+  }
+  CHECK(read_summary(together, "time") == read_summary(one, "time"));
+}
+
+TEST_CASE("trajectory: a writer that is given up commits what it has gathered") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  Simulation simulation = small(1);
+  {
+    TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+    RunSinks sinks;
+    sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+      writer.append(trajectory_step(after, solved), step_row(report), true);
+    };
+    REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
+  }
+  CHECK(trajectory_steps(path) == std::vector<Index>{0, 1});
+  check_equal(read_last_step(path).state, simulation.state);
+}
+
+TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was, failing or not") {
+  const TemporaryFolder folder;
+  const Simulation simulation = small(1);
+  const std::string path = folder / "run.h5";
+  std::optional<TrajectoryWriter> writer;
+  CHECK(nscdd::testing::keeps_error_handler([&] {
+    writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}}, step_columns());
+  }));
+  CHECK(nscdd::testing::keeps_error_handler([&] { writer->end("completed"); }));
+  CHECK(nscdd::testing::keeps_error_handler([&] { read_last_step(path); }));
+  for (const std::string& bytes : {std::string("no HDF5"), to_hdf5({}, std::vector<NamedTable>{})})
+    CHECK(nscdd::testing::keeps_error_handler(
+        [&] { CHECK_THROWS_AS(numbers_from_hdf5(bytes, "x", "y"), Error); }));
+}
+
 TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
   const TemporaryFolder folder;
   const std::string path = folder / "run.h5";
@@ -179,7 +246,8 @@ TEST_CASE("trajectory: what is none, or damaged, is refused") {
   nscdd::testing::write_file(other, "x,y\n");
   CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("met something else"), Error);
   nscdd::testing::write_file(other, to_hdf5({}, std::vector<NamedTable>{}));
-  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("expected a group 'last', met none"), Error);
+  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("other.h5: last: expected a group, met none"),
+                       Error);
   const Simulation simulation = small(1);
   { TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns())); }
   const std::string bytes = read_text(path);

@@ -15,24 +15,29 @@
 namespace nscdd {
 
 /// Writes a table row by row as CSV (RFC 4180 with line feeds): a line of column names, then one line per
-/// row, each flushed. Equal tables give equal bytes.
+/// row, as OutputFile writes lines. Equal tables give equal bytes.
 class CsvWriter {
  public:
   /// With `kept_bytes` > 0, continues the partial file of a run before behind that many bytes, which hold the
   /// line of names.
   CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
             std::optional<std::uintmax_t> kept_bytes = std::nullopt);
-  void write_header();  ///< now, where no row has written it yet
   void write(const Row& row);
+  void flush();  ///< writes the names, where no row has, and the rows gathered
   void finish();
-  void leave();  ///< closes the partial file and keeps it
+  void leave() { file_.leave(); }  ///< closes the partial file and keeps it
 
  private:
   OutputFile file_;
   std::string header_;  ///< until it is written, with the first row: a run that fails before prints nothing
 };
 
-/// The line of names of a table, without its line feed.
+/// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in
+/// quotes.
+std::string csv_line(const std::vector<std::string>& values);
+std::string csv_line(const Row& row);
+
+/// The line of names of a table.
 std::string csv_header(const std::vector<Column>& columns);
 
 /// Values of one line of CSV, quotes as in RFC 4180. Throws Error beginning with `where` for an open quote.

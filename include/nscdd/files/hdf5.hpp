@@ -30,18 +30,31 @@ struct NumberColumn {
 /// The bytes of an HDF5 file: one group per table, one dataset per column (double, int64, int8 0/1 or
 /// fixed-length UTF-8 text) with attributes `unit` and `description`, the order of the columns in the group's
 /// attribute `columns`, provenance as texts in the group `provenance`. No time stamps: equal content gives
-/// equal bytes. Put together in memory, so that writing them fails as for any other file: the library cannot
-/// give up a file of its own on a full disk, and crashes when it tries again at the end of the program.
+/// equal bytes. The file is put together in memory. Writing its bytes then fails as for any other file,
+/// whereas the HDF5 library cannot give up a file of its own on a full disk.
 std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables);
 
 /// The same for one group of numbers alone, without a cell for each of them.
 std::string to_hdf5(const Provenance& provenance, const std::string& group,
                     const std::vector<NumberColumn>& columns);
 
+/// What an HDF5 file of tables holds.
+struct TablesFile {
+  Provenance provenance;           ///< in the order of the alphabet
+  std::vector<NamedTable> tables;  ///< likewise; the columns in their own order
+};
+
+/// Reads the bytes that `to_hdf5` made of tables. Throws Error naming `name` (the file) for others.
+TablesFile tables_from_hdf5(std::string_view bytes, const std::string& name);
+
 /// The datasets of one group of an HDF5 file given by its bytes, by name. Throws Error naming `name` (the
 /// file) for bytes that are no HDF5 file, for a missing group, and for a member of the group that is no
 /// one-dimensional dataset of numbers or cannot be read.
 std::map<std::string, std::vector<double>> numbers_from_hdf5(std::string_view bytes, const std::string& name,
                                                              const std::string& group);
+
+/// For the beginning of a program: HDF5 then leaves files alone at its end. Without this it tries again to
+/// write what a full disk did not take, and crashes.
+void leave_hdf5_alone_at_exit();
 
 }  // namespace nscdd

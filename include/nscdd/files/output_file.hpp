@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -34,11 +35,11 @@ bool is_stream(const std::filesystem::path& path);
 /// The name that symbolic links under `path` lead to at last, whether a file is there or not.
 std::filesystem::path followed(std::filesystem::path path);
 
-/// A text output that appears under its name only when complete: it grows as `path.partial`, every line
-/// flushed, and is renamed by `finish`. A killed run leaves the readable partial file; one that ends by an
-/// exception removes it, unless it holds bytes of a run before. "-" is standard output; devices and pipes are
-/// written to directly. Every function throws Error where the system refuses (no room left, no permission)
-/// and where another run is writing the same partial file.
+/// An output that appears under its name only when it is complete: it grows as `path.partial` and is renamed
+/// by `finish`. A killed run leaves the readable partial file; one that ends by an exception removes it,
+/// unless it holds bytes of a run before. "-" is standard output; devices and pipes are written to directly.
+/// Every function throws Error where the system refuses (no room left, no permission) and where another run
+/// is writing the same partial file.
 class OutputFile {
  public:
   /// With `kept_bytes`, the partial file of a run before is continued behind that many bytes (0 where there
@@ -47,17 +48,26 @@ class OutputFile {
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
-  void line(std::string_view text);   ///< writes text and a line feed, and flushes
-  void bytes(std::string_view text);  ///< writes text as it is, and flushes
+  /// Writes text and a line feed. Lines that follow one another quickly are gathered for a tenth of a second
+  /// and then written whole: a killed run loses no line that took longer.
+  void line(std::string_view text);
+  void bytes(std::string_view text);  ///< writes text as it is, at once
+  void flush();                       ///< writes the lines gathered
   void finish();
   void leave();  ///< closes the partial file and keeps it, to be continued by another run
 
  private:
   void open_growing(std::uintmax_t kept_bytes);
+  void close();
   std::string name_;
   std::filesystem::path growing_;  ///< empty for a stream that is not a file of its own
   bool removable_ = true;          ///< nothing is lost with the partial file but what this run wrote
   std::FILE* stream_ = nullptr;
+  std::string gathered_;                             ///< lines that are not written yet
+  std::chrono::steady_clock::time_point flushed_{};  ///< when lines were written last
 };
+
+/// Writes a whole file in one piece: it is there with these bytes, or as it was before.
+void write_file(const std::string& path, std::string_view bytes, bool force);
 
 }  // namespace nscdd

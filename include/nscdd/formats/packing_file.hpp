@@ -29,7 +29,10 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
 /// Either from a file, by the ending of its name; CSV where it has another.
 Packing read_packing(const std::string& path);
 
-/// Writes a packing so that it reads back bit for bit: shortest decimals that do, or the numbers themselves.
+/// A packing as CSV text that `parse_packing` reads back bit for bit: shortest decimals that do.
+std::string packing_csv(const Packing& packing);
+
+/// Writes a packing so that it reads back bit for bit: as `packing_csv`, or the numbers themselves.
 /// The provenance goes into the group of that name, or into remarks ('#') at the top of CSV.
 void write_packing(OutputFile& file, PackingFormat format, const Packing& packing,
                    const Provenance& provenance);

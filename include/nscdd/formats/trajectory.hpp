@@ -44,8 +44,9 @@ std::vector<std::string> names_beside(const std::string& path);
 /// Writes the trajectory of a run as HDF5, layout in docs/formats.md: /provenance, /case, /system,
 /// /steps/NNNNNN, /last (the newest step, whatever is kept of the others) and /summary, a row per step. The
 /// file holds whole steps at every moment and can be read while the run goes on, however the program ends: it
-/// is one of two copies that take turns. Throws Error where the system refuses (no room left, no permission)
-/// and where another run writes the same file.
+/// is one of two copies that take turns. Steps are gathered in memory and reach the file together, with
+/// `commit`. Throws Error where the system refuses (no room left, no permission) and where another run writes
+/// the same file.
 class TrajectoryWriter {
  public:
   /// A new trajectory that begins with `first`; a file of that name is replaced.
@@ -54,7 +55,7 @@ class TrajectoryWriter {
 
   /// Takes a trajectory there is, to go on with it: nobody else can from now on, nothing is changed yet.
   TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
-  ~TrajectoryWriter();
+  ~TrajectoryWriter();  ///< commits, if the system lets it
   TrajectoryWriter(const TrajectoryWriter&) = delete;
   TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
 
@@ -62,10 +63,16 @@ class TrajectoryWriter {
   /// `restart`, a line, is added to those of earlier ones in provenance/restarts.
   void go_on(const std::string& case_text, const std::string& restart);
 
-  /// Adds a step: to /last and /summary, and to /steps where `keep`.
+  /// Adds a step: to /last and /summary, and to /steps where `keep`. In the file from the next `commit` on.
   void append(TrajectoryStep step, const Row& summary, bool keep);
 
-  /// Says in the attribute `ended` how the run ended.
+  /// Whether a second has passed since the last commit, which is as long as steps should stay out of the file.
+  bool due() const;
+
+  /// Brings the file up to date.
+  void commit();
+
+  /// Commits, and says in the attribute `ended` how the run ended.
   void end(const std::string& how);
 
  private:
