@@ -30,9 +30,9 @@ std::optional<std::uintmax_t> leftover(bool resume) {
   return resume ? std::optional<std::uintmax_t>(0) : std::nullopt;
 }
 
-int leave(ResumableTable& table, const StudyTable& work, const std::string& path) {
+int leave(ResumableTable& table, const std::string& path) {
   table.leave();
-  const auto total = row_count(work);
+  const auto total = table.total();
   const std::string rows =
       total ? fmt::format("{} of {} rows", table.rows(), *total) : fmt::format("{} rows", table.rows());
   note(fmt::format("{}: interrupted after {}{}", path == "-" ? "standard output" : path, rows,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/command.hpp"
-#include "formats/resumable_table.hpp"
+#include "files/resumable_table.hpp"
 
 #include <optional>
 #include <string>
@@ -21,6 +21,6 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
 std::optional<std::uintmax_t> leftover(bool resume);
 
 /// Closes an interrupted table, tells the user how to go on, and returns the exit code.
-int leave(ResumableTable& table, const StudyTable& work, const std::string& path);
+int leave(ResumableTable& table, const std::string& path);
 
 }  // namespace nscdd::app

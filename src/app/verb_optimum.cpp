@@ -6,8 +6,8 @@
 #include "app/resume.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
-#include "formats/resumable_table.hpp"
 #include "linalg/threads.hpp"
+#include "study/work_identity.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/inspection.hpp>
@@ -73,7 +73,7 @@ int run(const Options& options) {
     return 0;
   }
   Interruption interruption;
-  ResumableTable csv(options.csv, work, how);
+  ResumableTable csv(options.csv, table_work(work), how);
   Index failed = 0;
   {
     Progress progress(work.name, csv.kept());
@@ -81,7 +81,7 @@ int run(const Options& options) {
     failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
                     interruption.watch(progress.monitor()), csv.kept());
   }
-  if (interruption.stopped()) return leave(csv, work, options.csv);
+  if (interruption.stopped()) return leave(csv, options.csv);
   csv.finish();
   remove_record(options.csv);
   if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'status'", failed));

@@ -8,8 +8,8 @@
 #include "app/settled_cases.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
-#include "formats/resumable_table.hpp"
 #include "linalg/threads.hpp"
+#include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/files/csv.hpp>
 #include <nscdd/files/output_file.hpp>
@@ -204,7 +204,7 @@ int run(const Options& options) {
     return nothing_to_do(study, outputs, folder, options.check);
   // Refused before hours of work rather than after them.
   for (const StudyTable& work : study.tables)
-    options.memory.require(largest_need(work, kept_rows(outputs.table(work), work, how).rows));
+    options.memory.require(largest_need(work, kept_rows(outputs.table(work), table_work(work), how).rows));
   Interruption interruption;
   OutputFile hdf5_file(outputs.hdf5.string(), options.force, leftover(options.resume));
 
@@ -212,10 +212,10 @@ int run(const Options& options) {
   std::string seeds;
   LeadIn lead_in;
   for (const StudyTable& work : study.tables) {
-    ResumableTable csv(outputs.table(work), work, how);
+    ResumableTable csv(outputs.table(work), table_work(work), how);
     tables.push_back({work.name, {study_columns(work), {}}});
     if (!run_one(work, csv, interruption, lead_in, tables.back().table))
-      return leave(csv, work, outputs.table(work));
+      return leave(csv, outputs.table(work));
     if (work.observable->uses("seed")) seeds += fmt::format("{} {}\n", work.name, work.seed);
   }
   Provenance origin = provenance(options.context, cases_of(study));

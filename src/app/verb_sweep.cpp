@@ -8,8 +8,8 @@
 #include "app/resume.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
-#include "formats/resumable_table.hpp"
 #include "linalg/threads.hpp"
+#include "study/work_identity.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/files/hdf5.hpp>
@@ -133,13 +133,13 @@ int run(const Options& options) {
   Table table{headings(sweep_columns(work.sweep)), {}};
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
-  ResumableTable csv(options.csv, work, how);
+  ResumableTable csv(options.csv, table_work(work), how);
   std::optional<OutputFile> hdf5;
   if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.force, leftover(options.resume));
   const Unproved unproved = work_through(model, work, csv, interruption, [&](const Row& row) {
     if (hdf5) table.rows.push_back(row);
   });
-  if (interruption.stopped()) return leave(csv, work, options.csv);
+  if (interruption.stopped()) return leave(csv, options.csv);
   if (hdf5) hdf5->bytes(to_hdf5(provenance(options.context, work.cases), {{"sweep", table}}));
   csv.finish();
   if (hdf5) hdf5->finish();

@@ -103,21 +103,6 @@ std::string effort_text(const SpectralOptions& options) {
       options.arpack.maximum_restarts, options.arpack.tolerance, options.certify, options.eigenvalues);
 }
 
-// First line in which two texts differ.
-std::string differing_line(std::string_view expected, std::string_view met) {
-  const auto next = [](std::string_view& text) {
-    const auto end = std::min(text.find('\n'), text.size());
-    const std::string line(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-    return line;
-  };
-  while (!expected.empty() || !met.empty()) {
-    const std::string a = next(expected), b = next(met);
-    if (a != b) return fmt::format("expected '{}', met '{}'", a, b);
-  }
-  return "expected other line ends";
-}
-
 }  // namespace
 
 WorkIdentity work_identity(const StudyTable& table) {
@@ -126,16 +111,9 @@ WorkIdentity work_identity(const StudyTable& table) {
   return {version_text(), cases, options_text(table), effort_text(table.sweep.spectral)};
 }
 
-std::string difference(const WorkIdentity& expected, const WorkIdentity& met) {
-  const auto compared = [](const char* what, const std::string& a, const std::string& b) {
-    return a == b ? "" : fmt::format("the {} differs: {}", what, differing_line(a, b));
-  };
-  for (const std::string& found :
-       {compared("code version", expected.version, met.version), compared("case", expected.cases, met.cases),
-        compared("choice of options", expected.options, met.options),
-        compared("choice of solver options", expected.effort, met.effort)})
-    if (!found.empty()) return found;
-  return "";
+TableWork table_work(const StudyTable& table) {
+  return {work_identity(table), study_columns(table), row_count(table),
+          [&table](Index row) { return known_cells(table, row); }};
 }
 
 }  // namespace nscdd

@@ -3,8 +3,9 @@
 // bit.
 #include "../support/problems.hpp"
 #include "core/fingerprint.hpp"
-#include "formats/record_file.hpp"
+#include "files/table_record.hpp"
 #include "study/memory_estimate.hpp"
+#include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
 
@@ -165,11 +166,11 @@ TEST_CASE("work records: the last of many values counts, and the content of a pa
 }
 
 TEST_CASE("record files: read back to what was written, whatever it holds") {
-  RecordFile record;
+  TableRecord record;
   record.work = {"a \"\"\"\"\"\" b\n", "back\\slash \\\"\n'''\n", "\n", ""};
   record.types = {"text", "number"};
   record.finished = "0123";
-  const RecordFile met = parse_record(to_toml(record), "x");
+  const TableRecord met = parse_record(to_toml(record), "x");
   CHECK(difference(record.work, met.work) == "");
   CHECK(met.types == record.types);
   CHECK(met.finished == record.finished);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "formats/record_file.hpp"
+#include "files/table_record.hpp"
 #include <nscdd/core/table.hpp>
+#include <nscdd/core/types.hpp>
 #include <nscdd/files/csv.hpp>
-#include <nscdd/study/study.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace nscdd {
 
@@ -15,6 +18,15 @@ namespace nscdd {
 struct Reopening {
   bool resume = false;  ///< go on with the rows of an interrupted run
   bool force = false;   ///< replace a finished table; without `resume` a partial one, too
+};
+
+/// A table as far as it is known before its rows are computed.
+struct TableWork {
+  WorkIdentity identity;
+  std::vector<Column> columns;
+  std::optional<Index> rows;  ///< how many, where that is known
+  /// Cells of a row, counted from 0, that are known beforehand, by column.
+  std::function<std::vector<std::pair<std::string, Cell>>(Index row)> known_cells;
 };
 
 /// Rows that an earlier run of the same work left.
@@ -30,7 +42,7 @@ struct KeptRows {
 /// last line is left out; tables whose rows are not known beforehand (links, grains) start again unless they
 /// are finished. Throws Error, nothing touched, where files may not be reopened that way or come from other
 /// work.
-KeptRows kept_rows(const std::string& path, const StudyTable& work, Reopening how);
+KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how);
 
 /// Whether the table is there, finished, with neither a partial file nor a record left beside it.
 bool is_complete(const std::string& path);
@@ -45,15 +57,16 @@ void remove_record(const std::string& path);
 /// resumed.
 class ResumableTable {
  public:
-  ResumableTable(std::string path, const StudyTable& work, Reopening how);
+  ResumableTable(std::string path, TableWork work, Reopening how);
   ~ResumableTable();
   ResumableTable(const ResumableTable&) = delete;
   ResumableTable& operator=(const ResumableTable&) = delete;
 
   Index kept() const { return found_.rows; }  ///< rows there were before this run
   Index rows() const { return found_.rows + written_; }
-  void replay(const RowSink& sink) const;            ///< hands over the rows there were
-  bool finished() const { return found_.finished; }  ///< before this run
+  std::optional<Index> total() const { return work_.rows; }
+  void replay(const std::function<void(const Row&)>& sink) const;  ///< hands over the rows there were
+  bool finished() const { return found_.finished; }                ///< before this run
   bool resumable() const { return !stream_; }
 
   void write(const Row& row);
@@ -63,7 +76,7 @@ class ResumableTable {
  private:
   void write_record(const std::string& finished) const;
   std::string path_;
-  WorkIdentity work_;
+  TableWork work_;
   bool stream_;
   KeptRows found_;
   Index written_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/resumable_table.hpp"
+#include "files/resumable_table.hpp"
 
 #include "core/fingerprint.hpp"
 #include <nscdd/core/error.hpp>
@@ -41,9 +41,9 @@ Row parse_row(std::string_view line, const std::vector<std::string>& types, cons
   return row;
 }
 
-void check_known_cells(const StudyTable& work, const Table& layout, const Row& row, Index number,
+void check_known_cells(const TableWork& work, const Table& layout, const Row& row, Index number,
                        const std::string& where) {
-  for (const auto& [column, expected] : known_cells(work, number)) {
+  for (const auto& [column, expected] : work.known_cells(number)) {
     const Cell& met = row[layout.column(column)];
     if (to_text(met) != to_text(expected))
       throw Error(fmt::format("{}: {}: expected {}, met {}", where, column, to_text(expected), to_text(met)));
@@ -52,10 +52,10 @@ void check_known_cells(const StudyTable& work, const Table& layout, const Row& r
 
 // The rows of `text` that can be kept. A last line that the end of its run cut short is left out: without a
 // line feed, or with too few values.
-KeptRows usable_rows(const std::string& text, const RecordFile& record, const StudyTable& work,
+KeptRows usable_rows(const std::string& text, const TableRecord& record, const TableWork& work,
                      const std::string& name) {
   KeptRows kept{"", record.types, 0, false};
-  const Table layout{study_columns(work), {}};
+  const Table layout{work.columns, {}};
   const std::string header = csv_header(layout.columns);
   const Index lines = line_count(text);
   const std::size_t bytes = for_each_line(text, [&](std::string_view line, Index number) {
@@ -66,8 +66,8 @@ KeptRows usable_rows(const std::string& text, const RecordFile& record, const St
       return true;
     }
     if (number == lines && csv_values(line, where).size() < layout.columns.size()) return false;
-    if (const auto total = row_count(work); total && kept.rows >= *total)
-      throw Error(fmt::format("{}: expected {} rows at the most, met another", where, *total));
+    if (work.rows && kept.rows >= *work.rows)
+      throw Error(fmt::format("{}: expected {} rows at the most, met another", where, *work.rows));
     check_known_cells(work, layout, parse_row(line, record.types, where), kept.rows, where);
     ++kept.rows;
     return true;
@@ -77,7 +77,7 @@ KeptRows usable_rows(const std::string& text, const RecordFile& record, const St
 }
 
 // A record that was cut short tells no more than none.
-RecordFile usable_record(const std::string& name, const std::string& rows) {
+TableRecord usable_record(const std::string& name, const std::string& rows) {
   try {
     return parse_record(read_text(name), name);
   } catch (const Error& error) {
@@ -85,16 +85,16 @@ RecordFile usable_record(const std::string& name, const std::string& rows) {
   }
 }
 
-RecordFile matching_record(const std::string& path, const std::string& rows, const StudyTable& work) {
+TableRecord matching_record(const std::string& path, const std::string& rows, const TableWork& work) {
   const std::string name = record_path(path).string();
-  const RecordFile record = usable_record(name, rows);
-  const std::string found = difference(record.work, work_identity(work));
+  const TableRecord record = usable_record(name, rows);
+  const std::string found = difference(record.work, work.identity);
   if (!found.empty())
     throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));
   return record;
 }
 
-KeptRows partial_rows(const std::string& path, const StudyTable& work) {
+KeptRows partial_rows(const std::string& path, const TableWork& work) {
   const std::string name = partial_path(path).string();
   const std::string text = read_text(name);
   if (line_count(text) < 2) return {};  // no row was finished
@@ -102,15 +102,15 @@ KeptRows partial_rows(const std::string& path, const StudyTable& work) {
     throw Error(
         fmt::format("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
                     record_path(path).string()));
-  const RecordFile record = matching_record(path, name, work);
-  if (!row_count(work)) return {};
+  const TableRecord record = matching_record(path, name, work);
+  if (!work.rows) return {};
   return usable_rows(text, record, work, name);
 }
 
 // A finished table that still has its record is part of work that was interrupted later on.
-KeptRows finished_rows(const std::string& path, const StudyTable& work, bool force) {
+KeptRows finished_rows(const std::string& path, const TableWork& work, bool force) {
   if (is_there(record_path(path))) {
-    const RecordFile record = matching_record(path, path, work);
+    const TableRecord record = matching_record(path, path, work);
     const std::string text = read_text(path);
     if (record.finished == fingerprint(text)) {
       KeptRows kept = usable_rows(text, record, work, path);
@@ -136,7 +136,7 @@ void remove_record(const std::string& path) {
   if (!is_stream(path)) fs::remove(record_path(path), ignored);
 }
 
-KeptRows kept_rows(const std::string& path, const StudyTable& work, Reopening how) {
+KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how) {
   if (is_stream(path)) {
     if (how.resume)
       throw Error(fmt::format("--resume: expected a table in a file, met '{}', which keeps nothing", path));
@@ -157,16 +157,16 @@ KeptRows kept_rows(const std::string& path, const StudyTable& work, Reopening ho
   return {};
 }
 
-ResumableTable::ResumableTable(std::string path, const StudyTable& work, Reopening how)
+ResumableTable::ResumableTable(std::string path, TableWork work, Reopening how)
     : path_(std::move(path)),
-      work_(work_identity(work)),
+      work_(std::move(work)),
       stream_(is_stream(path_)),
-      found_(kept_rows(path_, work, how)),
+      found_(kept_rows(path_, work_, how)),
       types_(found_.types) {
   if (found_.finished) return;
   std::optional<std::uintmax_t> kept_bytes;
   if (how.resume) kept_bytes = found_.text.size();
-  csv_.emplace(path_, how.force, study_columns(work), kept_bytes);
+  csv_.emplace(path_, how.force, work_.columns, kept_bytes);
   if (stream_ || found_.rows > 0) return;
   remove_record(path_);  // of rows that are no more
   record_is_ours_ = true;
@@ -176,7 +176,7 @@ ResumableTable::~ResumableTable() {
   if (csv_ && record_is_ours_) remove_record(path_);
 }
 
-void ResumableTable::replay(const RowSink& sink) const {
+void ResumableTable::replay(const std::function<void(const Row&)>& sink) const {
   for_each_line(found_.text, [&](std::string_view line, Index number) {
     if (number > 1) sink(parse_row(line, found_.types, fmt::format("{}:{}", path_, number)));
     return true;
@@ -184,7 +184,7 @@ void ResumableTable::replay(const RowSink& sink) const {
 }
 
 void ResumableTable::write_record(const std::string& finished) const {
-  write_file(record_path(path_).string(), to_toml(RecordFile{work_, types_, finished}), true);
+  write_file(record_path(path_).string(), to_toml(TableRecord{work_.identity, types_, finished}), true);
 }
 
 void ResumableTable::write(const Row& row) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/record_file.hpp"
+#include "files/table_record.hpp"
 
 #include "files/strict_toml.hpp"
 
@@ -21,11 +21,38 @@ std::string lines(const std::string& text) {
   return fmt::format("\"\"\"\n{}\"\"\"", escaped);
 }
 
+// First line in which two texts differ.
+std::string differing_line(std::string_view expected, std::string_view met) {
+  const auto next = [](std::string_view& text) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const std::string line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    return line;
+  };
+  while (!expected.empty() || !met.empty()) {
+    const std::string a = next(expected), b = next(met);
+    if (a != b) return fmt::format("expected '{}', met '{}'", a, b);
+  }
+  return "expected other line ends";
+}
+
 }  // namespace
+
+std::string difference(const WorkIdentity& expected, const WorkIdentity& met) {
+  const auto compared = [](const char* what, const std::string& a, const std::string& b) {
+    return a == b ? "" : fmt::format("the {} differs: {}", what, differing_line(a, b));
+  };
+  for (const std::string& found :
+       {compared("code version", expected.version, met.version), compared("case", expected.cases, met.cases),
+        compared("choice of options", expected.options, met.options),
+        compared("choice of solver options", expected.effort, met.effort)})
+    if (!found.empty()) return found;
+  return "";
+}
 
 std::filesystem::path record_path(const std::filesystem::path& table) { return table.string() + ".record"; }
 
-std::string to_toml(const RecordFile& record) {
+std::string to_toml(const TableRecord& record) {
   std::string types;
   for (const std::string& type : record.types)
     types += fmt::format("{}{}", types.empty() ? "" : ", ", field_text(type));
@@ -36,10 +63,10 @@ std::string to_toml(const RecordFile& record) {
       lines(record.work.effort), types, field_text(record.finished));
 }
 
-RecordFile parse_record(std::string_view text, const std::string& file) {
+TableRecord parse_record(std::string_view text, const std::string& file) {
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
-  RecordFile record;
+  TableRecord record;
   for (const char* key : {"version", "cases", "options", "effort", "types"})
     if (!root.has(key)) root.fail(key, "a value", "none");
   root.read("version", record.work.version);
