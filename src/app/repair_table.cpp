@@ -2,96 +2,208 @@
 #include "app/repair_table.hpp"
 
 #include "app/progress.hpp"
+#include "files/table_record.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/files/csv.hpp>
+#include <nscdd/files/hdf5.hpp>
 #include <nscdd/files/output_file.hpp>
+#include <nscdd/study/optimum.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <utility>
 #include <vector>
 
 namespace nscdd::app {
 namespace {
 
-std::string csv_line(const Row& row) {
-  std::string line;
-  for (const Cell& cell : row) line += (line.empty() ? "" : ",") + to_text(cell);
-  return line;
+using Texts = std::vector<std::string>;
+
+// Whether a row says that it can be relied on.
+struct Proof {
+  bool converged = true, certified = true;
+  bool whole() const { return converged && certified; }
+};
+
+Proof proof_of(const std::vector<Column>& columns, const Texts& row) {
+  Proof proof;
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    if (columns[j].name == "converged") proof.converged = row[j] == "true";
+    if (columns[j].name == "status" && row[j] == to_string(OptimumStatus::not_converged))
+      proof.converged = false;
+    if (columns[j].name == "certified") proof.certified = row[j] == "true";
+  }
+  return proof;
 }
 
-// What is known of a row before it is computed: the case and the coordinates of the point.
-void require_row_of(const Row& expected_head, const StudyTable& work, Index number,
-                    const std::vector<std::string>& values, const std::string& where) {
-  const Table layout{headings(sweep_columns(work.sweep)), {}};
-  const auto require = [&](std::size_t column, const Cell& expected) {
-    if (values[column] != to_text(expected))
-      throw Error(fmt::format("{}: {}: expected {} of this sweep, met {}", where, layout.columns[column].name,
-                              to_text(expected), values[column]));
-  };
-  for (std::size_t k = 0; k < expected_head.size(); ++k) require(k, expected_head[k]);
-  for (const auto& [column, expected] : known_cells(work, number)) require(layout.column(column), expected);
+Texts texts_of(const Row& row) {
+  Texts texts;
+  for (const Cell& cell : row) texts.push_back(to_text(cell));
+  return texts;
 }
 
-SweepParameters only(const SweepParameters& sweep, Index number) {
-  const SweepPoint point = sweep_point(sweep, number);
-  SweepParameters one = sweep;
-  one.epsilon = {point.epsilon};
-  one.eta = {point.eta};
-  one.relaxation = {point.relaxation};
-  one.gauss_seidel_sweeps = {point.gauss_seidel_sweeps};
+// The work that is a single row of another: one case without variations, one point or number of steps.
+StudyTable single_row(const StudyTable& work, Index number) {
+  const Index per_case = *row_count(work) / varied_case_count(work), k = number % per_case;
+  StudyTable one = work;
+  one.cases = {varied_case(work, number / per_case).one};
+  one.vary.clear();
+  one.vary_together.clear();
+  if (work.observable->moving) {
+    one.steps = {work.steps[at(k)]};
+  } else if (work.observable == &observables::optimum) {
+    one.sweep.epsilon = {work.sweep.epsilon[at(k)]};
+  } else {
+    const SweepPoint point = sweep_point(work.sweep, k);
+    one.sweep.epsilon = {point.epsilon};
+    one.sweep.eta = {point.eta};
+    one.sweep.relaxation = {point.relaxation};
+    one.sweep.gauss_seidel_sweeps = {point.gauss_seidel_sweeps};
+  }
   return one;
+}
+
+// Row `number` of the work, computed from the beginning.
+Texts computed(const StudyTable& work, Index number, LeadIn& lead_in) {
+  Row row;
+  run_table(
+      single_row(work, number), [&](const Row& found) { row = found; }, {}, 0, &lead_in);
+  const Row varied = varied_case(work, number / (*row_count(work) / varied_case_count(work))).cells;
+  row.insert(row.begin() + 1, varied.begin(), varied.end());
+  return texts_of(row);
+}
+
+void require_text(const std::string& met, const std::string& expected, const std::string& where) {
+  if (met != expected) throw Error(fmt::format("{}: expected {} of this work, met {}", where, expected, met));
+}
+
+// What is known of a row before it is computed: the case and the coordinates of its point.
+void require_known(const StudyTable& work, const Table& layout, Index number, const Texts& row,
+                   const std::string& where) {
+  for (const auto& [column, expected] : known_cells(work, number))
+    require_text(row[layout.column(column)], to_text(expected), where + ": " + column);
+}
+
+// What a row says of its case must not change: it would be of another partition or of other contacts.
+void require_same_case(const std::vector<Column>& columns, const Texts& before, const Texts& after,
+                       const std::string& where) {
+  for (const Column& known : headings(case_columns()))
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      if (columns[j].name == known.name) require_text(before[j], after[j], where + ": " + known.name);
+}
+
+// The rows of the table in a file one after another, with their numbers and places.
+template <class Visit>
+void for_each_row(const StudyTable& work, const std::string& path, const std::string& text, Visit&& visit) {
+  const Table layout{study_columns(work), {}};
+  const std::string header = csv_header(layout.columns);
+  if (const std::string met = text.substr(0, text.find('\n')); met != header)
+    throw Error(fmt::format("{}:1: expected the columns {}, met {}", path, header, met));
+  const Index total = *row_count(work);
+  CsvReader reader(text, path);
+  Index number = 0;
+  for (; reader.next(); ++number) {
+    const std::string where = fmt::format("{}:{}", path, reader.line());
+    if (number >= total)
+      throw Error(fmt::format("{}: expected {} rows of this work, met another", where, total));
+    Texts row;
+    for (std::size_t k = 0; k < layout.columns.size(); ++k) row.emplace_back(reader.value(k));
+    require_known(work, layout, number, row, where);
+    visit(number, std::move(row), where);
+  }
+  if (number < total)
+    throw Error(
+        fmt::format("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number));
+}
+
+// Puts the rows of a CSV file in the place of those of a table, whose types they have. Returns whether they
+// differ.
+bool replace_rows(Table& table, const std::string& path) {
+  const CsvText csv = parse_csv(read_text(path), path);
+  if (table.rows.empty()) return false;
+  const std::vector<std::string> types = cell_types(table.rows.front());
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < csv.rows.size(); ++i) {
+    const std::string where = fmt::format("{}:{}", path, csv.lines[i]);
+    Row& row = rows.emplace_back();
+    for (std::size_t j = 0; j < types.size(); ++j)
+      row.push_back(parse_cell(csv.rows[i].at(j), types[j], where));
+  }
+  const bool differ = !std::equal(rows.begin(), rows.end(), table.rows.begin(), table.rows.end(),
+                                  [](const Row& a, const Row& b) { return texts_of(a) == texts_of(b); });
+  table.rows = std::move(rows);
+  return differ;
 }
 
 }  // namespace
 
-Redone redo_unproved(const Model& model, const StudyTable& work, const std::string& path,
-                     Interruption& interruption) {
+void declare_redo(Command& command, bool& redo) {
+  command.add_flag("--redo", redo,
+                   "compute rows again that did not converge or are not certified; with the present options");
+}
+
+Repaired& Repaired::operator+=(const Repaired& more) {
+  rows += more.rows;
+  not_converged += more.not_converged;
+  not_certified += more.not_certified;
+  left += more.left;
+  return *this;
+}
+
+Repaired repair_table(const StudyTable& work, const std::string& path, Interruption& interruption,
+                      LeadIn& lead_in) {
+  Repaired repaired;
+  if (!row_count(work)) return repaired;
+  const std::vector<Column> columns = study_columns(work);
   const std::string text = read_text(path);
-  CsvReader reader(text, path);
-  const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
-  const Table layout{headings(columns), {}};
-  const std::string header = csv_header(layout.columns);
-  if (std::string met; (met = text.substr(0, text.find('\n'))) != header)
-    throw Error(fmt::format("{}:1: expected the columns {}, met {}", path, header, met));
-  const std::size_t converged = layout.column("converged");
-  const bool certify = work.sweep.spectral.certify;
-  const std::size_t certified = certify ? layout.column("certified") : 0;
-  const Row head = row(case_columns(), summary(model, select(model, work.sweep.contacts)));
-  const Index total = point_count(work.sweep);
   OutputFile file(path, true);
-  file.line(header);
-  Progress progress("redo", 0);
+  file.line(csv_header(columns));
+  Progress progress("redo " + work.name);
   const Monitor monitor = interruption.watch(progress.monitor());
-  Redone redone;
-  Index number = 0;
-  while (reader.next()) {
-    const std::string where = fmt::format("{}:{}", path, reader.line());
-    if (number >= total)
-      throw Error(fmt::format("{}: expected {} rows of this sweep, met another", where, total));
-    std::vector<std::string> values;
-    for (std::size_t k = 0; k < layout.columns.size(); ++k) values.emplace_back(reader.value(k));
-    require_row_of(head, work, number, values, where);
-    std::string line;
-    for (const std::string& value : values) line += (line.empty() ? "" : ",") + value;
-    const bool unproved = values[converged] != "true" || (certify && values[certified] != "true");
-    if (unproved && interruption.stopped()) ++redone.left;
-    if (unproved && !interruption.stopped())
-      sweep(model, only(work.sweep, number), [&](const SweepResult& result) {
-        ++redone.rows;
-        if (!result.radius.converged)
-          ++redone.not_converged;
-        else if (certify && !result.radius.certified)
-          ++redone.not_certified;
-        line = csv_line(row(columns, result));
-      });
-    file.line(line);
-    report(monitor, ++number, total);
-  }
-  if (number < total)
-    throw Error(fmt::format("{}: expected {} rows of this sweep, met {}; --resume completes it", path, total,
-                            number));
-  file.finish();
-  return redone;
+  for_each_row(work, path, text, [&](Index number, Texts row, const std::string& where) {
+    const bool whole = proof_of(columns, row).whole();
+    if (!whole && interruption.stopped()) ++repaired.left;
+    if (!whole && !interruption.stopped()) {
+      const Texts before = std::exchange(row, computed(work, number, lead_in));
+      require_same_case(columns, before, row, where);
+      const Proof proof = proof_of(columns, row);
+      ++repaired.rows;
+      repaired.not_converged += !proof.converged;
+      repaired.not_certified += proof.converged && !proof.certified;
+    }
+    file.line(csv_line(row));
+    report(monitor, number + 1, *row_count(work));
+  });
+  if (repaired.rows > 0) file.finish();
+  return repaired;
+}
+
+void update_tables(const std::string& hdf5, const std::string& command_line) {
+  TablesFile content = tables_from_hdf5(read_text(hdf5), hdf5);
+  const std::filesystem::path folder = std::filesystem::path(hdf5).parent_path();
+  bool changed = false;
+  for (auto& [name, table] : content.tables)
+    changed = replace_rows(table, (folder / (name + ".csv")).string()) || changed;
+  if (!changed) return;
+  auto redone = std::find_if(content.provenance.begin(), content.provenance.end(),
+                             [](const auto& entry) { return entry.first == "redone"; });
+  if (redone == content.provenance.end()) redone = content.provenance.insert(redone, {"redone", ""});
+  redone->second += command_line + "\n";
+  write_file(hdf5, to_hdf5(content.provenance, content.tables), true);
+}
+
+int explain(const Repaired& repaired, const std::string& what) {
+  if (repaired.not_converged > 0)
+    note(fmt::format("{} row(s) still did not converge", repaired.not_converged));
+  if (repaired.not_certified > 0)
+    note(fmt::format("{} row(s) converged but are still not certified: see the column 'certified'",
+                     repaired.not_certified));
+  if (repaired.left == 0) return 0;
+  note(fmt::format("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", what,
+                   repaired.rows, repaired.left));
+  return interrupted_exit_code;
 }
 
 }  // namespace nscdd::app

@@ -3,12 +3,13 @@
 #include "app/interruption.hpp"
 #include "app/memory_limit.hpp"
 #include "app/progress.hpp"
+#include "app/repair_table.hpp"
 #include "app/resume.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
 #include "linalg/threads.hpp"
-#include "study/work_identity.hpp"
 #include "study/values.hpp"
+#include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/inspection.hpp>
 #include <nscdd/study/optimum.hpp>
@@ -25,7 +26,7 @@ struct Options {
   CaseOptions one;
   SpectralCommandOptions spectral;
   std::string epsilon = "0", csv;
-  bool force = false, resume = false;
+  bool force = false, resume = false, redo = false;
   MemoryLimit memory;
 };
 
@@ -61,7 +62,9 @@ int run(const Options& options) {
   const Reopening how{options.resume, options.force};
   const StudyTable work = table_of(options);
   if (options.csv.empty() && options.resume) throw Error("--resume: expected --csv FILE with it, met none");
-  if (nothing_to_resume(options.csv, "", how)) return 0;
+  if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.resume))
+    throw Error("--redo: expected a finished table in a file with --csv, without --resume");
+  if (!options.redo && nothing_to_resume(options.csv, "", how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
@@ -73,6 +76,10 @@ int run(const Options& options) {
     return 0;
   }
   Interruption interruption;
+  if (options.redo) {
+    LeadIn unused;
+    return explain(repair_table(work, options.csv, interruption, unused), options.csv);
+  }
   ResumableTable csv(options.csv, table_work(work), how);
   Index failed = 0;
   {
@@ -103,6 +110,7 @@ std::function<int()> declare_optimum(Command& command, const Context&) {
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
+  declare_redo(command, options->redo);
   declare_threads(command, options->threads);
   options->memory.declare(command);
   command.footer(

@@ -4,6 +4,7 @@
 #include "app/memory_limit.hpp"
 #include "app/progress.hpp"
 #include "app/provenance.hpp"
+#include "app/repair_table.hpp"
 #include "app/resume.hpp"
 #include "app/settled_cases.hpp"
 #include "app/sweep_options.hpp"
@@ -31,7 +32,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string study, output = "results";
-  bool force = false, check = false, resume = false, large = false;
+  bool force = false, check = false, resume = false, redo = false, large = false;
   Index threads = 0;
   MemoryLimit memory;
   Context context;
@@ -178,27 +179,56 @@ void check_outputs(const Study& study, const std::string& folder, const Options&
   require_no_input(names, inputs);
 }
 
-// A study that is complete is to be resumed.
-int nothing_to_do(const Study& study, const Outputs& outputs, const std::string& folder, bool check) {
-  note(fmt::format("{}: already complete, nothing to resume", outputs.folder.string()));
-  if (!check) return 0;
+// The tables as they are on disk, for a comparison with baselines.
+std::vector<NamedTable> tables_on_disk(const Study& study, const Outputs& outputs) {
   std::vector<NamedTable> tables;
   for (const StudyTable& work : study.tables) {
     const std::string path = outputs.table(work);
     tables.push_back({work.name, untyped_table(parse_csv(read_text(path), path))});
   }
-  return check_baselines(study, folder, tables);
+  return tables;
+}
+
+// Where a study that is complete is to be resumed.
+int nothing_to_do(const Study& study, const Outputs& outputs, const std::string& folder, bool check) {
+  note(fmt::format("{}: already complete, nothing to resume", outputs.folder.string()));
+  if (!check) return 0;
+  return check_baselines(study, folder, tables_on_disk(study, outputs));
+}
+
+int redo(const Study& study, const Outputs& outputs, const std::string& folder, const Options& options) {
+  const auto require_complete = [](const std::string& path) {
+    if (!fs::exists(path) || fs::exists(record_path(path)))
+      throw Error(
+          fmt::format("--redo: {}: expected a complete result, met none; --resume completes it", path));
+  };
+  require_complete(outputs.hdf5.string());
+  for (const StudyTable& work : study.tables) {
+    require_complete(outputs.table(work));
+    options.memory.require(largest_need(work, 0));
+  }
+  Interruption interruption;
+  LeadIn lead_in;
+  Repaired repaired;
+  for (const StudyTable& work : study.tables)
+    repaired += repair_table(work, outputs.table(work), interruption, lead_in);
+  update_tables(outputs.hdf5.string(), options.context.command_line);
+  if (const int exit_code = explain(repaired, outputs.folder.string()); exit_code != 0) return exit_code;
+  return options.check ? check_baselines(study, folder, tables_on_disk(study, outputs)) : 0;
 }
 
 int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Reopening how{options.resume, options.force};
   const std::string folder = find_study(options.study);
+  if (options.redo && (options.resume || options.force))
+    throw Error("--redo: expected finished results, to be repaired, without --resume and --force");
   Study study = read_study(folder);
   check_outputs(study, folder, options);
   if (!options.large) leave_out_large(study);
   if (options.check) require_baselines(study, folder);
   resolve_cases(study);
+  if (options.redo) return redo(study, outputs_of(study, options), folder, options);
   const Outputs outputs = prepare(study, options);
   if (how.resume && !how.force && is_complete(study, outputs))
     return nothing_to_do(study, outputs, folder, options.check);
@@ -242,6 +272,7 @@ std::function<int()> declare_run(Command& command, const Context& context) {
   command.add_flag("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->resume);
   declare_threads(command, options->threads);
+  declare_redo(command, options->redo);
   options->memory.declare(command);
   command.add_flag("--check", options->check,
                    "compare with the study's baseline; exit code 1 where it differs");

@@ -9,8 +9,8 @@
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
 #include "linalg/threads.hpp"
-#include "study/work_identity.hpp"
 #include "study/values.hpp"
+#include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/files/hdf5.hpp>
 #include <nscdd/files/output_file.hpp>
@@ -68,18 +68,6 @@ void explain(const Unproved& rows) {
                     rows.rigid));
 }
 
-// What --redo came to, and its exit code.
-int explain(const Redone& redone, const std::string& path) {
-  if (redone.not_converged > 0) note(fmt::format("{} row(s) still did not converge", redone.not_converged));
-  if (redone.not_certified > 0)
-    note(fmt::format("{} row(s) converged but are still not certified: see the column 'certified'",
-                     redone.not_certified));
-  if (redone.left == 0) return 0;
-  note(fmt::format("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", path,
-                   redone.rows, redone.left));
-  return interrupted_exit_code;
-}
-
 // The rows of the sweep, those found included; `sink` takes them all.
 Unproved work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
                       Interruption& interruption, const RowSink& sink) {
@@ -128,7 +116,8 @@ int run(const Options& options) {
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.redo) {
     Interruption interruption;
-    return explain(redo_unproved(model, work, options.csv, interruption), options.csv);
+    LeadIn unused;
+    return explain(repair_table(work, options.csv, interruption, unused), options.csv);
   }
   Table table{headings(sweep_columns(work.sweep)), {}};
   Interruption interruption;  // from here on there is something to be left in good order
@@ -178,9 +167,7 @@ std::function<int()> declare_sweep(Command& command, const Context& context) {
       ->shows_default();
   command.add_option("--csv", options->csv, "where the table goes, - for standard output")->required();
   command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
-  command.add_flag(
-      "--redo", options->redo,
-      "compute rows of a finished table again that did not converge; with the present solver options");
+  declare_redo(command, options->redo);
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
   options->memory.declare(command);
