@@ -15,7 +15,7 @@
 namespace nscdd::app {
 namespace {
 
-// Steps whose contact problems can be set up: those behind a kept state.
+// Names the steps whose contact problems can be set up: those that follow a kept state.
 [[noreturn]] void refuse_step(const std::string& path, Index step, Index last) {
   std::vector<Index> kept = trajectory_steps(path);
   if (kept.empty() || kept.back() != last) kept.push_back(last);
@@ -40,7 +40,7 @@ TrajectoryStep kept_step(const FclibExport& what, std::optional<TrajectoryStep> 
   return *std::move(after);
 }
 
-// The name that the case of the run had, of which the trajectory keeps the text alone.
+// The name that the case of the run had. The trajectory keeps only the text of the case.
 std::string case_name(const FclibExport& what, const TrajectoryHeader& header) {
   constexpr std::string_view mark = "# case ";
   for (const auto& [key, text] : header.provenance)

@@ -12,12 +12,12 @@ namespace nscdd::app {
 /// The option --resume, described alike for every verb that has it.
 void declare_resume(Command& command, bool& resume);
 
-/// Says so where --resume meets a table that is complete. Throws Error where an HDF5 file is still asked for:
-/// nothing tells what work the table came from.
+/// Whether --resume meets a table that is complete, of which a note then tells the user. Throws Error if an
+/// HDF5 file is still asked for, because nothing tells what work the table came from.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how);
 
-/// How OutputFile takes an output that is written in one piece at the end: what an interrupted run left of it
-/// is empty.
+/// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because what
+/// an interrupted run left of it is empty.
 std::optional<std::uintmax_t> leftover(bool resume);
 
 /// Closes an interrupted table, tells the user how to go on, and returns the exit code.

@@ -65,7 +65,7 @@ bool grows(const std::string& path) {
   return fs::exists(partial_path(path), status);
 }
 
-// What is kept of the table of the run before, which grows on as a partial file.
+// How many bytes are kept of the table of the earlier run, which goes on growing as a partial file.
 std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   std::error_code status;
   const fs::path growing = partial_path(path);
@@ -207,7 +207,7 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this "
         "scheme does not iterate on them\n",
         gluing_, solver.gluing_tolerance);
-  // Pushing the overlaps apart that are in any run is no news.
+  // Every run pushes some overlaps apart; only a notable gain is worth a line.
   if (gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))
     text += fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", gain_, gaining_steps_,
                         reasons_of_gain(dynamics, open > 0));
@@ -216,7 +216,7 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
 
 namespace {
 
-// Lines of a case, those that say how many steps are asked for left out.
+// The lines of a case without those that say how many steps are asked for.
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   for (std::size_t begin = 0; begin < text.size();) {

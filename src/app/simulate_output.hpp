@@ -12,7 +12,7 @@
 
 namespace nscdd::app {
 
-/// What the trajectory of a run says of it that its table must agree with.
+/// What the trajectory of a run says of it and its table must agree with.
 struct RunSoFar {
   std::string path;
   std::vector<double> iterations;  ///< of every step done
@@ -20,16 +20,16 @@ struct RunSoFar {
 };
 RunSoFar run_so_far(const std::string& path);
 
-/// Throws Error where the table at `path` is not one that the run can go on with: other columns, rows of its
-/// steps missing behind the first row there is, or later steps in a complete one, but for the step that broke
-/// down. Changes nothing.
+/// Throws Error if the run cannot go on with the table at `path`: if it has other columns, lacks rows of a
+/// step after its first row, or is complete and holds later steps other than the one that broke down. Changes
+/// nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run);
 
-/// The table of --convergence: one row per iteration looked at. A run that goes on keeps the rows of the steps
-/// that are done and drops those of the step that was not.
+/// The table of --convergence: one row per iteration looked at. A run that goes on keeps the rows of the
+/// steps that are done and drops those of the step that was not.
 class ConvergenceTable {
  public:
-  /// No table where `path` is empty. `run`: the one that is gone on with, none for a new one.
+  /// There is no table if `path` is empty. `run` is the one that is continued, if there is one.
   ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run);
   IterationSink sink(Index every);  ///< `every`: see IterationSink
   /// Before the trajectory takes the steps of these rows: a restart needs the rows of all of them.
@@ -69,8 +69,8 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
 /// Throws Error naming the disk in which the system of a trajectory differs from the one asked for.
 void require_same_disks(const std::string& path, const GranularSystem& found, const GranularSystem& asked);
 
-/// Throws Error naming the disk that did not start where it starts now; `asked`: the state at time 0. Says
-/// nothing of a trajectory that has lost its first step.
+/// Throws Error naming the disk that did not start where it starts now. `asked` is the state at time 0.
+/// Accepts a trajectory that has lost its first step.
 void require_same_start(const std::string& path, const GranularState& asked);
 
 }  // namespace nscdd::app

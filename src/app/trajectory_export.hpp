@@ -21,7 +21,7 @@ StepRange parse_step_range(const std::string& text);
 /// Ascending numbers as ranges: "0:100:10, 105".
 std::string step_ranges_text(const std::vector<Index>& steps);
 
-/// Pictures of the kept steps in the range, in a folder that is made where there is none.
+/// Pictures of the kept steps in the range, in a folder that is made if it does not exist.
 struct VtkExport {
   std::string trajectory, folder;
   StepRange steps;

@@ -40,7 +40,7 @@ bool is_read(const std::string& path) {
   return read;
 }
 
-// What a lock of this program holds, by which it is told from a file of somebody else's.
+// The content of a lock of this program. A file with other content is somebody else's.
 constexpr std::string_view mark = "lock of a trajectory that nscdd writes\n";
 
 [[noreturn]] void refuse_foreign(const std::string& path, const std::string& name) {
@@ -78,8 +78,8 @@ AlternatingFile::AlternatingFile(const std::string& path) : path_(followed(path)
   }
 }
 
-// A run that was killed leaves its lock, and only beside that are the other names its own: they are made
-// after the lock and go before it. An empty one was cut off before it was marked, or is of no worth.
+// A killed run leaves its lock. The other names are made after the lock and removed before it, so they belong
+// to a run only if a lock is beside them. An empty lock was cut off before it was marked, or is of no worth.
 void AlternatingFile::take_lock() const {
   if (::flock(lock_descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     throw Error(fmt::format("{}: is being written by another run", path_));
@@ -127,7 +127,7 @@ void AlternatingFile::change(Change change) {
   missing_ = std::move(change);
 }
 
-// Many small changes take longer than the bytes of a small file do.
+// Many small changes take longer than copying a small file.
 bool AlternatingFile::copying_is_faster() const {
   constexpr double bytes_per_second = 3e8;  // of a slow disk
   std::error_code ignored;
@@ -141,8 +141,8 @@ void AlternatingFile::copy_to_spare() const {
   if (status) refuse(spare_, "be copied from " + path_, status.message());
 }
 
-// One rename puts the new version in place. The old one becomes the spare where the file system has hard
-// links and nobody else has one to it; otherwise the next change begins with a copy.
+// One rename puts the new version in place. The old version becomes the spare copy if the file system has
+// hard links and nobody else has one to it. Otherwise the next change begins with a copy.
 void AlternatingFile::swap() {
   std::error_code status, linked;
   remove(previous_);

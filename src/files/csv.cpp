@@ -48,7 +48,7 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance,
   return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * scale;
 }
 
-// The values of one line; those in quotes that are not as they stand in the text are kept in `quoted`.
+// The values of one line. Values in quotes are not as they stand in the text and are kept in `quoted`.
 template <class Where>
 void split_values(std::string_view line, const Where& where, std::vector<std::string_view>& values,
                   std::vector<std::pair<std::size_t, std::string>>& quoted) {
@@ -83,7 +83,7 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
     }
     if (i >= line.size()) break;
   }
-  // Only now: views of texts would not survive the growth of their list.
+  // Only now, because views of these texts would not survive the growth of their list.
   for (const auto& [column, text] : quoted) values[column] = text;
 }
 
@@ -154,7 +154,7 @@ bool CsvReader::next() {
   return true;
 }
 
-// To the next line that is not left out, split into values.
+// Goes to the next line that is not skipped and splits it into values.
 bool CsvReader::next_line() {
   while (!rest_.empty()) {
     ++line_;

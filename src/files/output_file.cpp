@@ -99,7 +99,7 @@ OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::u
   open_growing(kept_bytes.value_or(0));
 }
 
-// Locked before it is cut, so that two runs never write into one another's rows.
+// The file is locked before it is cut, so that two runs never write into one another's rows.
 void OutputFile::open_growing(std::uintmax_t kept_bytes) {
   const int descriptor = ::open(growing_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) refuse(name_, "be opened for writing");

@@ -18,7 +18,8 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// Calls f(line, number from 1) for every line that ends; returns the bytes they take.
+// Calls f(line, number from 1) for every complete line until it returns false; returns the bytes of those
+// before.
 template <class Function>
 std::size_t for_each_line(std::string_view text, Function&& f) {
   std::size_t start = 0;
@@ -50,8 +51,8 @@ void check_known_cells(const TableWork& work, const Table& layout, const Row& ro
   }
 }
 
-// The rows of `text` that can be kept. A last line that the end of its run cut short is left out: without a
-// line feed, or with too few values.
+// The rows of `text` that can be kept. The last line is left out if the end of its run cut it short: if it
+// has no line feed or too few values.
 KeptRows usable_rows(const std::string& text, const TableRecord& record, const TableWork& work,
                      const std::string& name) {
   KeptRows kept{"", record.types, 0, false};
@@ -76,7 +77,7 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
   return kept;
 }
 
-// A record that was cut short tells no more than none.
+// A record that was cut short is worth no more than a missing one.
 TableRecord usable_record(const std::string& name, const std::string& rows) {
   try {
     return parse_record(read_text(name), name);

@@ -14,17 +14,17 @@
 
 namespace nscdd {
 
-/// What may be done with files that are there already.
+/// What may be done with files that exist already.
 struct Reopening {
   bool resume = false;  ///< go on with the rows of an interrupted run
-  bool force = false;   ///< replace a finished table; without `resume` a partial one, too
+  bool force = false;   ///< replace a finished table, and without `resume` a partial one, too
 };
 
 /// A table as far as it is known before its rows are computed.
 struct TableWork {
   WorkIdentity identity;
   std::vector<Column> columns;
-  std::optional<Index> rows;  ///< how many, where that is known
+  std::optional<Index> rows;  ///< how many, if that is known
   /// Cells of a row, counted from 0, that are known beforehand, by column.
   std::function<std::vector<std::pair<std::string, Cell>>(Index row)> known_cells;
 };
@@ -37,24 +37,22 @@ struct KeptRows {
   bool finished = false;  ///< the whole table, under its own name
 };
 
-/// What a run of `work` finds under `path`: nothing, or rows to go on with. Rows are kept only where the
-/// record beside them equals that of `work` and every cell known beforehand is as expected; an incomplete
-/// last line is left out; tables whose rows are not known beforehand (links, grains) start again unless they
-/// are finished. Throws Error, nothing touched, where files may not be reopened that way or come from other
-/// work.
+/// What a run of `work` finds under `path`: nothing, or rows to go on with. Rows are kept only if the record
+/// beside them equals that of `work` and every cell known beforehand is as expected. An incomplete last line
+/// is left out. Tables whose rows are not known beforehand (links, grains) start again unless they are
+/// finished. Throws Error and touches nothing if files may not be reopened that way or come from other work.
 KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how);
 
-/// Whether the table is there, finished, with neither a partial file nor a record left beside it.
+/// Whether the table exists and is finished: neither a partial file nor a record is left beside it.
 bool is_complete(const std::string& path);
 
 /// Removes the record of a finished table: nothing is left to be resumed.
 void remove_record(const std::string& path);
 
-/// A CSV table that outlives its run. FILE.partial grows row by row beside FILE.record; both stay when the
-/// run is killed or left, FILE.partial becomes FILE when it is complete, and FILE.record, which then proves
-/// what FILE comes from, goes when nothing waits for it any more. A run that fails by an exception removes
-/// what it wrote unless there were rows before it. Streams ("-", devices, pipes) have neither and cannot be
-/// resumed.
+/// A CSV table that outlives its run. FILE.partial grows row by row beside FILE.record. Both stay if the run
+/// is killed or left. When the table is complete, FILE.partial becomes FILE, and FILE.record proves what FILE
+/// comes from until nothing waits for it any more. A run that fails by an exception removes what it wrote,
+/// unless there were rows before it. Streams ("-", devices, pipes) have neither file and cannot be resumed.
 class ResumableTable {
  public:
   ResumableTable(std::string path, TableWork work, Reopening how);
@@ -62,11 +60,12 @@ class ResumableTable {
   ResumableTable(const ResumableTable&) = delete;
   ResumableTable& operator=(const ResumableTable&) = delete;
 
-  Index kept() const { return found_.rows; }  ///< rows there were before this run
+  Index kept() const { return found_.rows; }  ///< rows that existed before this run
   Index rows() const { return found_.rows + written_; }
   std::optional<Index> total() const { return work_.rows; }
-  void replay(const std::function<void(const Row&)>& sink) const;  ///< hands over the rows there were
-  bool finished() const { return found_.finished; }                ///< before this run
+  void replay(
+      const std::function<void(const Row&)>& sink) const;  ///< hands over the rows that existed before
+  bool finished() const { return found_.finished; }        ///< before this run
   bool resumable() const { return !stream_; }
 
   void write(const Row& row);

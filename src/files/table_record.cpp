@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::array<const char*, 4> type_names{"integer", "number", "boolean", "text"};  // as in Cell
 
-// A text of several lines as TOML. Every text ends with a line feed, so that quotes never meet the closing
-// ones.
+// A text of several lines as TOML. Every text ends with a line feed, so that its quotes never touch the
+// closing ones.
 std::string lines(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -21,7 +21,7 @@ std::string lines(const std::string& text) {
   return fmt::format("\"\"\"\n{}\"\"\"", escaped);
 }
 
-// First line in which two texts differ.
+// The first line in which two texts differ.
 std::string differing_line(std::string_view expected, std::string_view met) {
   const auto next = [](std::string_view& text) {
     const auto end = std::min(text.find('\n'), text.size());

@@ -36,8 +36,8 @@ std::string to_toml(const TableRecord& record);
 /// Reads what `to_toml` wrote; throws Error "file:line: ..." for anything else.
 TableRecord parse_record(std::string_view text, const std::string& file);
 
-/// Name of the type of each cell of a row, and the cell of that type that a text reads back to, to the last
-/// bit.
+/// The name of the type of each cell of a row, and the cell of that type that a text stands for. Numbers read
+/// back to the last bit.
 std::vector<std::string> cell_types(const Row& row);
 Cell parse_cell(const std::string& text, const std::string& type, const std::string& where);
 

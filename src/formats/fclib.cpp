@@ -34,7 +34,7 @@ Vector numbers_of(const Group& group, const std::string& name, Index expected) {
   return values;
 }
 
-// Position of the first index outside 0 ... bound - 1, or -1.
+// The position of the first index outside 0 ... bound - 1, or -1 if there is none.
 Index first_outside(const std::vector<std::int64_t>& indices, std::int64_t bound) {
   for (Index k = 0; k < count(indices); ++k)
     if (indices[at(k)] < 0 || indices[at(k)] >= bound) return k;
@@ -51,7 +51,7 @@ void require_inside(const Group& group, const std::string& name, const std::vect
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-// nz >= 0: entry k lies at (p_k, i_k), or (i_k, p_k) where only that fits.
+// nz >= 0: entry k lies at (p_k, i_k), or at (i_k, p_k) if only that fits the matrix.
 Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t columns, Index entries) {
   auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
   const Vector x = vector_of(group, "x");
@@ -130,7 +130,7 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
                   group.path(), what, dimension > 0 ? columns / dimension : 0, dimension));
 }
 
-// The number of contacts; refuses whatever is no plane problem with contacts alone.
+// The number of contacts. Refuses everything but a plane problem with contacts alone.
 Index plane_contacts(const Group& group, const std::string& kind, const std::string& matrix,
                      std::initializer_list<std::pair<const char*, const char*>> refused) {
   const std::int64_t dimension = group.integer("spacedim");
@@ -187,7 +187,7 @@ FclibInfo read_info(const Group& problem) {
   return info;
 }
 
-// Numbers of velocities of bodies (0 for a local problem) and of contact unknowns.
+// How many velocities of bodies (0 for a local problem) and how many contact unknowns there are.
 std::array<Index, 2> sizes(const FclibFile& file) {
   const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
   return {global != nullptr ? global->mass.rows() : 0, 2 * file.contacts()};

@@ -63,7 +63,7 @@ bool in_bounds(double value, const Field& field) {
   return std::isfinite(value) && !low && value <= field.maximum;
 }
 
-// Most numbers are fine, and need no text that says where they stand.
+// Most numbers are valid. Only for the others a text is made that says where they stand.
 double read_value(const CsvReader& reader, std::size_t column, const PackingColumn& meaning,
                   const std::string& name) {
   const std::string_view text = reader.value(column);
@@ -84,7 +84,7 @@ std::vector<const PackingColumn*> columns_of(const Packing& packing) {
   return columns;
 }
 
-// Remarks, one line each: a line feed in a command line must not end one.
+// Remarks, each on lines that begin with '#', even if a command line holds line feeds.
 std::string remarks(const Provenance& provenance) {
   std::string text;
   for (const auto& [name, content] : provenance) {

@@ -21,7 +21,7 @@ void require_coulomb(const Interaction& interaction) {
                             to_string(interaction.law)));
 }
 
-// The step as it was prepared in the run, but for impulses to start from.
+// The step as it was prepared in the run, without impulses to start from.
 StepProblem next_problem(const Simulation& before) {
   require_coulomb(before.dynamics.interaction);
   return prepare_step(before.system, before.state, before.dynamics.interaction, before.dynamics.time, false);
@@ -76,7 +76,7 @@ void require_contacts(const Partition& partition, Index subdomain, Index step) {
                             all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain));
 }
 
-// Bodies by their numbers, which readers expect, not in the order of a sweep.
+// Bodies in the order of their numbers, which readers expect, instead of the order of a sweep.
 GranularSubdomain with_ascending_bodies(const GranularSubdomain& part) {
   std::vector<std::size_t> order(part.bodies.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

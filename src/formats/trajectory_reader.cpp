@@ -72,7 +72,7 @@ void require_below(Index value, Index bound, const char* array, const Group& ste
     throw Error(fmt::format("{}: expected a number in 0..{}, met {}", step.of(array), bound - 1, value));
 }
 
-// Whether numbers of bodies and subdomains are some.
+// Throws unless the numbers of bodies and subdomains are within their ranges.
 void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) {
   constexpr Index most_subdomains = 1'000'000;  // of any partitioner
   const Index disks = count(step.state.x), bodies = disks + walls;

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t longest_status = 16;
 constexpr Chunk summary_chunk = 256;
-// Bringing the file up to date takes some milliseconds, as much as a hundred steps of few disks.
+// Bringing the file up to date takes some milliseconds, as long as a hundred steps of a few disks.
 constexpr std::chrono::seconds commit_interval{1};
 
 template <class Element, class Columns>
@@ -91,7 +91,7 @@ void append_summary(const Group& root, const Table& rows) {
   }
 }
 
-// The line joins those of earlier restarts; what began the run stays as it was.
+// The line joins those of earlier restarts. The provenance of the beginning of the run stays.
 void add_restart(const Group& root, const std::string& line) {
   const Group origin = root.group("provenance");
   std::string lines;

@@ -22,7 +22,8 @@ constexpr std::string_view type_name() {
   return std::is_same_v<Value, double> ? "Float64" : "Int64";
 }
 
-// The XML part and the appended bytes grow together: an array's element says where its bytes lie.
+// The XML part and the appended bytes grow together, because the element of an array says where its bytes
+// lie.
 class Writer {
  public:
   void line(std::string_view text) { xml_ += fmt::format("{}\n", text); }
@@ -84,14 +85,14 @@ void check(const VtkFrame& frame) {
                       n, contacts.a[k], contacts.b[k]));
 }
 
-// The values of grains, then as often `value` as there are feet or contacts.
+// The values of grains, followed by `value` for each foot or contact.
 template <class Value>
 std::vector<Value> followed_by(std::vector<Value> values, std::size_t times, Value value) {
   values.insert(values.end(), times, value);
   return values;
 }
 
-// As often `value` as there are grains, then the values of contacts.
+// `value` for each grain, followed by the values of contacts.
 template <class Value>
 std::vector<Value> preceded_by(std::size_t times, Value value, const std::vector<Value>& values) {
   std::vector<Value> result(times, value);
@@ -200,7 +201,7 @@ void fill_contacts(VtkFrame& frame, const TrajectoryStep& step, Index disks) {
   }
 }
 
-// Subdomains that hold a grain are those of its contacts.
+// The subdomains that hold a grain are those of its contacts.
 void fill_subdomains(VtkFrame& frame, const std::vector<double>& radius) {
   std::vector<std::vector<std::int64_t>> held(radius.size());
   const auto& contacts = frame.contacts;

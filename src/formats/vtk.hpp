@@ -21,7 +21,7 @@ struct VtkFrame {
   struct Grains {
     std::vector<double> x, y, radius, angle;     ///< m, rad
     std::vector<double> velocity_x, velocity_y;  ///< m/s
-    std::vector<std::int64_t> boundary;          ///< that drives the disk; -1: free
+    std::vector<std::int64_t> boundary;          ///< the one that drives the disk; -1: free
     std::vector<std::int64_t> subdomain;         ///< the lowest that holds it; -1: none, it touches nothing
     std::vector<std::int64_t> multiplicity;      ///< subdomains that hold it
   } grains;
@@ -51,7 +51,7 @@ VtkFrame vtk_frame(const GranularSystem& system, const TrajectoryStep& step);
 /// has them, are one vertex per grain, then one line per contact from centre to centre or foot.
 ///   PointData: radius, id, boundary, subdomain, multiplicity, angle, velocity (3 components)
 ///   CellData:  kind (0 grain, 1 contact), subdomain, impulse_n, impulse_t, status (-1 for a grain), gap
-/// The time is field data TimeValue. Throws Error where arrays differ in length or a contact names no grain.
+/// The time is field data TimeValue. Throws Error if arrays differ in length or a contact names no grain.
 std::string vtp_text(const VtkFrame& frame);
 
 /// A .vtp file and the time it shows.

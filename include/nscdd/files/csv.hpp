@@ -18,18 +18,18 @@ namespace nscdd {
 /// row, as OutputFile writes lines. Equal tables give equal bytes.
 class CsvWriter {
  public:
-  /// With `kept_bytes` > 0, continues the partial file of a run before behind that many bytes, which hold the
-  /// line of names.
+  /// With `kept_bytes` > 0, the partial file of an earlier run is continued behind that many bytes. They hold
+  /// the line of names already.
   CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
             std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   void write(const Row& row);
-  void flush();  ///< writes the names, where no row has, and the rows gathered
+  void flush();  ///< writes the rows gathered, or the line of names if there is no row yet
   void finish();
   void leave() { file_.leave(); }  ///< closes the partial file and keeps it
 
  private:
   OutputFile file_;
-  std::string header_;  ///< until it is written, with the first row: a run that fails before prints nothing
+  std::string header_;  ///< waits for the first row: a run that fails before it prints nothing
 };
 
 /// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in
@@ -40,20 +40,21 @@ std::string csv_line(const Row& row);
 /// The line of names of a table.
 std::string csv_header(const std::vector<Column>& columns);
 
-/// Values of one line of CSV, quotes as in RFC 4180. Throws Error beginning with `where` for an open quote.
+/// Values of one line of CSV with quotes as in RFC 4180. A quote that is not closed throws an Error that
+/// begins with `where`.
 std::vector<std::string> csv_values(std::string_view line, const std::string& where);
 
-/// Reads CSV text row by row: first line of names, quotes as in RFC 4180, blank lines and lines that begin
-/// with '#' left out, CRLF and a byte order mark accepted. The text must outlive the reader.
-/// Throws Error "name:line: ..." for a row with too few or too many values, an open quote, an empty or
-/// repeated column name, or text without a line of names.
+/// Reads CSV text row by row, with quotes as in RFC 4180. The first line holds the names. Blank lines and
+/// lines that begin with '#' are skipped; CRLF and a byte order mark are accepted. The text must outlive the
+/// reader. Throws Error "name:line: ..." for a row with too few or too many values, a quote that is not
+/// closed, an empty or repeated column name, or text without a line of names.
 class CsvReader {
  public:
   CsvReader(std::string_view text, std::string name);
   const std::vector<std::string>& columns() const { return columns_; }
-  bool next();  ///< to the next row; false after the last
+  bool next();  ///< goes to the next row; false after the last one
   std::string_view value(std::size_t column) const { return values_[column]; }
-  std::size_t line() const { return line_; }  ///< line number of the row (at first of the names), from 1
+  std::size_t line() const { return line_; }  ///< of the row, at first of the names; counted from 1
 
  private:
   bool next_line();
@@ -64,8 +65,7 @@ class CsvReader {
   std::size_t line_ = 0;
   std::vector<std::string> columns_;
   std::vector<std::string_view> values_;
-  std::vector<std::pair<std::size_t, std::string>>
-      quoted_;  ///< values that are not as they stand in the text
+  std::vector<std::pair<std::size_t, std::string>> quoted_;  ///< values in quotes, without them
 };
 
 /// A CSV file as texts.
@@ -79,17 +79,18 @@ struct CsvText {
 /// The whole of a CSV text, as CsvReader reads it.
 CsvText parse_csv(std::string_view text, const std::string& name);
 
-/// Whole content of a regular file. Throws Error where it cannot be read.
+/// The whole content of a regular file. Throws Error if it cannot be read.
 std::string read_text(const std::string& path);
 
-/// The table with a number where a value reads as one, else a text: its columns have no units.
+/// The table without units. A value is a number if it reads as one, else a text.
 Table untyped_table(const CsvText& csv);
 
-/// First difference between a table and the CSV text of another, or "" where there is none: same columns,
-/// same number of rows, texts equal, numbers within `tolerance` x max(1, |number|), or the tolerance given
-/// for their column (`relative`: x |number| alone, so that small numbers count as much as large ones).
-/// Columns that tell the effort of a solver (applications, iterations, spectra) or its rounding (residual,
-/// difference) are not compared.
+/// The first difference between a table and the CSV text of another, or "" if they agree. They agree if they
+/// have the same columns and the same number of rows, equal texts, and numbers that differ by no more than
+/// `tolerance` x max(1, |number|). A column may have a tolerance of its own. With `relative` the tolerance
+/// counts times |number| alone, so that small numbers count as much as large ones. Columns that tell the
+/// effort of a solver (applications, iterations, spectra) or its rounding (residual, difference) are not
+/// compared.
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
                     const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
 

@@ -12,7 +12,8 @@
 
 namespace nscdd {
 
-/// What a result file says of its origin: name and text, in order, such as ("command_line", "nscdd run ...").
+/// What a result file says of its origin: pairs of a name and a text, such as ("command_line", "nscdd run
+/// ...").
 using Provenance = std::vector<std::pair<std::string, std::string>>;
 
 /// A table under the name of its group.
@@ -27,11 +28,11 @@ struct NumberColumn {
   std::span<const double> values;
 };
 
-/// The bytes of an HDF5 file: one group per table, one dataset per column (double, int64, int8 0/1 or
-/// fixed-length UTF-8 text) with attributes `unit` and `description`, the order of the columns in the group's
-/// attribute `columns`, provenance as texts in the group `provenance`. No time stamps: equal content gives
-/// equal bytes. The file is put together in memory. Writing its bytes then fails as for any other file,
-/// whereas the HDF5 library cannot give up a file of its own on a full disk.
+/// The bytes of an HDF5 file of tables. Each table is a group whose attribute `columns` has the order of the
+/// columns. Each column is a dataset (double, int64, int8 0/1 or fixed-length UTF-8 text) with the attributes
+/// `unit` and `description`. The group `provenance` holds texts. There are no time stamps, so that equal
+/// content gives equal bytes. The file is put together in memory: writing its bytes then fails as for any
+/// other file, whereas the HDF5 library cannot give up a file of its own on a full disk.
 std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables);
 
 /// The same for one group of numbers alone, without a cell for each of them.
@@ -53,8 +54,8 @@ TablesFile tables_from_hdf5(std::string_view bytes, const std::string& name);
 std::map<std::string, std::vector<double>> numbers_from_hdf5(std::string_view bytes, const std::string& name,
                                                              const std::string& group);
 
-/// For the beginning of a program: HDF5 then leaves files alone at its end. Without this it tries again to
-/// write what a full disk did not take, and crashes.
+/// A program calls this at its beginning. HDF5 then leaves files alone when the program ends. Otherwise it
+/// would try again to write what a full disk did not take, and crash.
 void leave_hdf5_alone_at_exit();
 
 }  // namespace nscdd

@@ -39,18 +39,18 @@ struct FclibFile {
 /// naming `name` for bytes that are no HDF5 file.
 bool holds_fclib(std::string_view bytes, const std::string& name);
 
-/// Reads a plane problem, local or global, matrices by columns, by rows or as triplets. Triplets are (row,
-/// column) = (p, i) as FCLIB documents them; where these do not fit the matrix but (i, p) do, they are those
-/// of CSparse, which Siconos writes. Numbers are as in the file; `check` has been passed.
-/// Throws Error "name: group/dataset: expected ..., met ..." for bytes that are no HDF5 file or a damaged
-/// one, for no problem or several, for what is not supported (three dimensions, rolling friction, equality
-/// constraints G, couplings V and R), and for missing members, wrong lengths, indices out of range.
+/// Reads a plane problem, local or global, with matrices by columns, by rows or as triplets. Triplets are
+/// (row, column) = (p, i) as FCLIB documents them. If these do not fit the matrix but (i, p) do, they are
+/// those of CSparse, which Siconos writes. Numbers are as in the file, and `check` has been passed. Throws
+/// Error "name: group/dataset: expected ..., met ..." for bytes that are no HDF5 file or a damaged one, for
+/// no problem or several, for what is not supported (three dimensions, rolling friction, equality constraints
+/// G, couplings V and R), and for missing members, wrong lengths, indices out of range.
 FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
 
-/// Reads a file. Throws Error likewise.
+/// Reads a file. Throws Error as `fclib_from_hdf5` does.
 FclibFile read_fclib(const std::string& path);
 
-/// Reads a file that must hold a global problem. Throws Error likewise, and for a local one.
+/// Reads a file that must hold a global problem. Throws Error as `read_fclib` does, and for a local problem.
 GlobalFrictionProblem read_global_problem(const std::string& path);
 
 /// The bytes of a file that reads back to `file` bit for bit: matrices by columns, 32-bit integers, which

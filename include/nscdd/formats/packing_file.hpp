@@ -14,22 +14,22 @@ namespace nscdd {
 /// How a packing is kept in a file.
 enum class PackingFormat { csv, hdf5 };
 
-/// By the ending of a file name: .csv, .h5 or .hdf5; empty for any other.
+/// The format by the ending of a file name: .csv, .h5 or .hdf5; empty for any other.
 std::optional<PackingFormat> packing_format(const std::string& path);
 
 /// Packing from CSV text with columns x, y, radius (m) and optionally mass (kg), in any order.
-/// Throws Error "name:line: ..." for a missing, unknown or repeated column, a value that is no number, not
-/// finite, or not positive where it must be, and for a file without grains.
+/// Throws Error "name:line: ..." for a missing, unknown or repeated column, a value that is not a number, not
+/// finite, or not positive although it must be, and for a file without grains.
 Packing parse_packing(std::string_view text, const std::string& name);
 
 /// Packing from the bytes of an HDF5 file: datasets x, y, radius and optionally mass of the group `packing`.
-/// Throws Error "name: packing/dataset: ..." likewise, and for datasets of different lengths.
+/// Throws Error "name: packing/dataset: ..." for the same reasons, and for datasets of different lengths.
 Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
 
-/// Either from a file, by the ending of its name; CSV where it has another.
+/// Either of them from a file, by the ending of its name. Any other ending stands for CSV.
 Packing read_packing(const std::string& path);
 
-/// A packing as CSV text that `parse_packing` reads back bit for bit: shortest decimals that do.
+/// A packing as CSV text that `parse_packing` reads back bit for bit: the shortest decimals that do so.
 std::string packing_csv(const Packing& packing);
 
 /// Writes a packing so that it reads back bit for bit: as `packing_csv`, or the numbers themselves.
