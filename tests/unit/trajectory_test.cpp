@@ -149,12 +149,13 @@ TEST_CASE("trajectory: steps reach the file together, in commits no more than a 
   const TemporaryFolder folder;
   const std::string one = folder / "one.h5", together = folder / "together.h5";
   Simulation simulation = small(4);
-  TrajectoryWriter singly(one, header_of(simulation), {simulation.state, {}}, step_columns());
-  TrajectoryWriter gathering(together, header_of(simulation), {simulation.state, {}}, step_columns());
+  TrajectoryWriter singly(one, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
+  TrajectoryWriter gathering(together, header_of(simulation), {simulation.state, {}},
+                             headings(step_columns()));
   RunSinks sinks;
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     for (TrajectoryWriter* writer : {&singly, &gathering})
-      writer->append(trajectory_step(after, solved), step_row(report), report.step == 2);
+      writer->append(trajectory_step(after, solved), row(step_columns(), report), report.step == 2);
     singly.commit();
     CHECK(read_last_step(one).state.step == report.step);
     CHECK(read_last_step(together).state.step == 0);
@@ -181,10 +182,10 @@ TEST_CASE("trajectory: a writer that is given up commits what it has gathered") 
   const std::string path = folder / "run.h5";
   Simulation simulation = small(1);
   {
-    TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, step_columns());
+    TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
     RunSinks sinks;
     sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
-      writer.append(trajectory_step(after, solved), step_row(report), true);
+      writer.append(trajectory_step(after, solved), row(step_columns(), report), true);
     };
     REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
   }
@@ -198,7 +199,8 @@ TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was,
   const std::string path = folder / "run.h5";
   std::optional<TrajectoryWriter> writer;
   CHECK(nscdd::testing::keeps_error_handler([&] {
-    writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}}, step_columns());
+    writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}},
+                   headings(step_columns()));
   }));
   CHECK(nscdd::testing::keeps_error_handler([&] { writer->end("completed"); }));
   CHECK(nscdd::testing::keeps_error_handler([&] { read_last_step(path); }));
