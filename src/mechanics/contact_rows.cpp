@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/mechanics/contact_rows.hpp>
 
 namespace nscdd {
@@ -30,10 +29,24 @@ SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> v
       next = law_at(law, contacts.pull[k]).impulse(stop, w, frictions[driven]);
     else
       next = law.impulse(stop, w, frictions[driven]);
-    const LocalVector change = take_impulse<relaxed>(r, next, relaxation);
-    sums.change += squared(change);
-    sums.impulses += squared(r);
-    apply_impulse(c, change, a, b);
+    // What follows is take_impulse and apply_impulse, number by number: GCC 12 packs pairs of numbers into
+    // vector registers, and a sweep then takes 1.7 times as long.
+    if constexpr (relaxed) {
+      next.n = r.n + relaxation * (next.n - r.n);
+      next.t = r.t + relaxation * (next.t - r.t);
+    }
+    const double change_n = next.n - r.n, change_t = next.t - r.t;
+    r = next;
+    const double px = c.normal_x * change_n - c.normal_y * change_t;
+    const double py = c.normal_y * change_n + c.normal_x * change_t;
+    a.x -= a.inverse_mass * px;
+    a.y -= a.inverse_mass * py;
+    a.rim -= rim_mass_ratio * a.inverse_mass * change_t;
+    b.x += b.inverse_mass * px;
+    b.y += b.inverse_mass * py;
+    b.rim -= rim_mass_ratio * b.inverse_mass * change_t;
+    sums.change += change_n * change_n + change_t * change_t;
+    sums.impulses += next.n * next.n + next.t * next.t;
   }
   return sums;
 }

@@ -5,9 +5,10 @@
 
 namespace nscdd {
 
-/// The local step of every Gauss-Seidel sweep. `wanted` is the impulse that the law of a contact gives while
-/// the others keep theirs; the contact takes the part `relaxation` of the way to it. Returns the change,
-/// which its bodies must feel at once. Without `relaxed` the impulse is `wanted` to the last bit.
+/// The local step of a Gauss-Seidel sweep (that over disks writes it out, for speed). `wanted` is the impulse
+/// that the law of a contact gives while the others keep theirs; the contact takes the part `relaxation` of
+/// the way to it. Returns the change, which its bodies must feel at once. Without `relaxed` the impulse is
+/// `wanted` to the last bit.
 template <bool relaxed, class Impulse>
 Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
   const Impulse before = impulse;
