@@ -9,7 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+#include <span>
 
 namespace nscdd::app {
 namespace {
@@ -53,18 +55,26 @@ void add_names(const std::string& names, std::vector<std::string>& all) {
   }
 }
 
-// The nearest verb or option to one that is unknown. `asked`: the number of the verb, one too many for none.
-std::string suggested(const std::vector<DescribedVerb>& verbs, std::size_t asked, const CLI::App* command,
-                      std::string_view first) {
-  std::vector<std::string> known;
-  if (asked == verbs.size()) {
-    for (const DescribedVerb& verb : verbs) known.push_back(verb.name);
-    return suggestion(first, known);
+// Throws Error for a verb or a long option that does not exist, naming the nearest one.
+void check_names(const std::vector<DescribedVerb>& verbs, std::span<const char* const> arguments) {
+  const std::string_view first = arguments.front();
+  if (first.starts_with('-')) return;
+  std::vector<std::string> names;
+  for (const DescribedVerb& verb : verbs) names.push_back(verb.name);
+  const auto found = std::find(names.begin(), names.end(), first);
+  if (found == names.end())
+    throw Error(fmt::format("expected a verb ({}), met '{}'{}", fmt::join(names, ", "), first,
+                            suggestion(first, names)));
+  const DescribedVerb& verb = verbs[static_cast<std::size_t>(found - names.begin())];
+  names = {"--help"};
+  for (const Option& option : verb.command.options()) add_names(option.names(), names);
+  for (std::string_view argument : arguments.subspan(1)) {
+    if (argument == "--") return;
+    argument = argument.substr(0, argument.find('='));
+    if (argument.starts_with("--") && std::find(names.begin(), names.end(), argument) == names.end())
+      throw Error(fmt::format("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them",
+                              verb.name, argument, suggestion(argument, names), verb.name));
   }
-  for (const Option& option : verbs[asked].command.options()) add_names(option.names(), known);
-  for (const std::string& argument : command->remaining())
-    if (argument.starts_with("--")) return suggestion(argument.substr(0, argument.find('=')), known);
-  return "";
 }
 
 }  // namespace
@@ -109,6 +119,7 @@ Option* Command::add_flag(std::string names, bool& target, std::string help) {
 
 Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, const char* const* argv) {
   if (argc <= 1) return short_guide(verbs);
+  check_names(verbs, std::span(argv, static_cast<std::size_t>(argc)).subspan(1));
   CLI::App app("", "nscdd");
   app.set_version_flag("--version", "nscdd " + version());
   app.require_subcommand(1);
@@ -129,9 +140,7 @@ Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, co
   } catch (const CLI::CallForVersion& version) {
     return std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    const std::size_t verb = asked();
-    throw Error(fmt::format("{}{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what(),
-                            suggested(verbs, verb, verb < verbs.size() ? commands[verb] : nullptr, argv[1])));
+    throw Error(fmt::format("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what()));
   }
   return asked();
 }

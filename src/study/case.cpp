@@ -75,7 +75,7 @@ Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
 std::string place(const CaseSpec& spec, std::string_view key) {
   if (spec.source.empty()) return {};
   const auto line = spec.lines.find(key);
-  if (line == spec.lines.end()) return spec.source + ": ";
+  if (key.empty() || line == spec.lines.end()) return spec.source + ": ";
   return fmt::format("{}:{}: ", spec.source, line->second);
 }
 

@@ -251,7 +251,7 @@ TEST_CASE("inspect and network: a case that moves may overlap as its simulation 
                "[packing]\nfile = \"pair.csv\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n");
   answer(session, "simulate pair.toml -o run.h5");
   CHECK(std::stod(entry(answer(session, "inspect pair.toml"), "largest overlap")) == doctest::Approx(0.07));
-  CHECK(table(session, "network pair.toml").number(0, "gap") == doctest::Approx(-0.07));
+  CHECK(table(session, "network pair.toml --prescribed 0:1:0").number(0, "gap") == doctest::Approx(-0.07));
   check_refused(session, "inspect pair.csv", {"overlap by 0.07", "overlap_tolerance"});  // nothing moves it
   check_refused(session, "inspect pair.toml --overlap-tolerance 0.01", {"overlap by 0.07"});
   CHECK(!contains(answer(session, "inspect disks12"), "overlap"));

@@ -107,7 +107,7 @@ TEST_CASE("lead_in: tables that share the way get the rows of tables that do not
 
 TEST_CASE("lead_in: refused where it is none, and where a run has no other") {
   CHECK_THROWS_WITH_AS(table_of("indicators", "lead_in = \"mine\"\n"),
-                       doctest::Contains("lead_in: expected \"plain\" or \"own\""), Error);
+                       doctest::Contains("lead_in: expected one of \"plain\", \"own\""), Error);
   CHECK_THROWS_WITH_AS(table_of("runs", "lead_in = \"plain\"\n"),
                        doctest::Contains("lead_in: expected \"own\""), Error);
 }

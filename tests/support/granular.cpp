@@ -13,6 +13,7 @@ namespace nscdd::testing {
 
 Dynamics tight() {
   Dynamics dynamics;
+  dynamics.solver.order = "natural";
   dynamics.solver.criterion = "natural_map";
   dynamics.solver.tolerance = 1e-13;
   dynamics.solver.maximum_iterations = 200'000;

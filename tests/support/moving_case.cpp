@@ -23,6 +23,7 @@ steps = 20
 algorithm = "generic"
 warm_start = true
 maximum_iterations = 40
+order = "natural"
 [[boundary]]
 name = "floor"
 shape = "disks"

@@ -89,7 +89,7 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   require_error(replaced(good, "warm_start = true", "enrichment = \"semi_implicit\""),
                 "c.toml:18: solver.enrichment");
   require_error(replaced(good, "warm_start = true", "seed = 7"),
-                "c.toml:18: solver.seed: expected solver.order random with it, met interleaved");
+                "c.toml:18: solver.seed: expected solver.order random with it, met natural");
   require_error(
       replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
       "c.toml:18: solver.redecompose: expected solver.algorithm generic or enriched with it, met nlgs");
@@ -170,9 +170,9 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   };
   const std::string good = moving_case();
   refused(good + "[[prescribed]]\ngrain = 120\nvelocity = [0, 1]\n",
-          "c.toml:42: prescribed[0].grain: expected a grain in 0..119");
+          "c.toml:43: prescribed[0].grain: expected a grain in 0..119");
   refused(good + "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 130\nlast = 3\n",
-          "c.toml:44: boundary[3].first: expected grains first <= last in 0..119");
+          "c.toml:45: boundary[3].first: expected grains first <= last in 0..119");
   const std::string plain =
       replaced(good, "\"generic\"\nwarm_start = true", "\"nlgs\"\ncriterion = \"gluing\"");
   refused(plain, "c.toml:18: solver.criterion: expected solver.algorithm generic or enriched");
