@@ -78,7 +78,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
   SpectralRadius plain = choice.solver == SpectralSolver::dense    ? dense_radius(b, options)
                          : choice.solver == SpectralSolver::arpack ? arpack_radius(b, options, known)
                                                                    : shift_invert_radius(b, options, known);
-  // A last resort, for small eta (docs/theory.md).
+  // A last resort, for small eta (docs/algorithms.md, section 7).
   if (!plain.converged && choice.dense_fallback) plain = dense_radius(b, options);
   return relaxed(plain, b.relaxation, options.tolerance);
 }
