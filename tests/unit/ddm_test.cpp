@@ -4,6 +4,7 @@
 #include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
+#include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/ddm/two_stage.hpp>
 
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -56,6 +58,14 @@ TEST_CASE("METIS: every contact in a part, parts of like size, same result twice
   }
   const Model two = build(strip(2));
   CHECK(partition(MetisPartitioner{.metis = 7}, two.problem).subdomain_of_contact == std::vector<Index>{0});
+}
+
+TEST_CASE("METIS: the seed is heard: among a few of them there are different partitions") {
+  const Model model = build(random_lattice(5, 30, 30, {1, 1}));
+  std::set<std::vector<Index>> met;
+  for (const Index seed : {1, 2, 3, 4, 5})
+    met.insert(partition(MetisPartitioner{.metis = 6, .seed = seed}, model.problem).subdomain_of_contact);
+  CHECK(met.size() > 1);
 }
 
 TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {
@@ -158,4 +168,15 @@ TEST_CASE("two-stage iteration: sweeps below 1 are refused") {
   const Model model = build(strip(4));
   CHECK_THROWS_AS(
       TwoStageIteration(model.parts, LinearViscous{1}, InterfaceFamily(model.parts).at(1), Index{0}), Error);
+}
+
+TEST_CASE("optimum: spectra that do not converge make no optimum") {
+  const Decomposition parts = build(random_lattice(2, 8, 6, {3, 2})).parts;
+  const auto singular = [](const InertiaPattern&) {
+    return InertiaFamily{[](const SparseMatrix&, const std::array<double, 2>&) { return InertiaFactor{}; },
+                         [] {}};
+  };
+  const Optimum found = optimum(parts, parts, 0.05,
+                                {.solver = SpectralSolver::shift_invert, .inertia = {"singular", singular}});
+  CHECK(found.status == OptimumStatus::not_converged);
 }
