@@ -131,6 +131,19 @@ TEST_CASE("Arnoldi: real, negative and complex dominant eigenvalues, with their 
   }
 }
 
+TEST_CASE("Arnoldi: a run that is cut off has not converged, whatever it has found by then") {
+  Matrix crowded = Matrix::Zero(200, 200);
+  for (Index i = 0; i < 200; ++i)
+    crowded(i, i) = i < 2 ? 2.0 - 0.5 * static_cast<double>(i) : 1 - 1e-4 * static_cast<double>(i);
+  int cut = 0;
+  for (const int restarts : {1, 2, 3, 4, 6, 8}) {
+    const ArnoldiResult result = arnoldi(200, map_of(crowded), {.maximum_restarts = restarts});
+    if (std::isfinite(result.residual) && !result.converged) ++cut;
+  }
+  CHECK(cut > 0);
+  CHECK(arnoldi(200, map_of(crowded)).converged);
+}
+
 TEST_CASE("sparse Cholesky: solves, reuses a pattern, tells a matrix that is not definite") {
   const Dense b = random_matrix(20, 20, 6);
   const Dense dense = b * b.transpose() + identity(20);
@@ -167,6 +180,17 @@ TEST_CASE("range projector: full_rank, rank_deficient, tall, wide, zero and no c
   Matrix repeated = random_matrix(8, 6, 5);
   repeated.col(4) = repeated.col(1);
   check(repeated, 5);
+}
+
+TEST_CASE("ranks: a column counts from the tolerance on, not from a few times the tolerance") {
+  const double tolerance = 1e-3;
+  // Two unit columns at an angle: the smaller eigenvalue of B^T B is 1 - cos(angle).
+  for (const auto& [share, rank] : {std::pair{2.0, 2}, {0.5, 1}}) {
+    const double angle = std::acos(1 - share * tolerance * tolerance);
+    Matrix near(3, 2);
+    near << 1, std::cos(angle), 0, std::sin(angle), 0, 0;
+    CHECK(sparse_rank(near.sparseView(), tolerance) == rank);
+  }
 }
 
 TEST_CASE("searches: a root, a minimum, and refusals") {
