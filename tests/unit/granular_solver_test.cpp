@@ -2,12 +2,14 @@
 // Gauss-Seidel on the contact problem of a step against direct solutions of small complementarity problems:
 // every combination of statuses tried, matrices written down from the geometry alone.
 #include "../support/granular.hpp"
+#include "ddm/granular_interface.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/mechanics/contact_residual.hpp>
 
 #include <Eigen/LU>
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -245,6 +247,37 @@ TEST_CASE("relaxation: a resting disk is given that part of what its weight stil
       const double lacking = std::pow(1 - relaxation, static_cast<double>(sweeps));
       CHECK(step.contacts.at(0).impulse_n == doctest::Approx((1 - lacking) * 2 * g * 0.005).epsilon(1e-13));
     }
+}
+
+TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide are slides") {
+  ContactResidual sum{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  sum += ContactResidual{10, 20, 30, 40, 50, 60, 70, 80, 90};
+  CHECK(std::array{sum.natural_map, sum.impulses, sum.violation, sum.work, sum.scale_work,
+                   sum.scale_velocity} == std::array{11.0, 22.0, 33.0, 44.0, 55.0, 66.0});
+  CHECK(std::array{sum.active, sum.stick, sum.slide} == std::array<Index, 3>{77, 88, 99});
+
+  Dynamics dynamics = tight();
+  dynamics.boundaries = {floor_wall()};
+  dynamics.interaction.friction = 0.3;
+  for (const double speed : {-3.0, 3.0}) {
+    const SolvedStep step =
+        solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
+    CHECK(step.report.residual.slide == 1);
+    CHECK(step.report.residual.stick == 0);
+  }
+}
+
+TEST_CASE("speed of glued copies: rims count as much as centres") {
+  const Simulation simulation =
+      simulation_of({{.x = 0, .y = 0.5}, {.x = 1, .y = 0.5}, {.x = 2, .y = 0.5}}, tight());
+  const SolvedStep step = solve_step(simulation);
+  REQUIRE(step.contacts.size() == 2);
+  GranularDecomposition parts =
+      decompose(step.problem, {.subdomains = 2, .subdomain_of_contact = {0, 1}}, "natural", 1);
+  REQUIRE(parts.interface.gluing().size() == 1);
+  for (GranularSubdomain& subdomain : parts.subdomains)
+    for (DiskVelocity& v : subdomain.velocities) v.x = v.y = v.rim = 2;
+  CHECK(glued_speed_squared(parts) == 2 * (4 + 4 + 4));
 }
 
 TEST_CASE("natural map: zero on every status, positive as soon as a law is broken") {

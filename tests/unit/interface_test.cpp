@@ -57,6 +57,13 @@ TEST_CASE("interface: copies, multiplicity, rows in ascending order, neighbours"
   CHECK_FALSE(chain.same_rows(example.make(2)));
 }
 
+TEST_CASE("interface: rows of one grain are not the same where another subdomain has its second copy") {
+  const std::vector<Index> here{0}, nowhere;
+  const Interface second(2, 1, {here, here, nowhere}, {}), third(2, 1, {here, nowhere, here}, {});
+  CHECK(second.size() == third.size());
+  CHECK_FALSE(second.same_rows(third));
+}
+
 TEST_CASE("interface: exchange and distribute are A_E and A_E^T; copies apart have the jumps asked for") {
   const Example example;
   for (const Index d : {2, 3, 6})

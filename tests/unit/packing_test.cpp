@@ -160,6 +160,8 @@ TEST_CASE("contacts: overlapping and coincident grains are named") {
   const Packing slightly{{0.0, 0.99}, {0.0, 0.0}, {0.5, 0.5}, {}};
   CHECK_THROWS_AS(detect_contacts(slightly), Error);
   CHECK(detect_contacts(slightly, {.tolerance = 1e-7, .overlap_tolerance = 0.05}).size() == 1);
+  CHECK(detect_contacts(slightly, {.tolerance = 1e-7, .overlap_tolerance = 0.021}).size() == 1);
+  CHECK_THROWS_AS(detect_contacts(slightly, {.tolerance = 1e-7, .overlap_tolerance = 0.019}), Error);
 }
 
 TEST_CASE("packings: values that are no grains are refused") {
