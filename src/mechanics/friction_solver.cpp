@@ -65,8 +65,9 @@ BlockRows block_rows(const LocalFrictionProblem& problem) {
 
 LocalVector component(const Vector& values, Index c) { return {values[2 * c], values[2 * c + 1]}; }
 
-// Velocity of contact c under the present impulses.
-LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector& impulses, Index c) {
+// Velocity of contact c under the present impulses. Calls of this function and the next one would take as
+// long as they do themselves, hence `inline`.
+inline LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector& impulses, Index c) {
   LocalVector u = component(q, c);
   for (Index k = rows.start[at(c)]; k < rows.start[at(c + 1)]; ++k) {
     const Block& b = rows.block[at(k)];
@@ -79,7 +80,7 @@ LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector& impul
 }
 
 // The impulse that would bring contact c to rest, the others held:  r_c - W_c^-1 u_c.
-LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) {
+inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) {
   return impulse - w.solve(u);
 }
 
@@ -93,7 +94,8 @@ void sweep_once(const BlockRows& rows, const LocalFrictionProblem& problem,
     LocalVector r = component(impulses, c);
     const LocalVector stop = stopping(w, r, velocity(rows, problem.q, impulses, c));
     take_impulse<relaxed>(r, Coulomb{}.impulse(stop, w, problem.friction[c]), options.relaxation);
-    impulses.segment<2>(2 * c) << r.n, r.t;
+    impulses[2 * c] = r.n;
+    impulses[2 * c + 1] = r.t;
   }
 }
 
