@@ -11,7 +11,8 @@
 #include <variant>
 #include <vector>
 
-/// Enumerations with names. Beside an enumeration, whose values count from 0, stands the table of its names:
+/// Enumerations with names. The values of the enumeration count from 0; the table of its names stands beside
+/// it:
 ///     enum class Colour { red, green };
 ///     constexpr auto names_of(Colour) { return std::to_array<std::string_view>({"red", "green"}); }
 namespace nscdd {
@@ -43,11 +44,12 @@ constexpr std::optional<Enum> named(std::string_view name) {
   return std::nullopt;
 }
 
-/// Position of a name among others; throws Error "what: expected one of ..., met ..." where it is not there.
+/// Position of a name among others. Throws Error "what: expected one of ..., met ..." if it is not among
+/// them.
 std::size_t position_of(std::string_view name, std::span<const std::string_view> names,
                         std::string_view what);
 
-/// A parameter with named values. It takes a value, or a name; a name that does not exist throws Error.
+/// A parameter with named values. It can be set to a value or to a name; an unknown name throws Error.
 template <Named Enum>
 class Choice {
  public:
@@ -85,8 +87,8 @@ struct Alternatives<std::variant<Types...>> {
   }
 };
 
-/// "; did you mean NAME?" for the nearest of the known names, or "" where none is near. Names are near where
-/// few letters are missing, too many, changed, or swapped with their neighbour.
+/// "; did you mean NAME?" for the nearest of the known names, or "" if none is near. Two names are near if
+/// few letters must be added, removed, changed or swapped with their neighbour to turn one into the other.
 std::string suggestion(std::string_view met, std::span<const std::string> known);
 
 }  // namespace nscdd

@@ -7,9 +7,9 @@
 
 namespace nscdd {
 
-/// Input that the program cannot use: says what was expected, what was met, and where (file and line,
-/// key, option or grain). Thrown anywhere, caught in `main` only, where it becomes exit code 2.
-/// A computation that does not converge is not an Error: it is data in the result.
+/// Input that the program cannot use. The message says what was expected, what was met, and where (file and
+/// line, key, option or grain). An Error may be thrown anywhere; `main` catches it and returns exit code 2.
+/// A computation that does not converge throws no Error: it says so in its result.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(message) {}

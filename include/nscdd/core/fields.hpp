@@ -31,10 +31,10 @@ struct FieldDescription {
   std::string key, type, value, unit, description;
 };
 
-/// Reads a number in full ("1e-3", "inf"); throws Error naming `what` where the text is anything else.
+/// Reads a text that is one number ("1e-3", "inf"). Throws Error naming `what` if it is anything else.
 double parse_number(std::string_view text, std::string_view what);
 
-/// Reads an integer in full; throws Error naming `what` where the text is anything else or does not fit.
+/// Reads a text that is one integer. Throws Error naming `what` if it is anything else or out of range.
 Index parse_integer(std::string_view text, std::string_view what);
 
 /// Sets a value from text: numbers as printed, pairs as "a,b" or "[a, b]". Throws Error naming `key`.
@@ -103,7 +103,7 @@ std::string field_lines(const Parameters& parameters) {
   return lines;
 }
 
-/// Sets the parameter `key` from text and checks its bounds; false where the struct has no such key.
+/// Sets the parameter `key` from text and checks its bounds. Returns false if the struct has no such key.
 /// `path` is the name for error messages, such as "packing.grains".
 template <class Parameters>
 bool override_field(Parameters& parameters, std::string_view key, std::string_view text,

@@ -7,8 +7,8 @@
 
 namespace nscdd {
 
-/// Called by long work after each unit with (units done, units in all); returning false asks the work
-/// to stop, which it does at once with what it has. An empty Monitor is never called.
+/// Long work calls it after each unit with (units done, units in all). If it returns false, the work stops at
+/// once and returns what it has. An empty Monitor is never called.
 using Monitor = std::function<bool(Index done, Index total)>;
 
 inline bool report(const Monitor& monitor, Index done, Index total) {

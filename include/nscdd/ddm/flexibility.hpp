@@ -38,7 +38,7 @@ class EtaChoice {
   bool operator==(const EtaChoice&) const = default;
 
  private:
-  // Stage 2 is stable from stable_eta on, which was met at 4 to 9.2 W; see also docs/theory.md.
+  // Safe: see "Flexibilities relative to the packing" in docs/cases.md for what was measured.
   Flexibility flexibility_{10, true};
   bool optimal_ = false;
 };

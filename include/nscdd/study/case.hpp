@@ -96,8 +96,8 @@ std::string to_toml(const CaseSpec& spec);
 /// packing or masses that cannot be used, and for a contact problem, which has no packing.
 Packing packing_of(const Case& one, const Monitor& monitor = {});
 
-/// Throws Error naming the key where a case cannot be made to move, as far as that can be told without its
-/// grains: no [dynamics], too many subdomains, a criterion that says nothing of its solver.
+/// Throws Error naming the key if a case cannot be made to move, as far as that can be told without its
+/// grains: it has no [dynamics], too many subdomains, or a criterion that its solver never meets.
 void check_dynamics(const CaseSpec& spec);
 
 /// A case made ready to move: its packing with masses and boundaries, at time 0. Throws Error naming the file
@@ -118,12 +118,11 @@ struct Model {
   bool has_geometry() const { return packing.size() > 0; }
 };
 
-/// Throws Error, naming what asks for it, where the model is a contact problem, of which no geometry is
-/// known.
+/// Throws Error, naming what asks for it, if the model is a contact problem: its geometry is not known.
 void require_geometry(const Model& model, std::string_view what);
 
-/// Generates or takes over the packing, sets masses, finds contacts, assembles and decomposes. A contact
-/// problem has all this behind it and is only decomposed, along no regular grid.
+/// Generates the packing or takes the one there is, sets masses, finds contacts, assembles and decomposes. A
+/// contact problem comes assembled and is only decomposed, which cannot be by a regular grid.
 /// Throws Error for whatever cannot be used (see the functions called). The monitor follows the generator.
 Model build(const Case& one, const Monitor& monitor = {});
 
