@@ -75,6 +75,13 @@ TEST_CASE("the active set needs a prescribed velocity, which may load no contact
   CHECK(active_contacts(idle, rigid_impulses(idle)) == std::vector<char>{0});
 }
 
+TEST_CASE("active contacts push, by more than rounding next to the largest impulse") {
+  const Model model = build(strip(4));
+  RigidImpulses rigid;
+  rigid.impulses = (Vector(5) << 2.0, -3.0, 1e-12, 1e-9, 0.0).finished();
+  CHECK(active_contacts(model.problem, rigid) == std::vector<char>{1, 0, 0, 1, 0});
+}
+
 TEST_CASE("Gauss-Seidel sweeps converge to the linear solution and keep velocities consistent") {
   const Model model = build(random_lattice(1, 6, 5, {1, 1}));
   const Dense h = model.problem.h;
