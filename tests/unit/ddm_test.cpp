@@ -2,6 +2,7 @@
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
@@ -66,6 +67,26 @@ TEST_CASE("METIS: the seed is heard: among a few of them there are different par
   for (const Index seed : {1, 2, 3, 4, 5})
     met.insert(partition(MetisPartitioner{.metis = 6, .seed = seed}, model.problem).subdomain_of_contact);
   CHECK(met.size() > 1);
+}
+
+TEST_CASE("METIS: few grains are shared, and the columns of a contact stay together") {
+  const Model model = build(strip(60));
+  const Partition halves = partition(MetisPartitioner{.metis = 2}, model.problem);
+  const Decomposition parts = decompose(model.problem, halves);
+  Index shared = 0;
+  for (Index g = 0; g < model.grains(); ++g) shared += parts.interface.multiplicity(g) > 1;
+  CHECK(shared > 0);
+  CHECK(shared <= 4);  // a straight cut through a strip meets two
+
+  ReferenceProblem twice = model.problem;  // every column two times
+  std::vector<Index> columns;
+  for (Index c = 0; c < 2 * model.problem.contacts(); ++c) columns.push_back(c / 2);
+  twice.h = selected_columns(model.problem.h, columns);
+  twice.columns_per_contact = 2;
+  const Partition found = partition(MetisPartitioner{.metis = 3}, twice);
+  REQUIRE(count(found.subdomain_of_contact) == 2 * model.problem.contacts());
+  for (std::size_t c = 0; c < found.subdomain_of_contact.size(); c += 2)
+    CHECK(found.subdomain_of_contact[c] == found.subdomain_of_contact[c + 1]);
 }
 
 TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {
