@@ -267,7 +267,7 @@ TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide
   }
 }
 
-TEST_CASE("speed of glued copies: rims count as much as centres") {
+TEST_CASE("glued copies: their masses add up, and in their speed rims count as much as centres") {
   const Simulation simulation =
       simulation_of({{.x = 0, .y = 0.5}, {.x = 1, .y = 0.5}, {.x = 2, .y = 0.5}}, tight());
   const SolvedStep step = solve_step(simulation);
@@ -275,6 +275,10 @@ TEST_CASE("speed of glued copies: rims count as much as centres") {
   GranularDecomposition parts =
       decompose(step.problem, {.subdomains = 2, .subdomain_of_contact = {0, 1}}, "natural", 1);
   REQUIRE(parts.interface.gluing().size() == 1);
+  double mass = 0;  // of all copies together
+  for (const GranularSubdomain& subdomain : parts.subdomains)
+    for (const DiskVelocity& v : subdomain.velocities) mass += 1 / v.inverse_mass;
+  CHECK(mass == doctest::Approx(3));
   for (GranularSubdomain& subdomain : parts.subdomains)
     for (DiskVelocity& v : subdomain.velocities) v.x = v.y = v.rim = 2;
   CHECK(glued_speed_squared(parts) == 2 * (4 + 4 + 4));
