@@ -57,9 +57,9 @@ ContactLaw contact_law(const Interaction& interaction, double h) {
   ContactLaw law;
   // Tries every alternative; the choices of the field are their names.
   const auto attempt = [&]<class... Laws>(const std::variant<Laws...>&) {
-    ((to_string(interaction.law) == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
+    return ((to_string(interaction.law) == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
   };
-  attempt(law);
+  static_cast<void>(attempt(law));
   return law;
 }
 

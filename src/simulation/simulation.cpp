@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/iteration_watch.hpp"
 #include "simulation/step_decomposition.hpp"
+#include "simulation/step_partition.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/simulation/simulation.hpp>
 
@@ -61,19 +62,7 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
   return changes;
 }
 
-StepProblem checked_problem(const Simulation& simulation) {
-  const Dynamics& dynamics = simulation.dynamics;
-  StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
-                                     dynamics.solver.warm_start);
-  check_overlaps(simulation.system, problem, largest_overlap);
-  return problem;
-}
-
 }  // namespace
-
-void check_next_step(const Simulation& simulation) {
-  partition_step(simulation, checked_problem(simulation));
-}
 
 bool begins_interval(Index iteration, Index per_decade) {
   const auto interval = [&](Index i) {

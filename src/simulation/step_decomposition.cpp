@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/step_decomposition.hpp"
 
-#include "linalg/sparse_entries.hpp"
+#include "simulation/step_partition.hpp"
 #include <nscdd/ddm/granular_decomposition.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/mechanics/contact_residual.hpp>
@@ -10,36 +10,6 @@
 
 namespace nscdd {
 namespace {
-
-ContactNetwork network_of(const StepProblem& problem, Index disks) {
-  ContactNetwork network;
-  network.grains = disks;
-  for (const StepContact& c : problem.geometry)
-    network.contacts.push_back({c.a, c.b, c.normal, c.point, c.gap});
-  return network;
-}
-
-// Free grains where contacts are found. The grid is laid over the box of their centres.
-Packing free_grains(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
-  const double time = (1 - scheme.theta) * scheme.step;
-  Packing packing;
-  for (Index i = 0; i < system.disks(); ++i) {
-    if (!system.free(i)) continue;
-    packing.x.push_back(state.x[at(i)] + time * state.velocity_x[at(i)]);
-    packing.y.push_back(state.y[at(i)] + time * state.velocity_y[at(i)]);
-    packing.radius.push_back(system.radius[at(i)]);
-  }
-  return packing;
-}
-
-// The step problem with normal directions alone: METIS needs only to know which contacts share a grain.
-ReferenceProblem normal_problem(const StepProblem& problem, Index disks) {
-  ReferenceProblem result = reference_problem(problem, disks);
-  std::vector<Index> normals;
-  for (Index c = 0; c < count(problem.contacts); ++c) normals.push_back(2 * c);
-  result.h = selected_columns(result.h, normals);
-  return result;
-}
 
 // Keeps the columns of a contact that its status leaves in the linear problem.
 void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus status) {
@@ -105,55 +75,7 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
   return kept;
 }
 
-Partition fresh_partition(const Simulation& simulation, const StepProblem& problem) {
-  const Index disks = simulation.system.disks();
-  return distribute(
-      simulation.partitioner,
-      [&] {
-        return std::pair(free_grains(simulation.system, simulation.state, simulation.dynamics.time),
-                         network_of(problem, disks));
-      },
-      [&] { return normal_problem(problem, disks); });
-}
-
-// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free
-// disk.
-Partition kept_partition(const Simulation& simulation, const StepProblem& problem) {
-  Partition partition = {.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};
-  const auto& known = simulation.state.subdomains;
-  std::vector<Index> of_disk(problem.free.size(), -1);
-  for (const RememberedSubdomain& one : known)
-    for (const Index i : {one.a, one.b})
-      if (i < simulation.system.disks() && simulation.system.free(i) && of_disk[at(i)] < 0)
-        of_disk[at(i)] = one.subdomain;
-  auto old = known.begin();
-  for (const StepContact& c : problem.geometry) {
-    const auto key = std::pair(c.a, c.b);
-    while (old != known.end() && std::pair(old->a, old->b) < key) ++old;
-    Index subdomain = of_disk[at(c.a)];
-    if (old != known.end() && std::pair(old->a, old->b) == key)
-      subdomain = old->subdomain;
-    else if (subdomain < 0 && c.b < simulation.system.disks())
-      subdomain = of_disk[at(c.b)];
-    partition.subdomain_of_contact.push_back(std::max<Index>(subdomain, 0));
-  }
-  return partition;
-}
-
 }  // namespace
-
-Partition partition_step(const Simulation& simulation, const StepProblem& problem) {
-  const StepSolver& solver = simulation.dynamics.solver;
-  if (solver.algorithm == StepAlgorithm::nlgs)
-    return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  return decomposes_afresh(simulation, simulation.state.step) ? fresh_partition(simulation, problem)
-                                                              : kept_partition(simulation, problem);
-}
-
-bool decomposes_afresh(const Simulation& simulation, Index step) {
-  const Index last = simulation.state.decomposed_at;
-  return last < 0 || step - last >= simulation.dynamics.solver.redecompose;
-}
 
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta) {

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "simulation/step_partition.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/simulation/dynamics.hpp>
 
 namespace nscdd {
-
-/// The partition of the contacts of a step. It is made afresh every `redecompose` steps; in between, known
-/// contacts stay where they are.
-Partition partition_step(const Simulation& simulation, const StepProblem& problem);
-
-/// Whether that step is partitioned afresh.
-bool decomposes_afresh(const Simulation& simulation, Index step);
 
 /// The flexibility with the smallest predicted radius (see optimal_eta) for the network that 100 sweeps of
 /// the undecomposed step find. It is sought anew with every decomposition and kept in between, but raised to

@@ -53,6 +53,7 @@ void interchange_back(const lapack_int* ipiv, Index n, Swap&& swap) {
 template <class Diagonal, class Rows>
 void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   const Index n = diagonal.rows();
+  if (b.cols() == 0) return;  // the data of an empty matrix is no place to count rows from
   for (Index k = 0; k < n; ++k) {
     if (k + 1 < n && e[k] != 0) {
       const double a = diagonal(k, k) / e[k], c = diagonal(k + 1, k + 1) / e[k], scale = (a * c - 1) * e[k];
