@@ -193,6 +193,16 @@ TEST_CASE("ranks: a column counts from the tolerance on, not from a few times th
   }
 }
 
+TEST_CASE(
+    "dense least squares: directions within rounding of none do not count, the solution has least norm") {
+  const Matrix product = random_matrix(30, 5, 5) * random_matrix(5, 12, 6);
+  const Vector b = RandomStream(3).normal_vector(30);
+  const LeastSquares found = minimum_norm_least_squares(product, b);
+  CHECK(found.rank == 5);
+  const Vector expected = pseudo_inverse(product, 1e-10).apply(b);
+  CHECK((found.solution - expected).norm() < 1e-10 * expected.norm());
+}
+
 TEST_CASE("searches: a root, a minimum, and refusals") {
   const ScalarSearch root = find_root([](double x) { return x * x - 2; }, 0, 2, 1e-14);
   CHECK(root.converged);

@@ -144,6 +144,23 @@ TEST_CASE("shift-invert Lanczos: equal calls give equal bits, whatever ran in be
   CHECK(first.applications == second.applications);
 }
 
+TEST_CASE("shift-invert Lanczos: what is locked is not found again") {
+  const Index n = 50;
+  Vector values(n);
+  for (Index i = 0; i < n; ++i) values[i] = 1 + static_cast<double>(i);
+  const LinearMap inverse = [=](const Vector& x) -> Vector {
+    return x.cwiseQuotient((values.array() - 0.5).matrix());
+  };
+  const LinearMap mass = [](const Vector& x) { return x; };
+  const Matrix locked = Matrix::Identity(n, 2);
+  const ShiftInvertResult found =
+      shift_invert_lanczos(n, inverse, mass, 0.5, SpectrumEnd::smallest, 2, {}, {}, locked);
+  REQUIRE(found.values.size() == 2);
+  CHECK(found.values[0] == doctest::Approx(3));
+  CHECK(found.values[1] == doctest::Approx(4));
+  CHECK((locked.transpose() * found.vectors).norm() < 1e-10);
+}
+
 TEST_CASE("shift-invert Lanczos: too small a problem is refused, too few steps are said") {
   const KnownPencil small(spread(4), 1);
   CHECK_THROWS_AS(Run{small}(0.1, SpectrumEnd::smallest, 1), Error);
