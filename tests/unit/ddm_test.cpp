@@ -89,6 +89,49 @@ TEST_CASE("METIS: few grains are shared, and the columns of a contact stay toget
     CHECK(found.subdomain_of_contact[c] == found.subdomain_of_contact[c + 1]);
 }
 
+TEST_CASE("partitioners: as --subdomains names them, and refused with the forms there are") {
+  CHECK(std::get<GridPartitioner>(parse_partitioner("3x2", "--subdomains")).grid ==
+        std::array<Index, 2>{3, 2});
+  CHECK(subdomains(parse_partitioner("3x2", "--subdomains")) == 6);
+  CHECK(std::get<MetisPartitioner>(parse_partitioner("metis:5", "--subdomains")).metis == 5);
+  CHECK(subdomains(parse_partitioner("metis:5", "--subdomains")) == 5);
+  for (const char* text : {"3", "", "metis", "3:2"})
+    CHECK_THROWS_WITH_AS(parse_partitioner(text, "--subdomains"),
+                         doctest::Contains("--subdomains: expected NXxNY such as 2x1, or metis:N, met"),
+                         Error);
+  for (const char* text : {"3x", "0x2", "metis:0", "metis:x", "2x1x3"})
+    CHECK_THROWS_WITH_AS(parse_partitioner(text, "--subdomains"), doctest::Contains("--subdomains"), Error);
+}
+
+TEST_CASE("the solver of a spectrum: by size, by request, and what it falls back on") {
+  using enum SpectralSolver;
+  const auto chosen = [](Index size, bool rigid, SpectralSolver solver) {
+    const SolverChoice choice = choose_solver(size, rigid, {.solver = solver});
+    return std::pair(choice.solver, choice.dense_fallback);
+  };
+  for (const SpectralSolver solver : {automatic, dense, arpack, shift_invert})  // too small for Lanczos
+    CHECK(chosen(4, true, solver) == std::pair(dense, false));
+  CHECK(chosen(800, true, automatic) == std::pair(dense, false));
+  CHECK(chosen(801, true, automatic) == std::pair(shift_invert, true));
+  CHECK(chosen(801, false, automatic) == std::pair(shift_invert, false));
+  CHECK(chosen(4000, true, automatic) == std::pair(shift_invert, true));
+  CHECK(chosen(4001, true, automatic) == std::pair(shift_invert, false));
+  CHECK(chosen(5, true, shift_invert) == std::pair(shift_invert, false));
+  CHECK(chosen(5, true, arpack) == std::pair(arpack, false));
+  CHECK(chosen(5000, false, dense) == std::pair(dense, false));
+
+  const auto inexact = [](Index size, SpectralSolver solver) {
+    const SolverChoice choice = choose_inexact_solver(size, {.solver = solver});
+    return std::pair(choice.solver, choice.dense_fallback);
+  };
+  CHECK(inexact(400, automatic) == std::pair(dense, false));
+  CHECK(inexact(401, automatic) == std::pair(arpack, true));
+  CHECK(inexact(2501, automatic) == std::pair(arpack, false));
+  CHECK(inexact(5, shift_invert) == std::pair(arpack, false));
+  CHECK(inexact(4, arpack) == std::pair(dense, false));
+  CHECK(inexact(5000, dense) == std::pair(dense, false));
+}
+
 TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {
   for (const Case& one : every_problem()) {
     CAPTURE(one.spec.name);
