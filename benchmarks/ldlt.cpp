@@ -42,8 +42,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-void measure(const ShiftedPencilFamily& family, double epsilon, double eta, double shift, Index border,
-             Times& times) {
+void measure(const ShiftedPencilFamily& family, double epsilon, double eta, double shift, Index border, Times& times) {
   std::optional<ShiftedPencil> pencil;
   times.factorisations.push_back(seconds([&] { pencil = family.at(epsilon, eta, shift); }));
   times.counts.push_back(pencil->below());
@@ -54,8 +53,7 @@ void measure(const ShiftedPencilFamily& family, double epsilon, double eta, doub
 
 void print_row(const char* name, const std::vector<double>& ours, const std::vector<double>& mumps) {
   std::printf("%-22s %9.4f %9.4f   %9.4f %9.4f   %6.2f\n", name, *std::min_element(ours.begin(), ours.end()),
-              median(ours), *std::min_element(mumps.begin(), mumps.end()), median(mumps),
-              median(mumps) / median(ours));
+              median(ours), *std::min_element(mumps.begin(), mumps.end()), median(mumps), median(mumps) / median(ours));
 }
 
 }  // namespace
@@ -81,9 +79,8 @@ int main(int argc, char** argv) {
       measure(*own, epsilon, eta, shift, b.rows(), ours);
       measure(*other, epsilon, eta, shift, b.rows(), mumps);
     }
-    std::printf("%ld grains, %ld strips, eta = %g: %ld unknowns, %ld on the interface\n",
-                static_cast<long>(grains), static_cast<long>(strips), eta, static_cast<long>(own->unknowns()),
-                static_cast<long>(b.rows()));
+    std::printf("%ld grains, %ld strips, eta = %g: %ld unknowns, %ld on the interface\n", static_cast<long>(grains),
+                static_cast<long>(strips), eta, static_cast<long>(own->unknowns()), static_cast<long>(b.rows()));
     std::printf("%-22s %19s   %19s   %6s\n", "seconds (best, median)", "ours", "MUMPS", "ratio");
     print_row("analysis", {ours.analysis}, {mumps.analysis});
     print_row("first shift", {ours.factorisations[0]}, {mumps.factorisations[0]});
@@ -91,8 +88,8 @@ int main(int argc, char** argv) {
     mumps.factorisations.erase(mumps.factorisations.begin());
     if (!ours.factorisations.empty()) print_row("further shifts", ours.factorisations, mumps.factorisations);
     print_row("solve on the interface", ours.solves, mumps.solves);
-    std::printf("inexactness at most %.1e, %.1e; counts %s\n\n", ours.worst_inexactness,
-                mumps.worst_inexactness, ours.counts == mumps.counts ? "equal" : "DIFFER");
+    std::printf("inexactness at most %.1e, %.1e; counts %s\n\n", ours.worst_inexactness, mumps.worst_inexactness,
+                ours.counts == mumps.counts ? "equal" : "DIFFER");
     agree = agree && ours.counts == mumps.counts;
   }
   return agree ? 0 : 1;

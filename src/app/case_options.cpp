@@ -69,12 +69,10 @@ void CaseOptions::declare(Command& command) {
                   "packing files in .csv or .h5 with x,y,radius[,mass], contact problems of FCLIB in .hdf5")
       ->required();
   command.add_option("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
-  command.add_option("--prescribed", prescribed,
-                     "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
+  command.add_option("--prescribed", prescribed, "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
   command.add_option("--density", density, "masses = density x pi radius^2, kg/m^2");
   command.add_option("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
-  command.add_option("--overlap-tolerance", overlap_tolerance,
-                     "overlap accepted, times smaller radius (1e-7)");
+  command.add_option("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
   command.add_option("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16");
 }
 
@@ -94,8 +92,7 @@ void CaseOptions::apply(CaseSpec& spec) const {
     const PrescribedVelocity velocity = parse_prescribed(text);
     for (const PrescribedVelocity& other : spec.prescribed)
       if (other.grain == velocity.grain)
-        throw Error(
-            fmt::format("--prescribed: expected each grain once, met grain {} again", velocity.grain));
+        throw Error(fmt::format("--prescribed: expected each grain once, met grain {} again", velocity.grain));
     spec.prescribed.push_back(velocity);
   }
   if (density) override_case(spec, "masses.density", field_text(*density));

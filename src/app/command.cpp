@@ -63,8 +63,8 @@ void check_names(const std::vector<DescribedVerb>& verbs, std::span<const char* 
   for (const DescribedVerb& verb : verbs) names.push_back(verb.name);
   const auto found = std::find(names.begin(), names.end(), first);
   if (found == names.end())
-    throw Error(fmt::format("expected a verb ({}), met '{}'{}", fmt::join(names, ", "), first,
-                            suggestion(first, names)));
+    throw Error(
+        fmt::format("expected a verb ({}), met '{}'{}", fmt::join(names, ", "), first, suggestion(first, names)));
   const DescribedVerb& verb = verbs[static_cast<std::size_t>(found - names.begin())];
   names = {"--help"};
   for (const Option& option : verb.command.options()) add_names(option.names(), names);
@@ -72,8 +72,8 @@ void check_names(const std::vector<DescribedVerb>& verbs, std::span<const char* 
     if (argument == "--") return;
     argument = argument.substr(0, argument.find('='));
     if (argument.starts_with("--") && std::find(names.begin(), names.end(), argument) == names.end())
-      throw Error(fmt::format("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them",
-                              verb.name, argument, suggestion(argument, names), verb.name));
+      throw Error(fmt::format("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them", verb.name,
+                              argument, suggestion(argument, names), verb.name));
   }
 }
 

@@ -19,8 +19,8 @@ class Option {
  public:
   /// Where the value goes. An empty optional stays empty, and a list stays as it is, where the option is not
   /// given; a bool makes the option a flag.
-  using Target = std::variant<std::string*, double*, Index*, bool*, std::optional<std::string>*,
-                              std::optional<double>*, std::optional<Index>*, std::vector<std::string>*>;
+  using Target = std::variant<std::string*, double*, Index*, bool*, std::optional<std::string>*, std::optional<double>*,
+                              std::optional<Index>*, std::vector<std::string>*>;
 
   Option(std::string names, Target target, std::string help)
       : names_(std::move(names)), target_(target), help_(std::move(help)) {}

@@ -29,8 +29,7 @@ std::string joined(const std::vector<std::string>& names) {
 
 std::vector<fs::path> data_folders() {
   std::vector<fs::path> folders{"."};
-  if (const char* named = std::getenv("NSCDD_DATA"); named != nullptr && *named != '\0')
-    folders.emplace_back(named);
+  if (const char* named = std::getenv("NSCDD_DATA"); named != nullptr && *named != '\0') folders.emplace_back(named);
   std::error_code status;
   const fs::path program = fs::read_symlink("/proc/self/exe", status);
   if (!status) {
@@ -64,9 +63,9 @@ std::string find_study(const std::string& name) {
       const fs::path path = folder / "studies" / name;
       if (is_file(path / "study.toml")) return path.lexically_normal().string();
     }
-  throw Error(fmt::format(
-      "study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
-      joined(known_studies()), suggestion(name, known_studies())));
+  throw Error(
+      fmt::format("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
+                  joined(known_studies()), suggestion(name, known_studies())));
 }
 
 std::vector<std::string> known_cases() {

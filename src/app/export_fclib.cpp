@@ -34,9 +34,9 @@ TrajectoryStep state_before(const FclibExport& what) {
 
 TrajectoryStep kept_step(const FclibExport& what, std::optional<TrajectoryStep> after) {
   if (!after)
-    throw Error(fmt::format(
-        "--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
-        what.trajectory, step_ranges_text(trajectory_steps(what.trajectory)), what.step));
+    throw Error(
+        fmt::format("--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
+                    what.trajectory, step_ranges_text(trajectory_steps(what.trajectory)), what.step));
   return *std::move(after);
 }
 
@@ -44,24 +44,21 @@ TrajectoryStep kept_step(const FclibExport& what, std::optional<TrajectoryStep> 
 std::string case_name(const FclibExport& what, const TrajectoryHeader& header) {
   constexpr std::string_view mark = "# case ";
   for (const auto& [key, text] : header.provenance)
-    if (key == "cases" && text.rfind(mark, 0) == 0)
-      return text.substr(mark.size(), text.find('\n') - mark.size());
+    if (key == "cases" && text.rfind(mark, 0) == 0) return text.substr(mark.size(), text.find('\n') - mark.size());
   return std::filesystem::path(what.trajectory).stem().string();
 }
 
-FclibInfo info_of(const FclibExport& what, const TrajectoryHeader& header, const Simulation& before,
-                  bool solved) {
+FclibInfo info_of(const FclibExport& what, const TrajectoryHeader& header, const Simulation& before, bool solved) {
   FclibInfo info;
   info.title = fmt::format("{}, step {}", case_name(what, header), what.step);
   if (what.subdomain) *info.title += fmt::format(", subdomain {}", *what.subdomain);
   const double h = before.dynamics.time.step;
-  info.description = fmt::format(
-      "Contact problem of disks from t = {:.12g} s to {:.12g} s, law {}. Contacts ascend by their bodies.",
-      before.state.time, before.state.time + h, to_string(before.dynamics.interaction.law));
+  info.description =
+      fmt::format("Contact problem of disks from t = {:.12g} s to {:.12g} s, law {}. Contacts ascend by their bodies.",
+                  before.state.time, before.state.time + h, to_string(before.dynamics.interaction.law));
   if (!what.local)
-    *info.description += what.subdomain
-                             ? " Bodies: free disks of the subdomain's contacts, ascending, split masses."
-                             : " Bodies: the free disks, ascending.";
+    *info.description += what.subdomain ? " Bodies: free disks of the subdomain's contacts, ascending, split masses."
+                                        : " Bodies: the free disks, ascending.";
   if (solved) *info.description += " The solution is that of the run, as far as it converged.";
   info.math_info = what.local ? "u = W r + q; (n, t) per contact, t = n turned by 90 degrees; N s, m/s"
                               : "M v = H r + f, u = H^T v + w; (vx, vy, spin) per body, (n, t) per contact, "

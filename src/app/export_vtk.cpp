@@ -23,8 +23,7 @@ std::vector<Index> chosen(const VtkExport& what) {
   const StepRange& range = what.steps;
   std::vector<Index> steps;
   for (const Index step : kept)
-    if (step >= range.first && (range.last < 0 || step <= range.last) &&
-        (step - range.first) % range.stride == 0)
+    if (step >= range.first && (range.last < 0 || step <= range.last) && (step - range.first) % range.stride == 0)
       steps.push_back(step);
   if (steps.empty())
     throw Error(fmt::format("--steps: expected a range with some of the steps that {} keeps ({}), met none",
@@ -70,8 +69,8 @@ int export_vtk(const VtkExport& what) {
   const fs::path collection = folder / (fs::path(what.trajectory).stem().string() + ".pvd");
   write_file(collection.string(), pvd_text(files), what.force);
   if (files.size() < steps.size()) {
-    note(fmt::format("{}: interrupted after {} of {} steps, which {} lists", what.folder, files.size(),
-                     steps.size(), collection.string()));
+    note(fmt::format("{}: interrupted after {} of {} steps, which {} lists", what.folder, files.size(), steps.size(),
+                     collection.string()));
     return interrupted_exit_code;
   }
   fmt::print("{}: {} steps ({}), {} disks\n", collection.string(), files.size(), step_ranges_text(steps),

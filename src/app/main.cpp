@@ -23,17 +23,14 @@ using namespace nscdd::app;
 
 // Every verb of the program.
 constexpr std::array<Verb, 12> verbs{{
-    {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV",
-     declare_sweep},
+    {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV", declare_sweep},
     {"run", "run a study: its tables as CSV and HDF5", declare_run},
     {"network", "contact network of a case: links, impulses, active contacts, as CSV", declare_network},
     {"inspect", "counts, interface, ranks, rigid modes and hyperstaticity of a case", declare_inspect},
     {"optimum", "best flexibility eta of the enriched algorithm for a case", declare_optimum},
-    {"modes", "where the iteration is slow: impulses and velocities of the slowest mode, as CSV",
-     declare_modes},
+    {"modes", "where the iteration is slow: impulses and velocities of the slowest mode, as CSV", declare_modes},
     {"simulate", "run a case that moves, step by step: trajectory as HDF5", declare_simulate},
-    {"export", "write a trajectory for ParaView, or a step of it as a contact problem (FCLIB file)",
-     declare_export},
+    {"export", "write a trajectory for ParaView, or a step of it as a contact problem (FCLIB file)", declare_export},
     {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
     {"solve", "solve a frictional contact problem of another program (FCLIB file)", declare_solve},
     {"list", "known cases, studies, generators, partitioners and observables", declare_list},

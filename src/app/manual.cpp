@@ -51,11 +51,9 @@ std::string default_text(const Option& option) {
 std::string remarks(const Option& option) {
   std::string words;
   for (const std::string& word : option.words())
-    if (option.help().find(word) == std::string::npos)
-      words = fmt::format("{}", fmt::join(option.words(), "|"));
+    if (option.help().find(word) == std::string::npos) words = fmt::format("{}", fmt::join(option.words(), "|"));
   const std::string initial = default_text(option);
-  if (words.empty() && initial.empty())
-    return option.is_required() && !option.positional() ? " (required)" : "";
+  if (words.empty() && initial.empty()) return option.is_required() && !option.positional() ? " (required)" : "";
   return fmt::format(" [{}{}{}]", words, !words.empty() && !initial.empty() ? "; " : "", initial);
 }
 
@@ -79,8 +77,7 @@ std::string wrapped(const std::string& text, std::size_t width, std::size_t inde
 
 std::string option_line(const Option& option) {
   const std::string name = name_and_value(option);
-  const std::string text =
-      wrapped(first_part(option.help()) + remarks(option), columns - name_columns, name_columns);
+  const std::string text = wrapped(first_part(option.help()) + remarks(option), columns - name_columns, name_columns);
   if (name.size() + 4 <= name_columns) return fmt::format("  {:<{}}{}\n", name, name_columns - 2, text);
   return fmt::format("  {}\n{}{}\n", name, std::string(name_columns, ' '), text);
 }
@@ -113,15 +110,13 @@ std::string troff(const std::string& text) {
 }
 
 std::string page_head(const std::string& name, const std::string& summary) {
-  return fmt::format(".TH \"{}\" 1 \"\" \"nscdd {}\" \"nscdd\"\n.SH NAME\n{} \\- {}\n", troff(name),
-                     version(), troff(name), troff(summary));
+  return fmt::format(".TH \"{}\" 1 \"\" \"nscdd {}\" \"nscdd\"\n.SH NAME\n{} \\- {}\n", troff(name), version(),
+                     troff(name), troff(summary));
 }
 
 std::string literal_block(const std::string& text) { return fmt::format(".nf\n{}\n.fi\n", troff(text)); }
 
-std::string quoted_words(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, " "));
-}
+std::string quoted_words(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 std::vector<std::string> option_names(const Command& command) {
   std::vector<std::string> all{"--help"};
@@ -168,14 +163,12 @@ std::string short_guide(const std::vector<DescribedVerb>& verbs) {
 std::string help_screen(const DescribedVerb& verb) {
   std::string text = fmt::format("{}\nUsage: {}\n\n", verb.summary, usage(verb));
   for (const Option& option : verb.command.options()) text += option_line(option);
-  text +=
-      fmt::format("  {:<{}}this help; 'man nscdd-{}' has more\n", "-h, --help", name_columns - 2, verb.name);
+  text += fmt::format("  {:<{}}this help; 'man nscdd-{}' has more\n", "-h, --help", name_columns - 2, verb.name);
   return text + "\n" + verb.command.footer() + "\n";
 }
 
 std::string manual_page(const std::vector<DescribedVerb>& verbs) {
-  std::string page =
-      page_head("nscdd", "convergence study of domain decomposition for nonsmooth contact dynamics");
+  std::string page = page_head("nscdd", "convergence study of domain decomposition for nonsmooth contact dynamics");
   page += ".SH SYNOPSIS\n.B nscdd\n.I VERB\n[\\fIOPTIONS\\fR]\n.SH VERBS\n";
   for (const DescribedVerb& verb : verbs)
     page += fmt::format(".TP\n.BR nscdd\\-{} (1)\n{}\n", troff(verb.name), troff(verb.summary));
@@ -186,11 +179,9 @@ std::string manual_page(const DescribedVerb& verb) {
   std::string page = page_head("nscdd-" + verb.name, verb.summary);
   page += fmt::format(".SH SYNOPSIS\n{}\n.SH OPTIONS\n", troff(usage(verb)));
   for (const Option& option : verb.command.options())
-    page += fmt::format(".TP\n.B {}\n{}\n", troff(name_and_value(option)),
-                        troff(option.help() + remarks(option)));
+    page += fmt::format(".TP\n.B {}\n{}\n", troff(name_and_value(option)), troff(option.help() + remarks(option)));
   page += fmt::format(".SH REMARKS\n{}", literal_block(verb.command.footer()));
-  return page +
-         fmt::format(".SH EXIT STATUS\n{}\n.SH SEE ALSO\n.BR nscdd (1)\n", troff(std::string(exit_codes)));
+  return page + fmt::format(".SH EXIT STATUS\n{}\n.SH SEE ALSO\n.BR nscdd (1)\n", troff(std::string(exit_codes)));
 }
 
 std::string bash_completion(const std::vector<DescribedVerb>& verbs) {

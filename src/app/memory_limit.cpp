@@ -54,11 +54,9 @@ double control_groups_available() {
     if (first == std::string::npos || second == std::string::npos) continue;
     const std::string controllers = line.substr(first + 1, second - first - 1);
     const fs::path group = fs::path(line.substr(second + 1)).relative_path();
-    if (controllers.empty())
-      left = std::min(left, left_in("/sys/fs/cgroup", group, "memory.max", "memory.current"));
+    if (controllers.empty()) left = std::min(left, left_in("/sys/fs/cgroup", group, "memory.max", "memory.current"));
     if (controllers == "memory")
-      left = std::min(
-          left, left_in("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+      left = std::min(left, left_in("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
   }
   return left;
 }
@@ -78,19 +76,17 @@ void MemoryLimit::require(const MemoryNeed& need) const {
           "fewer subdomains or grains, the solver arpack where it is dense");
 }
 
-void MemoryLimit::require(double bytes, std::string_view name, std::string_view what,
-                          std::string_view advice) const {
+void MemoryLimit::require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const {
   if (gibibytes)
-    check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true},
-                 "--memory-limit");
+    check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--memory-limit");
   const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
   if (bytes <= limit) return;
   throw Error(
       fmt::format("case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} "
                   "GiB for {}; {}, "
                   "or a larger --memory-limit may help",
-                  name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available",
-                  bytes / gibibyte, what, advice));
+                  name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", bytes / gibibyte,
+                  what, advice));
 }
 
 }  // namespace nscdd::app

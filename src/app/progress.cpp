@@ -12,9 +12,7 @@
 namespace nscdd::app {
 namespace {
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
@@ -47,11 +45,11 @@ void Progress::draw(Index done, Index total) {
   std::string speed;
   if (done > before_) {
     const double each = (now - started_) / static_cast<double>(done - before_);
-    speed = fmt::format(", {}, {} left", rate_text(each, unit_),
-                        duration_text(each * static_cast<double>(total - done)));
+    speed =
+        fmt::format(", {}, {} left", rate_text(each, unit_), duration_text(each * static_cast<double>(total - done)));
   }
-  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", width - filled,
-             100 * fraction, speed);
+  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", width - filled, 100 * fraction,
+             speed);
   std::fflush(stderr);
 }
 

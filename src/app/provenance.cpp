@@ -9,8 +9,7 @@ namespace nscdd::app {
 
 Provenance provenance(const Context& context, const std::vector<Case>& cases) {
   std::string libraries, resolved;
-  for (const auto& [name, version] : dependency_versions())
-    libraries += fmt::format("{} {}\n", name, version);
+  for (const auto& [name, version] : dependency_versions()) libraries += fmt::format("{} {}\n", name, version);
   for (const Case& one : cases) {
     resolved += fmt::format("# case {}\n{}\n", one.spec.name, to_toml(one.spec));
     if (!one.settled_from.empty()) resolved += one.settled_from + "\n";

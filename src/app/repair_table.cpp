@@ -31,8 +31,7 @@ Proof proof_of(const std::vector<Column>& columns, const Texts& row) {
   Proof proof;
   for (std::size_t j = 0; j < columns.size(); ++j) {
     if (columns[j].name == "converged") proof.converged = row[j] == "true";
-    if (columns[j].name == "status" && row[j] == to_string(OptimumStatus::not_converged))
-      proof.converged = false;
+    if (columns[j].name == "status" && row[j] == to_string(OptimumStatus::not_converged)) proof.converged = false;
     if (columns[j].name == "certified") proof.certified = row[j] == "true";
   }
   return proof;
@@ -106,16 +105,14 @@ void for_each_row(const StudyTable& work, const std::string& path, const std::st
   Index number = 0;
   for (; reader.next(); ++number) {
     const std::string where = fmt::format("{}:{}", path, reader.line());
-    if (number >= total)
-      throw Error(fmt::format("{}: expected {} rows of this work, met another", where, total));
+    if (number >= total) throw Error(fmt::format("{}: expected {} rows of this work, met another", where, total));
     Texts row;
     for (std::size_t k = 0; k < layout.columns.size(); ++k) row.emplace_back(reader.value(k));
     require_known(work, layout, number, row, where);
     visit(number, std::move(row), where);
   }
   if (number < total)
-    throw Error(
-        fmt::format("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number));
+    throw Error(fmt::format("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number));
 }
 
 // Puts the rows of a CSV file in the place of those of a table, whose types they have. Returns whether they
@@ -128,8 +125,7 @@ bool replace_rows(Table& table, const std::string& path) {
   for (std::size_t i = 0; i < csv.rows.size(); ++i) {
     const std::string where = fmt::format("{}:{}", path, csv.lines[i]);
     Row& row = rows.emplace_back();
-    for (std::size_t j = 0; j < types.size(); ++j)
-      row.push_back(parse_cell(csv.rows[i].at(j), types[j], where));
+    for (std::size_t j = 0; j < types.size(); ++j) row.push_back(parse_cell(csv.rows[i].at(j), types[j], where));
   }
   const bool differ = !std::equal(rows.begin(), rows.end(), table.rows.begin(), table.rows.end(),
                                   [](const Row& a, const Row& b) { return texts_of(a) == texts_of(b); });
@@ -152,8 +148,7 @@ Repaired& Repaired::operator+=(const Repaired& more) {
   return *this;
 }
 
-Repaired repair_table(const StudyTable& work, const std::string& path, Interruption& interruption,
-                      LeadIn& lead_in) {
+Repaired repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in) {
   Repaired repaired;
   if (!row_count(work)) return repaired;
   const std::vector<Column> columns = study_columns(work);
@@ -195,8 +190,7 @@ void update_tables(const std::string& hdf5, const std::string& command_line) {
 }
 
 int explain(const Repaired& repaired, const std::string& what) {
-  if (repaired.not_converged > 0)
-    note(fmt::format("{} row(s) still did not converge", repaired.not_converged));
+  if (repaired.not_converged > 0) note(fmt::format("{} row(s) still did not converge", repaired.not_converged));
   if (repaired.not_certified > 0)
     note(fmt::format("{} row(s) converged but are still not certified: see the column 'certified'",
                      repaired.not_certified));

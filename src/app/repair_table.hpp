@@ -27,8 +27,7 @@ struct Repaired {
 /// the other rows keep their bytes. The file is replaced when all is done, or when `interruption` asks to
 /// stop after the row at hand. A table whose rows have no such columns (links, grains) stays as it is. Throws
 /// Error, the file unchanged, where the table is not one of this work.
-Repaired repair_table(const StudyTable& work, const std::string& path, Interruption& interruption,
-                      LeadIn& lead_in);
+Repaired repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in);
 
 /// Brings an HDF5 file of tables up to the rows of the CSV files of the same names in its folder. It goes on
 /// with its provenance, to which `command_line` is added as one of the lines of `redone`.

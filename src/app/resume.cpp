@@ -26,9 +26,7 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
   return true;
 }
 
-std::optional<std::uintmax_t> leftover(bool resume) {
-  return resume ? std::optional<std::uintmax_t>(0) : std::nullopt;
-}
+std::optional<std::uintmax_t> leftover(bool resume) { return resume ? std::optional<std::uintmax_t>(0) : std::nullopt; }
 
 int leave(ResumableTable& table, const std::string& path) {
   table.leave();

@@ -44,8 +44,7 @@ std::optional<Packing> cached(const fs::path& entry) {
   try {
     const std::string text = read_text(entry.string());
     const std::size_t start = text.find('\n') + 1;  // 0 where there is none
-    if (text.substr(0, start) !=
-        fmt::format("{}{}\n", mark, fingerprint(std::string_view(text).substr(start))))
+    if (text.substr(0, start) != fmt::format("{}{}\n", mark, fingerprint(std::string_view(text).substr(start))))
       return std::nullopt;
     return parse_packing(text, entry.string());
   } catch (const Error&) {
@@ -82,9 +81,7 @@ Packing simulate_to_the_end(const Case& one) {
   Simulation simulation = simulation_of(one);
   double kinetic = 0;
   RunSinks sinks;
-  sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) {
-    kinetic = report.energy.kinetic;
-  };
+  sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) { kinetic = report.energy.kinetic; };
   sinks.monitor = progress.monitor();
   const RunOutcome outcome = run_simulation(simulation, sinks);
   if (outcome.end == RunEnd::broke_down)
@@ -120,9 +117,8 @@ void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
   at_key(spec, "packing.settled", [&] {
     const std::string inner = settled_file(spec);
     std::error_code ignored;
-    const bool known = std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
-      return fs::equivalent(file, inner, ignored);
-    });
+    const bool known = std::any_of(files.begin(), files.end(),
+                                   [&](const fs::path& file) { return fs::equivalent(file, inner, ignored); });
     // A case that is settled from itself is refused when it is settled.
     if (!known) add_files(read_case(inner), files);
   });
@@ -136,15 +132,13 @@ Case settle(const CaseSpec& spec, const std::vector<std::string>& open) {
   const std::string path = settled_file(spec);
   const Case start = resolve_nested(read_case(path), open);
   if (!start.spec.dynamics)
-    throw Error(
-        fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
+    throw Error(fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
   Case settled{spec};
-  settled.settled_from =
-      fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
+  settled.settled_from = fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
   if (const auto* file = std::get_if<PackingFile>(&start.spec.packing))
-    settled.settled_from += fmt::format("# content of {}: {} {} {} {}\n", file->path,
-                                        fingerprint(start.packing.x), fingerprint(start.packing.y),
-                                        fingerprint(start.packing.radius), fingerprint(start.packing.mass));
+    settled.settled_from +=
+        fmt::format("# content of {}: {} {} {} {}\n", file->path, fingerprint(start.packing.x),
+                    fingerprint(start.packing.y), fingerprint(start.packing.radius), fingerprint(start.packing.mass));
   const auto cache = cache_folder();
   const std::string key = fingerprint(settled.settled_from + build_fingerprint());
   const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", start.spec.name, key) : fs::path();
@@ -164,8 +158,7 @@ Case resolve_nested(const CaseSpec& spec, std::vector<std::string> open) {
   open.push_back(full);
   if (cycle) {
     std::string chain;
-    for (const std::string& each : open)
-      chain += (chain.empty() ? "" : " -> ") + fs::path(each).filename().string();
+    for (const std::string& each : open) chain += (chain.empty() ? "" : " -> ") + fs::path(each).filename().string();
     throw Error(fmt::format("expected a case that is not settled from itself, met {}", chain));
   }
   if (!std::holds_alternative<SettledFrom>(spec.packing)) return resolve(spec);
@@ -199,8 +192,8 @@ void require_no_input(const std::vector<std::string>& outputs, const std::vector
   for (const std::string& output : outputs)
     for (const fs::path& input : inputs)
       if (!output.empty() && !is_stream(output) && fs::equivalent(output, input, ignored))
-        throw Error(fmt::format("{}: expected another file than the input {}, which would be lost", output,
-                                input.string()));
+        throw Error(
+            fmt::format("{}: expected another file than the input {}, which would be lost", output, input.string()));
 }
 
 }  // namespace nscdd::app

@@ -22,8 +22,7 @@ std::vector<std::filesystem::path> files_behind(const CaseSpec& spec);
 
 /// Throws Error if an output (an empty name is none) is one of these files, under whatever name. The input
 /// would be lost, and --force does not ask for that.
-void require_no_input(const std::vector<std::string>& outputs,
-                      const std::vector<std::filesystem::path>& inputs);
+void require_no_input(const std::vector<std::string>& outputs, const std::vector<std::filesystem::path>& inputs);
 
 /// Folder of the cache: $NSCDD_CACHE, else $XDG_CACHE_HOME/nscdd, else ~/.cache/nscdd; none without a home.
 std::optional<std::filesystem::path> cache_folder();

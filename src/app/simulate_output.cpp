@@ -51,8 +51,8 @@ std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const 
     const Index iteration = cell_at(text, behind, name + ": iteration").first;
     Index& before = last[at(step - 1)];
     if (iteration <= before)
-      throw Error(fmt::format("{}: step {}: expected ascending iterations, met {} after {}", name, step,
-                              iteration, before));
+      throw Error(
+          fmt::format("{}: step {}: expected ascending iterations, met {} after {}", name, step, iteration, before));
     before = iteration;
     kept = end + 1;
   }
@@ -96,9 +96,8 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   if (!fs::exists(path, status)) return require_writable(path, false);
   const std::string text = read_text(path);  // of a run that came to its end
   if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
-    throw Error(
-        fmt::format("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
-                    run.iterations.size()));
+    throw Error(fmt::format("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
+                            run.iterations.size()));
 }
 
 ConvergenceTable::ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run) {
@@ -155,17 +154,16 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
   for (const auto& [status, number] : statuses_)
     statuses += fmt::format("{}{} {}", statuses.empty() ? "" : ", ", number, status);
   const auto per_step = [&](double sum) { return steps_ > 0 ? sum / static_cast<double>(steps_) : 0; };
-  std::string text =
-      fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), steps_,
-                  simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
+  std::string text = fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end),
+                                 steps_, simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
   text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n",
                       simulation.system.disks() - driven, driven, last_.contacts, last_.interface_size);
   if (steps_ == 0) return text;
   text += fmt::format("steps: {}\n", statuses);
   text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", iterations_,
                       per_step(static_cast<double>(iterations_)), most_iterations_);
-  text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n",
-                      worst_, worst_step_, overlap_);
+  text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n", worst_,
+                      worst_step_, overlap_);
   if (last_.interface_size > 0)
     text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", gluing_);
   text += fmt::format(
@@ -197,11 +195,10 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
   const auto converged = statuses_.find(to_string(SolverStatus::converged));
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
   if (open > 0 && solver.criterion != Criterion::none)
-    text += fmt::format(
-        "attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n", open,
-        steps_, to_string(solver.criterion), solver.tolerance,
-        has_interface_ ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
-        solver.maximum_iterations);
+    text += fmt::format("attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n",
+                        open, steps_, to_string(solver.criterion), solver.tolerance,
+                        has_interface_ ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
+                        solver.maximum_iterations);
   if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this "
@@ -236,8 +233,7 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
     const std::string before = k < had.size() ? had[k] : "the end";
     const std::string now = k < has.size() ? has[k] : "the end";
     if (before != now)
-      throw Error(fmt::format("{}: expected the case and options of the run it holds ({}), met {}", path,
-                              before, now));
+      throw Error(fmt::format("{}: expected the case and options of the run it holds ({}), met {}", path, before, now));
   }
   if (found.build != build)
     throw Error(
@@ -250,8 +246,7 @@ void require_same_disks(const std::string& path, const GranularSystem& old, cons
   if (old.radius.size() != system.radius.size())
     throw Error(fmt::format("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size()));
   for (std::size_t i = 0; i < system.radius.size(); ++i)
-    if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] ||
-        old.driven_by[i] != system.driven_by[i])
+    if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] || old.driven_by[i] != system.driven_by[i])
       throw Error(fmt::format("{}: expected the disks of this case, met another disk {}", path, i));
 }
 
@@ -259,12 +254,11 @@ void require_same_start(const std::string& path, const GranularState& asked) {
   const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
   if (!first) return;
   const GranularState& found = first->state;
-  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle,
-                            &GranularState::velocity_x, &GranularState::velocity_y, &GranularState::spin}) {
+  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle, &GranularState::velocity_x,
+                            &GranularState::velocity_y, &GranularState::spin}) {
     const std::vector<double>&had = found.*values, &has = asked.*values;
     if (had.size() != has.size())
-      throw Error(
-          fmt::format("{}: expected {} disks in its first step, met {}", path, has.size(), had.size()));
+      throw Error(fmt::format("{}: expected {} disks in its first step, met {}", path, has.size(), had.size()));
     const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
     if (differs.first == had.end()) continue;
     const auto i = static_cast<std::size_t>(differs.first - had.begin());

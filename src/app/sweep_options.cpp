@@ -20,8 +20,7 @@ void SpectralCommandOptions::declare(Command& command, const std::string& defaul
                   "shift-invert; arpack: matrix-free Lanczos")
       ->one_of(all_names<SpectralSolver>())
       ->shows_default();
-  command.add_option("--residual-tolerance", tolerance, "largest residual that counts as converged")
-      ->shows_default();
+  command.add_option("--residual-tolerance", tolerance, "largest residual that counts as converged")->shows_default();
 }
 
 void SpectralCommandOptions::declare_ends(Command& command) {
@@ -46,12 +45,10 @@ ContactSet SpectralCommandOptions::contact_set() const {
 }
 
 SpectralOptions SpectralCommandOptions::spectral() const {
-  check_bounds(tolerance, Field{.description = "", .minimum = 0, .minimum_excluded = true},
-               "--residual-tolerance");
+  check_bounds(tolerance, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--residual-tolerance");
   SpectralOptions options;
   options.tolerance = tolerance;
-  options.solver =
-      named<SpectralSolver>(solver).value_or(SpectralSolver::automatic);  // no other name is admitted
+  options.solver = named<SpectralSolver>(solver).value_or(SpectralSolver::automatic);  // no other name is admitted
   options.certify = certify;
   check_bounds(eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
   options.eigenvalues = eigenvalues;

@@ -19,8 +19,8 @@ struct Options {
 
 int run(const Options& options) {
   if (options.folder.empty() == !options.step)
-    throw Error(fmt::format("export: expected either --vtk FOLDER or --fclib STEP, met {}",
-                            options.step ? "both" : "neither"));
+    throw Error(
+        fmt::format("export: expected either --vtk FOLDER or --fclib STEP, met {}", options.step ? "both" : "neither"));
   if (!options.folder.empty())
     return export_vtk({options.trajectory, options.folder,
                        options.steps.empty() ? StepRange{} : parse_step_range(options.steps), options.force});
@@ -39,8 +39,7 @@ StepRange parse_step_range(const std::string& text) {
     numbers.push_back(parse_integer(text.substr(begin, end - begin), "--steps"));
     begin = end + 1;
   }
-  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0],
-                        numbers.size() > 2 ? numbers[2] : 1};
+  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
   if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
     throw Error(fmt::format("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text));
   return range;
@@ -69,12 +68,10 @@ std::function<int()> declare_export(Command& command, const Context& context) {
   auto* vtk = command.add_option("--vtk", options->folder,
                                  "write the kept steps there for ParaView: a .vtp file each and a .pvd "
                                  "collection");
-  command
-      .add_option("--steps", options->steps,
-                  "of --vtk: A, A:B or A:B:K, steps A, A + K, ... up to B that are kept")
+  command.add_option("--steps", options->steps, "of --vtk: A, A:B or A:B:K, steps A, A + K, ... up to B that are kept")
       ->needs(vtk);
-  auto* fclib = command.add_option("--fclib", options->step,
-                                   "write the contact problem of that step, from 1, as HDF5 of FCLIB");
+  auto* fclib =
+      command.add_option("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes(vtk);
   command.add_option("-o,--output", options->output, "file of --fclib")->needs(fclib);
   command

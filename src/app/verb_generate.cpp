@@ -35,8 +35,7 @@ Case resolve(const Options& options) {
   CaseSpec spec = spec_of(options.spec);
   for (const std::string& setting : options.settings)
     if (setting.rfind("packing.", 0) != 0 && setting.rfind("masses.", 0) != 0)
-      throw Error(
-          fmt::format("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting));
+      throw Error(fmt::format("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting));
   apply_settings(spec, options.settings);
   return resolve_case(spec, {options.output});
 }
@@ -45,8 +44,8 @@ PackingFormat output_format(const std::string& output) {
   if (output == "-") return PackingFormat::csv;
   const auto format = packing_format(output);
   if (!format)
-    throw Error(fmt::format(
-        "{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output", output));
+    throw Error(fmt::format("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output",
+                            output));
   return *format;
 }
 

@@ -29,8 +29,8 @@ struct Options {
 
 void print_degrees(const std::string& name, const NetworkDegrees& network, bool ranks) {
   const auto text = [&](Index value) { return ranks ? fmt::format("{}", value) : "-"; };
-  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", name, network.grains, network.contacts,
-             text(network.rank), text(network.rigid_modes), text(network.hyperstaticity));
+  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", name, network.grains, network.contacts, text(network.rank),
+             text(network.rigid_modes), text(network.hyperstaticity));
 }
 
 void print_network(const Model& model, const Inspection& found, Index ranks_up_to) {
@@ -39,37 +39,31 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   fmt::print("  touching nothing   {}\n", found.isolated_grains);
   fmt::print("contacts             {}\n", model.contacts());
   const bool friction = model.problem.columns_per_contact > 1;
-  if (friction)
-    fmt::print("  links              {} (normal and tangent of each contact)\n", model.problem.contacts());
+  if (friction) fmt::print("  links              {} (normal and tangent of each contact)\n", model.problem.contacts());
   fmt::print("coordination number  {:.6g}\n", found.coordination_number);
   fmt::print("mean of W_nn         {:.6g} 1/kg (scale of eta and epsilon)\n", flexibility_scale(model));
   fmt::print("connected pieces     {}\n", found.components);
-  fmt::print("subdomains           {} ({} without a contact)\n", model.partition.subdomains,
-             found.empty_subdomains);
+  fmt::print("subdomains           {} ({} without a contact)\n", model.partition.subdomains, found.empty_subdomains);
   fmt::print("interface unknowns   {}{}\n", found.interface_dofs,
              found.interface_dofs > 0 ? "" : fmt::format(" (empty interface: {})", why_empty(model)));
   for (const auto& [multiplicity, grains] : found.interface_grains)
     fmt::print("  grains shared by {:<3} {}\n", multiplicity, grains);
   if (found.ranks) {
-    fmt::print("unit eigenvalues of B_0  {} (self-stresses across the interface)\n\n",
-               found.unit_multiplicity);
+    fmt::print("unit eigenvalues of B_0  {} (self-stresses across the interface)\n\n", found.unit_multiplicity);
   } else {
-    fmt::print(
-        "unit eigenvalues of B_0  not computed, nor ranks (more than {} contacts; --ranks asks for them)\n\n",
-        ranks_up_to);
+    fmt::print("unit eigenvalues of B_0  not computed, nor ranks (more than {} contacts; --ranks asks for them)\n\n",
+               ranks_up_to);
   }
-  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", "subdomain", "grains", friction ? "links" : "contacts",
-             "rank W", "rigid modes", "hyperstaticity");
+  fmt::print("{:<12}{:>9}{:>11}{:>8}{:>14}{:>17}\n", "subdomain", "grains", friction ? "links" : "contacts", "rank W",
+             "rigid modes", "hyperstaticity");
   for (std::size_t e = 0; e < found.subdomains.size(); ++e)
     print_degrees(fmt::format("{}", e), found.subdomains[e], found.ranks);
   print_degrees("whole", found.whole, found.ranks);
 }
 
 void print_geometry(const Inspection& found) {
-  fmt::print("\nsolid fraction       {:.6g} (grain area over the box around all grains)\n",
-             found.solid_fraction.box);
-  fmt::print("  in the middle      {:.6g} (in that box at half width and half height)\n",
-             found.solid_fraction.middle);
+  fmt::print("\nsolid fraction       {:.6g} (grain area over the box around all grains)\n", found.solid_fraction.box);
+  fmt::print("  in the middle      {:.6g} (in that box at half width and half height)\n", found.solid_fraction.middle);
   if (found.largest_overlap > ContactDetection{}.overlap_tolerance)
     fmt::print("largest overlap      {:.6g} of the smaller radius\n", found.largest_overlap);
   fmt::print("rattlers             {} (fewer than 2 contacts, without other rattlers)\n", found.rattlers);
@@ -90,8 +84,7 @@ int run(const Options& options) {
     throw Error("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
-  if (!options.histogram.empty())
-    histogram.emplace(options.histogram, options.force, headings(size_columns()));
+  if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
   Model model;
   {
     Progress progress("generate");

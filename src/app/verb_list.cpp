@@ -15,8 +15,8 @@ namespace {
 template <class Parameters>
 void print_fields(const std::string& section) {
   for (const FieldDescription& field : describe_fields(Parameters{}))
-    fmt::print("      {:<44} {} [{}{}{}]\n", section + field.key + " = " + field.value, field.description,
-               field.type, field.unit == "1" ? "" : ", ", field.unit == "1" ? "" : field.unit);
+    fmt::print("      {:<44} {} [{}{}{}]\n", section + field.key + " = " + field.value, field.description, field.type,
+               field.unit == "1" ? "" : ", ", field.unit == "1" ? "" : field.unit);
 }
 
 template <class Alternatives>
@@ -70,9 +70,7 @@ std::function<int()> declare_list(Command& command, const Context&) {
       "Examples:\n"
       "  nscdd list\n"
       "  nscdd list --names cases");
-  return [names] {
-    return names->empty() ? run() : print_names(*names == "cases" ? known_cases() : known_studies());
-  };
+  return [names] { return names->empty() ? run() : print_names(*names == "cases" ? known_cases() : known_studies()); };
 }
 
 }  // namespace nscdd::app

@@ -24,8 +24,7 @@ void write(const fs::path& path, const std::string& text, bool force) {
 int run(const std::string& folder, bool force, const std::vector<DescribedVerb>& verbs) {
   const fs::path pages = fs::path(folder) / "man1";
   write(pages / "nscdd.1", manual_page(verbs), force);
-  for (const DescribedVerb& verb : verbs)
-    write(pages / fmt::format("nscdd-{}.1", verb.name), manual_page(verb), force);
+  for (const DescribedVerb& verb : verbs) write(pages / fmt::format("nscdd-{}.1", verb.name), manual_page(verb), force);
   write(fs::path(folder) / "bash-completion" / "nscdd", bash_completion(verbs), force);
   return 0;
 }

@@ -32,8 +32,7 @@ struct Options {
 };
 
 // `scale`: of relative flexibilities, 1/kg
-double one_of(const FlexibilityValues& all, double scale, const std::string& option,
-              const std::string& text) {
+double one_of(const FlexibilityValues& all, double scale, const std::string& option, const std::string& text) {
   if (all.values.size() == 1) return all.relative ? all.values.front() * scale : all.values.front();
   throw Error(fmt::format("{}: expected one number, a mode belongs to one operator, met '{}'", option, text));
 }
@@ -43,8 +42,7 @@ ModeParameters parameters(const Options& options, double scale) {
   result.epsilon = one_of(parse_epsilon(options.epsilon), scale, "--epsilon", options.epsilon);
   result.eta = one_of(parse_eta(options.eta), scale, "--eta", options.eta);
   result.contacts = options.spectral.contact_set();
-  result.side =
-      named<SpectrumSide>(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
+  result.side = named<SpectrumSide>(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
   result.spectral = options.spectral.spectral();
   return result;
 }
@@ -85,12 +83,11 @@ void print_end(const Mode& mode, const SpectralOptions& options) {
     fmt::print("    the same within the tolerance: the mode is one of several\n");
   if (options.certify) {
     const auto& interval = low ? mode.spectrum.interval_min : mode.spectrum.interval_max;
-    fmt::print("  certified          {}\n",
-               mode.spectrum.certified
-                   ? fmt::format("{} eigenvalue(s) in [{}, {}], none further out",
-                                 low ? mode.spectrum.within_min : mode.spectrum.within_max,
-                                 field_text(interval[0]), field_text(interval[1]))
-                   : "no");
+    fmt::print("  certified          {}\n", mode.spectrum.certified
+                                                ? fmt::format("{} eigenvalue(s) in [{}, {}], none further out",
+                                                              low ? mode.spectrum.within_min : mode.spectrum.within_max,
+                                                              field_text(interval[0]), field_text(interval[1]))
+                                                : "no");
   }
   fmt::print("  residual           {:.3g}\n", mode.residual);
 }
@@ -101,8 +98,7 @@ void print_share(const std::string& name, const InterfaceShare& pair) {
 }
 
 void print_shares(const Model& model, const Mode& mode) {
-  fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode),
-             model.parts.interface.gluing().size());
+  fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode), model.parts.interface.gluing().size());
   fmt::print("{:<14}{:>7}{:>12}\n", "subdomains", "rows", "share");
   const std::vector<InterfaceShare> shares = shares_by_interface(model.parts, mode);
   InterfaceShare rest;
@@ -134,8 +130,8 @@ void tell_doubts(const Mode& mode, double epsilon) {
 
 int run(const Options& options) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
-    throw Error(fmt::format(
-        "--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output));
+    throw Error(fmt::format("--output: expected a prefix of file names such as slow or results/slow, met '{}'",
+                            options.output));
   parameters(options, 1);  // refused before the model is built
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
@@ -147,13 +143,10 @@ int run(const Options& options) {
   const Model model = build(what);
   require_geometry(model, "modes");
   const ModeParameters wanted = parameters(options, flexibility_scale(model));
-  options.memory.require(
-      {estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
+  options.memory.require({estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
   const Mode mode = interface_mode(model, wanted);
-  mode_impulses(model, wanted, mode,
-                [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
-  mode_velocities(model, mode,
-                  [&](const ModeVelocity& one) { velocities.write(row(mode_velocity_columns(), one)); });
+  mode_impulses(model, wanted, mode, [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
+  mode_velocities(model, mode, [&](const ModeVelocity& one) { velocities.write(row(mode_velocity_columns(), one)); });
   impulses.finish();
   velocities.finish();
   print_spectrum(model, wanted, mode);
@@ -171,9 +164,8 @@ std::function<int()> declare_modes(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
-      .add_option(
-          "--epsilon", options->epsilon,
-          "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit")
+      .add_option("--epsilon", options->epsilon,
+                  "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit")
       ->required();
   command
       .add_option("--eta", options->eta,
@@ -190,9 +182,7 @@ std::function<int()> declare_modes(Command& command, const Context&) {
       ->shows_default();
   command.add_flag("--certify", options->spectral.certify,
                    "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
-  command
-      .add_option("--output", options->output,
-                  "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv")
+  command.add_option("--output", options->output, "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv")
       ->required();
   command.add_flag("--force", options->force, "replace existing outputs");
   declare_threads(command, options->threads);

@@ -68,8 +68,7 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
-    note(fmt::format("{}: the interface is empty ({}): there is nothing to optimise", model.name,
-                     why_empty(model)));
+    note(fmt::format("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model)));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.csv.empty()) {
     report_all(work, model);
@@ -101,10 +100,9 @@ std::function<int()> declare_optimum(Command& command, const Context&) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
-      .add_option(
-          "--epsilon", options->epsilon,
-          "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid "
-          "limit")
+      .add_option("--epsilon", options->epsilon,
+                  "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid "
+                  "limit")
       ->shows_default();
   options->spectral.declare(command, "active");
   command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");

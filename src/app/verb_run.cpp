@@ -72,8 +72,7 @@ std::vector<Case> cases_of(const Study& study) {
 }
 
 // Runs one table of the study; `result` also takes the rows found. Returns false if it was interrupted.
-bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interruption, LeadIn& lead_in,
-             Table& result) {
+bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interruption, LeadIn& lead_in, Table& result) {
   const auto collect = [&](const Row& row) { result.rows.push_back(row); };
   csv.replay(collect);
   Index failed = 0;
@@ -89,8 +88,7 @@ bool run_one(const StudyTable& work, ResumableTable& csv, Interruption& interrup
   }
   if (interruption.stopped()) return false;
   csv.finish();
-  if (failed > 0)
-    note(fmt::format("{}: {} row(s) did not converge: see the column 'converged'", work.name, failed));
+  if (failed > 0) note(fmt::format("{}: {} row(s) did not converge: see the column 'converged'", work.name, failed));
   return true;
 }
 
@@ -100,9 +98,9 @@ void leave_out_large(Study& study) {
   for (const StudyTable& table : study.tables)
     if (table.large) names += (names.empty() ? "" : ", ") + table.name;
   if (names.empty()) return;
-  study.tables.erase(std::remove_if(study.tables.begin(), study.tables.end(),
-                                    [](const StudyTable& table) { return table.large; }),
-                     study.tables.end());
+  study.tables.erase(
+      std::remove_if(study.tables.begin(), study.tables.end(), [](const StudyTable& table) { return table.large; }),
+      study.tables.end());
   note(fmt::format("{}: without {}, which --large adds", study.name, names));
 }
 
@@ -127,8 +125,8 @@ int check_baselines(const Study& study, const std::string& folder, const std::ve
     const StudyTable& work = study.tables[i];
     if (!has_baseline(work, baseline)) continue;
     ++compared;
-    const std::string found = compare(tables[i].table, parse_csv(read_text(baseline), baseline),
-                                      work.check_tolerance, work.column_tolerance, work.check_relative);
+    const std::string found = compare(tables[i].table, parse_csv(read_text(baseline), baseline), work.check_tolerance,
+                                      work.column_tolerance, work.check_relative);
     if (found.empty()) continue;
     note(fmt::format("{}/{} differs from {}: {}", study.name, tables[i].name, baseline, found));
     exit_code = 1;
@@ -199,8 +197,7 @@ int nothing_to_do(const Study& study, const Outputs& outputs, const std::string&
 int redo(const Study& study, const Outputs& outputs, const std::string& folder, const Options& options) {
   const auto require_complete = [](const std::string& path) {
     if (!fs::exists(path) || fs::exists(record_path(path)))
-      throw Error(
-          fmt::format("--redo: {}: expected a complete result, met none; --resume completes it", path));
+      throw Error(fmt::format("--redo: {}: expected a complete result, met none; --resume completes it", path));
   };
   require_complete(outputs.hdf5.string());
   for (const StudyTable& work : study.tables) {
@@ -244,8 +241,7 @@ int run(const Options& options) {
   for (const StudyTable& work : study.tables) {
     ResumableTable csv(outputs.table(work), table_work(work), how);
     tables.push_back({work.name, {study_columns(work), {}}});
-    if (!run_one(work, csv, interruption, lead_in, tables.back().table))
-      return leave(csv, outputs.table(work));
+    if (!run_one(work, csv, interruption, lead_in, tables.back().table)) return leave(csv, outputs.table(work));
     if (work.observable->uses("seed")) seeds += fmt::format("{} {}\n", work.name, work.seed);
   }
   Provenance origin = provenance(options.context, cases_of(study));
@@ -254,8 +250,7 @@ int run(const Options& options) {
   hdf5_file.bytes(to_hdf5(origin, tables));
   hdf5_file.finish();
   for (const StudyTable& work : study.tables) remove_record(outputs.table(work));
-  for (const NamedTable& table : tables)
-    fmt::print("{}\n", (outputs.folder / (table.name + ".csv")).string());
+  for (const NamedTable& table : tables) fmt::print("{}\n", (outputs.folder / (table.name + ".csv")).string());
   fmt::print("{}\n", outputs.hdf5.string());
   return options.check ? check_baselines(study, folder, tables) : 0;
 }
@@ -274,8 +269,7 @@ std::function<int()> declare_run(Command& command, const Context& context) {
   declare_threads(command, options->threads);
   declare_redo(command, options->redo);
   options->memory.declare(command);
-  command.add_flag("--check", options->check,
-                   "compare with the study's baseline; exit code 1 where it differs");
+  command.add_flag("--check", options->check, "compare with the study's baseline; exit code 1 where it differs");
   command.footer(
       "Prints the names of the files written.\n"
       "Examples:\n"

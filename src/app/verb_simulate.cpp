@@ -58,8 +58,7 @@ struct Given {
 std::vector<Given> given_parameters(const Options& options) {
   std::vector<Given> given;
   const bool metis = options.subdomains.rfind("metis:", 0) == 0;
-  if (!options.subdomains.empty())
-    given.push_back({metis ? "partition.metis" : "partition.grid", "--subdomains"});
+  if (!options.subdomains.empty()) given.push_back({metis ? "partition.metis" : "partition.grid", "--subdomains"});
   for (const ParameterOption& one : options.parameters)
     if (one.value) given.push_back({one.key, one.option});
   for (const std::string& setting : options.settings) {
@@ -73,8 +72,8 @@ void require_once(const std::vector<Given>& given) {
   for (std::size_t k = 0; k < given.size(); ++k)
     for (std::size_t other = 0; other < k; ++other)
       if (given[k].key == given[other].key)
-        throw Error(fmt::format("{}: expected {} once, met {} too", given[k].option, given[k].key,
-                                given[other].option));
+        throw Error(
+            fmt::format("{}: expected {} once, met {} too", given[k].option, given[k].key, given[other].option));
 }
 
 // What is asked for on the command line must not be passed over in silence. A loop over numbers of subdomains
@@ -82,14 +81,11 @@ void require_once(const std::vector<Given>& given) {
 void require_effect(const Given& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
   if (given.key.rfind("contacts.", 0) == 0)
-    throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone",
-                            given.option));
+    throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone", given.option));
   const bool one_subdomain = subdomains(spec.partition) == 1;
-  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs &&
-      !one_subdomain)
-    throw Error(fmt::format(
-        "{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
-        given.option));
+  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs && !one_subdomain)
+    throw Error(fmt::format("{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
+                            given.option));
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
@@ -119,10 +115,8 @@ void require_not_beside(const std::string& output, const std::string& table) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   for (const std::string& name : names_beside(output))
-    if (fs::weakly_canonical(fs::absolute(table), ignored) ==
-        fs::weakly_canonical(fs::absolute(name), ignored))
-      throw Error(
-          fmt::format("{}: expected another name, met one that is taken while {} is written", table, output));
+    if (fs::weakly_canonical(fs::absolute(table), ignored) == fs::weakly_canonical(fs::absolute(name), ignored))
+      throw Error(fmt::format("{}: expected another name, met one that is taken while {} is written", table, output));
 }
 
 void check_names(const Options& options) {
@@ -151,8 +145,7 @@ void check_restart(const Options& options, const CaseSpec& spec) {
   require_same_case(path, read_trajectory_header(path), to_toml(spec), build_fingerprint());
   const Index done = read_last_step(path).state.step, steps = spec.dynamics->time.steps;
   if (done > steps)
-    throw Error(
-        fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
+    throw Error(fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
   require_table_to_go_on(options.convergence, run_so_far(path));
 }
 
@@ -169,8 +162,8 @@ std::string restart_line(const Options& options, Index steps_done) {
   return fmt::format("from step {}: nscdd {}: {}\n", steps_done, version(), options.context.command_line);
 }
 
-int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome,
-          const RunSummary& summary, ConvergenceTable& table) {
+int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunSummary& summary,
+          ConvergenceTable& table) {
   if (outcome.end == RunEnd::stopped) {
     table.leave();
     note(fmt::format("{}: interrupted after {} of {} steps; --restart goes on with it", options.output,
@@ -207,8 +200,7 @@ int run(const Options& options) {
   if (options.restart)
     trajectory->go_on(header.case_text, restart_line(options, before));
   else
-    trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}},
-                       headings(step_columns()));
+    trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
   Progress progress("simulate " + spec.name, before, "step");
   RunSummary summary;
   RunSinks sinks;
@@ -235,8 +227,7 @@ std::function<int()> declare_simulate(Command& command, const Context& context) 
   auto options = std::make_shared<Options>();
   options->context = context;
   command.add_option("CASE", options->name, "case file (.toml) with [dynamics], or a known case")->required();
-  command.add_option("--subdomains", options->subdomains,
-                     "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add_option("--subdomains", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
     command.add_option(one.option, one.value, fmt::format("{}: {}", one.help, one.key));
   command.add_option("--set", options->settings,

@@ -41,9 +41,7 @@ ResultColumns<FrictionCheck> check_columns() {
           {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionCheck::slide}};
 }
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
@@ -53,8 +51,8 @@ LocalFrictionProblem local_problem(const FclibFile& file, const std::string& nam
 Vector starting_impulses(const FclibFile& file, const Options& options) {
   if (options.guess == 0) return {};
   if (options.guess < 0 || options.guess > count(file.guesses))
-    throw Error(fmt::format("--guess: expected one of the {} guesses of {}, or 0 for none, met {}",
-                            file.guesses.size(), options.file, options.guess));
+    throw Error(fmt::format("--guess: expected one of the {} guesses of {}, or 0 for none, met {}", file.guesses.size(),
+                            options.file, options.guess));
   return file.guesses[at(options.guess - 1)].r;
 }
 
@@ -75,12 +73,11 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   const FrictionState& state = solution.state;
   fmt::print("status               {}\n", to_string(solution.status));
   fmt::print("sweeps               {}\n", solution.sweeps);
+  fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
+             state.residual, field_text(tolerance));
   fmt::print(
-      "residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
-      state.residual, field_text(tolerance));
-  fmt::print("residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
-             state.siconos_relative ? "relative to the largest of r, u and q"
-                                    : "absolute: r, u and q are at most 2.2e-16");
+      "residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
+      state.siconos_relative ? "relative to the largest of r, u and q" : "absolute: r, u and q are at most 2.2e-16");
   fmt::print("open contacts        {}\n", state.open);
   fmt::print("sticking contacts    {}\n", state.stick);
   fmt::print("sliding contacts     {}\n", state.slide);
@@ -88,8 +85,7 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
 }
 
 // A result is a solution only where it is one; else it is a guess to go on from.
-void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
-                  OutputFile& output) {
+void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options, OutputFile& output) {
   FclibSolution found{{}, solution.state.velocities, solution.impulses};
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
     found.v = body_velocities(*global, solution.impulses);
@@ -99,8 +95,8 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
     note(fmt::format("{}: the impulses are not finite and are left out", options.output));
   } else if (!converged) {
     written.guesses.push_back(found);
-    note(fmt::format("{}: not converged: the impulses are written as guess {}, not as the solution",
-                     options.output, written.guesses.size()));
+    note(fmt::format("{}: not converged: the impulses are written as guess {}, not as the solution", options.output,
+                     written.guesses.size()));
   }
   output.bytes(to_hdf5(written, provenance(options.context, {})));
   output.finish();
@@ -112,8 +108,7 @@ void check_options(const Options& options) {
     throw Error("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty()) require_hdf5_name(options.output);
   require_no_input({options.convergence, options.output}, {options.file});
-  if (!options.convergence.empty() && !options.output.empty())
-    require_distinct(options.convergence, options.output);
+  if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
 int run(const Options& options) {
@@ -143,8 +138,7 @@ int run(const Options& options) {
   const double duration = seconds() - started;
   if (solution.status == FrictionStatus::stopped) {
     if (csv) csv->leave();
-    note(fmt::format("interrupted after {} sweeps, residual {:.3e}", solution.sweeps,
-                     solution.state.residual));
+    note(fmt::format("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual));
     return interrupted_exit_code;
   }
   if (csv) csv->finish();
@@ -159,22 +153,18 @@ int run(const Options& options) {
 std::function<int()> declare_solve(Command& command, const Context& context) {
   auto options = std::make_shared<Options>();
   options->context = context;
-  command.add_option("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB")
-      ->required();
+  command.add_option("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB")->required();
   command.add_option("--tolerance", options->solver.tolerance, "on the residual")->shows_default();
   command.add_option("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most")
       ->shows_default();
-  command
-      .add_option("--relaxation", options->solver.relaxation,
-                  "omega in r <- r + omega (r' - r), between 0 and 2")
+  command.add_option("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2")
       ->shows_default();
   command.add_option("--order", options->order, "of the contacts in a sweep")
       ->one_of({"natural", "reverse"})
       ->shows_default();
   command.add_option("--check-every", options->solver.check_every, "sweeps from one residual to the next")
       ->shows_default();
-  command
-      .add_option("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero")
+  command.add_option("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero")
       ->shows_default();
   command.add_option("--convergence", options->convergence,
                      "write one row per residual there, as CSV, each when it is known");

@@ -69,8 +69,8 @@ void explain(const Unproved& rows) {
 }
 
 // The rows of the sweep, those found included; `sink` takes them all.
-Unproved work_through(const Model& model, const StudyTable& work, ResumableTable& csv,
-                      Interruption& interruption, const RowSink& sink) {
+Unproved work_through(const Model& model, const StudyTable& work, ResumableTable& csv, Interruption& interruption,
+                      const RowSink& sink) {
   Unproved unproved;
   const auto judge = [&](const SweepPoint& point, bool converged, std::string_view solver) {
     unproved.all += !converged;
@@ -111,8 +111,7 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
-    note(fmt::format("{}: the interface is empty ({}): nothing to contract, radius 0", model.name,
-                     why_empty(model)));
+    note(fmt::format("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model)));
   options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
   if (options.redo) {
     Interruption interruption;
@@ -144,10 +143,9 @@ std::function<int()> declare_sweep(Command& command, const Context& context) {
   options->context = context;
   options->one.declare(command);
   command
-      .add_option(
-          "--epsilon", options->epsilon,
-          "SPEC of the flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the "
-          "rigid limit")
+      .add_option("--epsilon", options->epsilon,
+                  "SPEC of the flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the "
+                  "rigid limit")
       ->required();
   command
       .add_option("--eta", options->eta,
@@ -157,13 +155,9 @@ std::function<int()> declare_sweep(Command& command, const Context& context) {
   options->spectral.declare(command, "all");
   options->spectral.declare_ends(command);
   declare_threads(command, options->threads);
-  command
-      .add_option("--relaxation", options->relaxation,
-                  "SPEC of omega in F <- F + omega (F' - F), or 'optimal'")
+  command.add_option("--relaxation", options->relaxation, "SPEC of omega in F <- F + omega (F' - F), or 'optimal'")
       ->shows_default();
-  command
-      .add_option("--gauss-seidel-sweeps", options->sweeps,
-                  "SPEC of the sweeps n_GS of Stage 1; inf is exact")
+  command.add_option("--gauss-seidel-sweeps", options->sweeps, "SPEC of the sweeps n_GS of Stage 1; inf is exact")
       ->shows_default();
   command.add_option("--csv", options->csv, "where the table goes, - for standard output")->required();
   command.add_option("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");

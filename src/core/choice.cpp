@@ -45,8 +45,7 @@ std::string suggestion(std::string_view met, std::span<const std::string> known)
   return found.empty() ? "" : fmt::format("; did you mean {}?", found);
 }
 
-std::size_t position_of(std::string_view name, std::span<const std::string_view> names,
-                        std::string_view what) {
+std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   std::string known;

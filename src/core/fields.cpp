@@ -37,32 +37,22 @@ void parse_pair(std::string_view text, std::array<Number, 2>& value, std::string
   std::string_view body = trimmed(text);
   if (body.size() >= 2 && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
   const auto comma = body.find(',');
-  if (comma == std::string_view::npos)
-    throw Error(fmt::format("{}: expected two numbers 'a,b', met '{}'", key, text));
+  if (comma == std::string_view::npos) throw Error(fmt::format("{}: expected two numbers 'a,b', met '{}'", key, text));
   parse_value(body.substr(0, comma), value[0], key);
   parse_value(body.substr(comma + 1), value[1], key);
 }
 
 }  // namespace
 
-double parse_number(std::string_view text, std::string_view what) {
-  return parse_all<double>(text, what, "a number");
-}
+double parse_number(std::string_view text, std::string_view what) { return parse_all<double>(text, what, "a number"); }
 
-Index parse_integer(std::string_view text, std::string_view what) {
-  return parse_all<Index>(text, what, "an integer");
-}
+Index parse_integer(std::string_view text, std::string_view what) { return parse_all<Index>(text, what, "an integer"); }
 
-void parse_value(std::string_view text, double& value, std::string_view key) {
-  value = parse_number(text, key);
-}
-void parse_value(std::string_view text, Index& value, std::string_view key) {
-  value = parse_integer(text, key);
-}
+void parse_value(std::string_view text, double& value, std::string_view key) { value = parse_number(text, key); }
+void parse_value(std::string_view text, Index& value, std::string_view key) { value = parse_integer(text, key); }
 void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
 void parse_value(std::string_view text, bool& value, std::string_view key) {
-  if (text != "true" && text != "false")
-    throw Error(fmt::format("{}: expected true or false, met '{}'", key, text));
+  if (text != "true" && text != "false") throw Error(fmt::format("{}: expected true or false, met '{}'", key, text));
   value = text == "true";
 }
 void parse_value(std::string_view text, std::array<double, 2>& value, std::string_view key) {
@@ -93,9 +83,7 @@ std::string field_text(const std::string& value) {
 std::string field_text(const std::array<double, 2>& value) {
   return fmt::format("[{}, {}]", field_text(value[0]), field_text(value[1]));
 }
-std::string field_text(const std::array<Index, 2>& value) {
-  return fmt::format("[{}, {}]", value[0], value[1]);
-}
+std::string field_text(const std::array<Index, 2>& value) { return fmt::format("[{}, {}]", value[0], value[1]); }
 
 std::string_view field_type(double) { return "number"; }
 std::string_view field_type(Index) { return "integer"; }
@@ -108,8 +96,7 @@ void check_bounds(double value, const Field& field, std::string_view key) {
   const bool low = field.minimum_excluded ? value <= field.minimum : value < field.minimum;
   if ((std::isfinite(value) && !low && value <= field.maximum) || value == field.also) return;
   std::string expected = "a finite number";
-  if (field.minimum > -infinity)
-    expected += fmt::format(" {} {}", field.minimum_excluded ? ">" : ">=", field.minimum);
+  if (field.minimum > -infinity) expected += fmt::format(" {} {}", field.minimum_excluded ? ">" : ">=", field.minimum);
   if (field.maximum < infinity)
     expected += fmt::format("{} <= {}", field.minimum > -infinity ? " and" : "", field.maximum);
   if (!std::isnan(field.also)) expected += fmt::format(", or {}", field.also);

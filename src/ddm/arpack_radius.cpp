@@ -33,12 +33,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   }
   SpectralRadius result;
   result.solver = "arpack";
-  const auto p_apply = [&](const Vector& x) -> Vector {
-    return ++result.applications, b.preconditioner.apply(x);
-  };
-  const auto p_solve = [&](const Vector& x) -> Vector {
-    return ++result.applications, b.preconditioner.solve(x);
-  };
+  const auto p_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.preconditioner.apply(x); };
+  const auto p_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.preconditioner.solve(x); };
   LinearMap s_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.system.apply(x); };
 
   if (unit_multiplicity == n) return all_unit(n, "arpack");
@@ -58,8 +54,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
     };
   }
   MatrixFreeMemory& last = memory.matrix_free;
-  const LanczosResult high =
-      lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, last.largest);
+  const LanczosResult high = lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, last.largest);
   // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
   const auto s_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.system.solve(x); };
   const LanczosResult low =

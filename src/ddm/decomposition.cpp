@@ -16,8 +16,8 @@ Index local_number(const std::vector<Index>& ascending, Index global) {
 
 void check(const ReferenceProblem& problem, const Partition& partition) {
   if (count(partition.subdomain_of_contact) != problem.contacts())
-    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}",
-                            problem.contacts(), partition.subdomain_of_contact.size()));
+    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}", problem.contacts(),
+                            partition.subdomain_of_contact.size()));
   for (Index c = 0; c < problem.contacts(); ++c) {
     const Index e = partition.subdomain_of_contact[at(c)];
     if (e < 0 || e >= partition.subdomains)
@@ -105,8 +105,7 @@ Subdomain reassemble(const Decomposition& parts) {
     for (Index c = 0; c < count(subdomain.contacts); ++c)
       for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
         const Index grain = local_number(whole.grains, subdomain.grains[at(e.row() / d)]);
-        entries.add(grain * d + e.row() % d, local_number(whole.contacts, subdomain.contacts[at(c)]),
-                    e.value());
+        entries.add(grain * d + e.row() % d, local_number(whole.contacts, subdomain.contacts[at(c)]), e.value());
       }
   }
   whole.h = entries.matrix(d * count(whole.grains), count(whole.contacts));

@@ -17,8 +17,7 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
   ends.definite = cholesky.info() == Eigen::Success;
   if (!ends.definite) return ends;
   const Matrix image = cholesky.matrixU() * kernel;
-  const Matrix q =
-      Matrix(Eigen::HouseholderQR<Matrix>(image).householderQ()).rightCols(p.rows() - kernel.cols());
+  const Matrix q = Matrix(Eigen::HouseholderQR<Matrix>(image).householderQ()).rightCols(p.rows() - kernel.cols());
   const Matrix y = cholesky.matrixU().solve(q);
   const Matrix reduced = y.transpose() * a * y;
   ends = pencil_ends(0.5 * (reduced + reduced.transpose()), Matrix::Identity(q.cols(), q.cols()), wanted);
@@ -55,9 +54,8 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
            lost_to_rounding(b, b.system.eta()) * (1 + largest);  // of S and P as they were assembled
   };
   if (options.certify)  // until the list has all copies of both ends
-    while (
-        ends.definite && wanted < most &&
-        (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
+    while (ends.definite && wanted < most &&
+           (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
       ends = ends_of(wanted = std::min(2 * wanted, most));
   if (!ends.definite) return not_converged("dense");
   SpectralRadius result;
@@ -73,9 +71,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
     result.certified = true;
     result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
     result.interval_max = {ends.high[0] - margin(), ends.high[0] + margin()};
-    const auto within = [&](const Vector& values) {
-      return ((values.array() - values[0]).abs() <= margin()).count();
-    };
+    const auto within = [&](const Vector& values) { return ((values.array() - values[0]).abs() <= margin()).count(); };
     result.within_min = within(ends.low);
     result.within_max = within(ends.high);
   }

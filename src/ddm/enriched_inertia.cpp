@@ -41,10 +41,9 @@ struct Modes {
 
 Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
   const OneBlasThread serial_blas;
-  if (subdomain.grains.empty())
-    return {Matrix(0, 0), Vector(0), Matrix(0, 0)};                  // Eigen takes no empty matrix
-  const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();  // M^-1/2
-  const Matrix b = root.asDiagonal() * Matrix(subdomain.h);          // M^-1/2 H
+  if (subdomain.grains.empty()) return {Matrix(0, 0), Vector(0), Matrix(0, 0)};  // Eigen takes no empty matrix
+  const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();              // M^-1/2
+  const Matrix b = root.asDiagonal() * Matrix(subdomain.h);                      // M^-1/2 H
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
   Modes modes;
   modes.eigenvalues = solver.eigenvalues();
@@ -140,8 +139,7 @@ class EnrichedInertia::Implementation {
       return factor.solve(r);
     }
     // The rigid limit, M^-1/2 (I - Pi) M^-1/2
-    const RangeProjector& range =
-        range_.get([&] { return RangeProjector(scaled_connectivity(p.inertia, p.h)); });
+    const RangeProjector& range = range_.get([&] { return RangeProjector(scaled_connectivity(p.inertia, p.h)); });
     const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
     Matrix scaled = root.asDiagonal() * r;
     for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= range.apply(scaled.col(j));
@@ -176,8 +174,7 @@ Matrix EnrichedInertia::condense() const {
   }
   if (eta > 0 && !std::isinf(eta)) {
     const SymmetricFactor ldl(p.condensation(), p.sum(eta).triangularView<Eigen::Lower>());
-    if (!ldl.regular() || ldl.negative_eigenvalues() > 0)
-      return Matrix::Constant(p.a.rows(), p.a.rows(), not_a_number);
+    if (!ldl.regular() || ldl.negative_eigenvalues() > 0) return Matrix::Constant(p.a.rows(), p.a.rows(), not_a_number);
     const std::vector<Index> dofs = p.glued_dofs();
     const SparseMatrix gluing = selected_columns(p.a, dofs);  // A_E on these
     const Matrix condensed = gluing * (ldl.inverse_block(dofs) * gluing.transpose());
@@ -188,8 +185,7 @@ Matrix EnrichedInertia::condense() const {
   const SparseMatrix transposed = p.a.transpose();
   for (Index first = 0; first < p.a.rows(); first += block) {
     const Index width = std::min(block, p.a.rows() - first);
-    condensed.middleCols(first, width) =
-        p.a * implementation_->apply(Matrix(transposed.middleCols(first, width)));
+    condensed.middleCols(first, width) = p.a * implementation_->apply(Matrix(transposed.middleCols(first, width)));
   }
   return 0.5 * (condensed + condensed.transpose());
 }

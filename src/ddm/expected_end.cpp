@@ -39,9 +39,7 @@ struct Known {
         slope_eta(end.slope_eta),
         scale_(coordinate.slope(end.lambda)) {}
 
-  double move(const Step& step) const {
-    return scale_ * (slope_epsilon * step.epsilon + slope_eta * step.eta);
-  }
+  double move(const Step& step) const { return scale_ * (slope_epsilon * step.epsilon + slope_eta * step.eta); }
   Step to(double other_epsilon, double other_eta) const {
     return {logarithmic_step(epsilon, other_epsilon), logarithmic_step(eta, other_eta)};
   }
@@ -77,8 +75,7 @@ std::optional<EndGuess> expected_end(const PencilMemory& memory, const PencilPoi
   const auto known = [&](const PencilMemory::Visited& v) { return Known(v, v.*end, coordinate); };
   const Known last = known(visited.back());
   const Step step = last.to(point.epsilon, point.eta);
-  Extrapolation guess{last.value + last.move(step),
-                      curvature * (step.epsilon * step.epsilon + step.eta * step.eta)};
+  Extrapolation guess{last.value + last.move(step), curvature * (step.epsilon * step.epsilon + step.eta * step.eta)};
   if (visited.size() > 1) guess = cubic(known(visited.front()), last, step).value_or(guess);
   double lambda = coordinate.lambda(guess.value);
   double side = std::max(std::abs(coordinate.lambda(guess.value + guess.uncertainty) - lambda),

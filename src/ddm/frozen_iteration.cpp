@@ -21,9 +21,7 @@ Eigen::Vector3d root_inertia(const DiskVelocity& v) {
   return {root, root, root / std::sqrt(rim_mass_ratio)};
 }
 
-bool slides(ContactStatus s) {
-  return s == ContactStatus::slide_forward || s == ContactStatus::slide_backward;
-}
+bool slides(ContactStatus s) { return s == ContactStatus::slide_forward || s == ContactStatus::slide_backward; }
 
 // Impulse along n + slope t per unit of its normal component.
 double slope(ContactStatus s, double friction) {
@@ -55,8 +53,7 @@ SparseMatrix over_rows(SparseMatrix matrix, const Vector& root) {
   return matrix;
 }
 
-LocalMaps local_maps(const GranularDecomposition& parts, Index e,
-                     const std::vector<ContactStatus>& statuses) {
+LocalMaps local_maps(const GranularDecomposition& parts, Index e, const std::vector<ContactStatus>& statuses) {
   const GranularSubdomain& subdomain = parts.subdomains[at(e)];
   LocalMaps maps;
   std::vector<double> root;
@@ -104,8 +101,8 @@ void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>&
 
 }  // namespace
 
-FrozenIteration::FrozenIteration(GranularDecomposition parts, const std::vector<ContactStatus>& statuses,
-                                 Index sweeps, std::optional<InterfaceOperator> enriched, double relaxation)
+FrozenIteration::FrozenIteration(GranularDecomposition parts, const std::vector<ContactStatus>& statuses, Index sweeps,
+                                 std::optional<InterfaceOperator> enriched, double relaxation)
     : parts_(std::move(parts)),
       statuses_(by_subdomain(parts_, statuses)),
       sweeps_(sweeps),
@@ -172,8 +169,8 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
     Matrix kept = a;
     if (maps.impulses.cols() > 0) {
       const Matrix w(maps.resting.transpose() * maps.impulses);
-      kept -= maps.impulses *
-              Eigen::CompleteOrthogonalDecomposition<Matrix>(w).solve(Matrix(maps.resting.transpose() * a));
+      kept -=
+          maps.impulses * Eigen::CompleteOrthogonalDecomposition<Matrix>(w).solve(Matrix(maps.resting.transpose() * a));
     }
     system += a.transpose() * kept;
   }
@@ -190,8 +187,7 @@ MapRadius frozen_radius(const Matrix& contraction) {
 }
 
 MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options) {
-  return map_radius(iteration, {.tolerance = radius_tolerance, .arpack = options},
-                    UnitEigenvalues::passed_over);
+  return map_radius(iteration, {.tolerance = radius_tolerance, .arpack = options}, UnitEigenvalues::passed_over);
 }
 
 }  // namespace nscdd

@@ -36,7 +36,7 @@ class FrozenIteration {
 
  private:
   GranularDecomposition parts_;
-  GranularDecomposition copies_;  // the same without contacts: what an application changes
+  GranularDecomposition copies_;                      // the same without contacts: what an application changes
   std::vector<std::vector<ContactStatus>> statuses_;  // per subdomain, in the order of its sweep
   Index sweeps_;
   std::optional<InterfaceOperator> enriched_;

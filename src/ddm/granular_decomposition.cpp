@@ -13,18 +13,17 @@ namespace {
 
 void check(const StepProblem& problem, const Partition& partition) {
   if (partition.subdomain_of_contact.size() != problem.contacts.size())
-    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}",
-                            problem.contacts.size(), partition.subdomain_of_contact.size()));
+    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}", problem.contacts.size(),
+                            partition.subdomain_of_contact.size()));
   for (const Index e : partition.subdomain_of_contact)
     if (e < 0 || e >= partition.subdomains)
-      throw Error(
-          fmt::format("partition: expected a subdomain in 0..{}, met {}", partition.subdomains - 1, e));
+      throw Error(fmt::format("partition: expected a subdomain in 0..{}, met {}", partition.subdomains - 1, e));
 }
 
 // Puts the contacts of one subdomain in sweep order and numbers its bodies in the order in which the sweep
 // meets them. Neighbours in the sweep are then neighbours in memory, however the packing numbers its grains.
-void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<ContactOrder> order,
-          std::uint64_t seed, std::vector<std::int32_t>& local) {
+void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<ContactOrder> order, std::uint64_t seed,
+          std::vector<std::int32_t>& local) {
   std::vector<DiskContact> natural;
   std::vector<std::array<double, 2>> points;
   for (const Index c : subdomain.numbers) {
@@ -63,8 +62,8 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
 
 }  // namespace
 
-GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
-                                Choice<ContactOrder> order, std::uint64_t seed) {
+GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
+                                std::uint64_t seed) {
   check(problem, partition);
   GranularDecomposition parts;
   parts.subdomains.resize(at(partition.subdomains));
@@ -79,8 +78,7 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
   parts.interface = Interface(3, count(problem.free), held, free);
   for (GranularSubdomain& subdomain : parts.subdomains)  // a grain shared by q subdomains weighs 1/q in each
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
-      subdomain.velocities[i].inverse_mass *=
-          static_cast<double>(parts.interface.multiplicity(subdomain.bodies[i]));
+      subdomain.velocities[i].inverse_mass *= static_cast<double>(parts.interface.multiplicity(subdomain.bodies[i]));
   return parts;
 }
 

@@ -13,9 +13,8 @@ const DiskVelocity& copy_of(const GranularDecomposition& parts, const GrainCopy&
 }  // namespace
 
 Vector interface_jumps(const GranularDecomposition& parts) {
-  return parts.interface.exchange([&](Index e, Index grain, Index k) {
-    return component(parts.subdomains[at(e)].velocities[at(grain)], k);
-  });
+  return parts.interface.exchange(
+      [&](Index e, Index grain, Index k) { return component(parts.subdomains[at(e)].velocities[at(grain)], k); });
 }
 
 double glued_speed_squared(const GranularDecomposition& parts) {

@@ -48,8 +48,8 @@ double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt
 
 }  // namespace
 
-GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw& law,
-                                   const StepSolver& solver, std::optional<InterfaceOperator> enriched)
+GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw& law, const StepSolver& solver,
+                                   std::optional<InterfaceOperator> enriched)
     : parts_(std::move(parts)),
       law_(law),
       solver_(solver),
@@ -78,9 +78,9 @@ void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
     while (old != gluing.end() && old->grain < grain) ++old;
     const auto copies = parts_.interface.copies(grain);
     const auto end = std::find_if(old, gluing.end(), [&](const auto& one) { return one.grain != grain; });
-    const bool shared_alike = std::equal(
-        old, end, copies.begin(), copies.end(),
-        [](const RememberedGluing& one, const GrainCopy& copy) { return one.subdomain == copy.subdomain; });
+    const bool shared_alike =
+        std::equal(old, end, copies.begin(), copies.end(),
+                   [](const RememberedGluing& one, const GrainCopy& copy) { return one.subdomain == copy.subdomain; });
     for (const Index first = row; row < last; ++row) {
       if (!shared_alike) continue;
       const RememberedGluing& one = old[row - first];
@@ -128,8 +128,7 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
   if (direction_.size() == g.size()) {
     const double before = interface.dot(last_jumps_, last_preconditioned_);
     // With an inexact Stage 1 jumps may grow; then the last direction is forgotten.
-    if (before > 0 && interface.dot(g, z) < before)
-      beta = std::max(0.0, interface.dot(g - last_jumps_, z) / before);
+    if (before > 0 && interface.dot(g, z) < before) beta = std::max(0.0, interface.dot(g - last_jumps_, z) / before);
   }
   Vector d = z;
   if (beta > 0) d += beta * direction_;
@@ -178,8 +177,7 @@ IterationRecord GranularTwoStage::iterate() {
 ContactResidual GranularTwoStage::residual() const {
   std::vector<ContactResidual> parts(parts_.subdomains.size());
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
-    parts[at(e)] =
-        contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
+    parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
   });
   ContactResidual sum;
   for (const ContactResidual& one : parts) sum += one;

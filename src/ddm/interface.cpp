@@ -54,10 +54,9 @@ SparseMatrix Interface::matrix(Index subdomain) const {
 }
 
 bool Interface::same_rows(const Interface& other) const {
-  return dofs_ == other.dofs_ && std::equal(gluing_.begin(), gluing_.end(), other.gluing_.begin(),
-                                            other.gluing_.end(), [](const Gluing& a, const Gluing& b) {
-                                              return a.grain == b.grain &&
-                                                     a.first.subdomain == b.first.subdomain &&
+  return dofs_ == other.dofs_ && std::equal(gluing_.begin(), gluing_.end(), other.gluing_.begin(), other.gluing_.end(),
+                                            [](const Gluing& a, const Gluing& b) {
+                                              return a.grain == b.grain && a.first.subdomain == b.first.subdomain &&
                                                      a.second.subdomain == b.second.subdomain;
                                             });
 }

@@ -17,8 +17,7 @@ Vector inertia_scale(const Decomposition& parts) {
   const Index d = parts.dofs_per_grain();
   for (Index e = 0; e < count(parts.subdomains); ++e)
     for (const Tie& tie : parts.interface.ties(e))
-      scale.segment(d * tie.row, d) +=
-          parts.subdomains[at(e)].inertia.segment(d * tie.grain, d).cwiseInverse();
+      scale.segment(d * tie.row, d) += parts.subdomains[at(e)].inertia.segment(d * tie.grain, d).cwiseInverse();
   return scale;
 }
 
@@ -43,8 +42,7 @@ class InterfaceFamily::Preparation {
     return inertia_operator_.get([this] {
       SparseMatrix sum(parts.interface_size(), parts.interface_size());
       for (const Subdomain& subdomain : parts.subdomains)
-        sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() *
-                            subdomain.a.transpose());
+        sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
       return sum;
     });
   }
@@ -58,8 +56,7 @@ class InterfaceFamily::Preparation {
     return whole_.get([this] {
       const Subdomain assembled = reassemble(parts);
       std::vector<Index> position(nscdd::at(parts.interface.grains()), -1);
-      for (Index i = 0; i < count(assembled.grains); ++i)
-        position[nscdd::at(assembled.grains[nscdd::at(i)])] = i;
+      for (Index i = 0; i < count(assembled.grains); ++i) position[nscdd::at(assembled.grains[nscdd::at(i)])] = i;
       return Whole{std::move(position), EnrichedInertiaFamily(assembled, dense_limit)};
     });
   }
@@ -91,9 +88,8 @@ class InterfaceOperator::Implementation {
   Implementation(std::shared_ptr<const InterfaceFamily::Preparation> p, double flexibility)
       : preparation(std::move(p)), eta(flexibility) {
     std::vector<std::optional<EnrichedInertia>> inverses(preparation->locals.size());
-    for_each_in_parallel(count(inverses), [&](Index e) {
-      inverses[nscdd::at(e)] = preparation->locals[nscdd::at(e)].at(eta);
-    });
+    for_each_in_parallel(count(inverses),
+                         [&](Index e) { inverses[nscdd::at(e)] = preparation->locals[nscdd::at(e)].at(eta); });
     for (auto& inverse : inverses) locals.push_back(std::move(*inverse));
   }
 
@@ -123,8 +119,7 @@ class InterfaceOperator::Implementation {
     const Index n = preparation->parts.interface_size();
     Matrix x = Matrix::Zero(n, n);
     std::vector<Matrix> condensed(locals.size());
-    for_each_in_parallel(count(locals),
-                         [&](Index e) { condensed[nscdd::at(e)] = locals[nscdd::at(e)].condense(); });
+    for_each_in_parallel(count(locals), [&](Index e) { condensed[nscdd::at(e)] = locals[nscdd::at(e)].condense(); });
     for (std::size_t e = 0; e < locals.size(); ++e) {
       const auto& touched = preparation->rows[e];
       const Matrix& local = condensed[e];
@@ -145,9 +140,7 @@ InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> imple
 
 double InterfaceOperator::eta() const { return implementation_->eta; }
 const Decomposition& InterfaceOperator::parts() const { return implementation_->preparation->parts; }
-const SparseMatrix& InterfaceOperator::generic() const {
-  return implementation_->preparation->inertia_operator();
-}
+const SparseMatrix& InterfaceOperator::generic() const { return implementation_->preparation->inertia_operator(); }
 Index InterfaceOperator::rows() const { return implementation_->preparation->parts.interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 
@@ -189,8 +182,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
     const Vector r = multiply(e, copies[e]);
     const auto& grains = parts.subdomains[e].grains;
-    for (Index i = 0; i < count(grains); ++i)
-      right.segment(d * position[at(grains[at(i)])], d) -= r.segment(d * i, d);
+    for (Index i = 0; i < count(grains); ++i) right.segment(d * position[at(grains[at(i)])], d) -= r.segment(d * i, d);
   }
   const Vector u = implementation_->whole().solve(right);
   std::vector<Vector> impulses;  // M_{E,eta} (R_E U + o_E) = A_E^T F

@@ -20,7 +20,7 @@ struct MapRadius {
   double value = 0;
   std::complex<double> dominant;  ///< its eigenvalue; of a pair, the one with positive imaginary part
   Index unit_multiplicity = 0;    ///< unit eigenvalues; -1 where ARPACK did not count them
-  double subdominant = 0;  ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
+  double subdominant = 0;         ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
   std::string_view solver = "none";
   Index applications = 0;  ///< of the map
   double residual = 0;     ///< ||J x - lambda x|| / ||x||

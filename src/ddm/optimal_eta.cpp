@@ -74,9 +74,7 @@ void find_relaxed(Optimum& best, Spectra& spectra, double low, double high) {
     const Ends ends = spectra.at(std::exp(x));
     return ends.converged ? ends.relaxed_radius() : 1.0;  // relaxed radii are below 1 where they are known
   };
-  const auto point = [&](int i) {
-    return std::log(low) + (std::log(high) - std::log(low)) * i / (samples - 1);
-  };
+  const auto point = [&](int i) { return std::log(low) + (std::log(high) - std::log(low)) * i / (samples - 1); };
   std::vector<double> values;
   for (int i = 0; i < samples; ++i) values.push_back(radius(point(i)));
   // If the curve is flat at the low end but for rounding, its infimum is there.
@@ -142,8 +140,7 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
   best.eta = eta > 0 ? eta : low;
   best.radius = spectra.reported(best.eta).radius();
   best.convergent_from = decreasing_root(low, high, [&](double e) { return spectra.at(e).max - 2; });
-  best.better_from =
-      decreasing_root(low, high, [&](double e) { return spectra.at(e).max - 1 - best.generic_radius; });
+  best.better_from = decreasing_root(low, high, [&](double e) { return spectra.at(e).max - 1 - best.generic_radius; });
   for (const double threshold : {best.convergent_from, best.better_from})
     if (threshold > 0) spectra.reported(threshold);
   find_relaxed(best, spectra, low, high);

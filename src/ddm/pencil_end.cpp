@@ -4,15 +4,13 @@
 namespace nscdd {
 namespace {
 
-constexpr double share_of_margin =
-    0.2;                           // the error that Lanczos may leave, over the distance of the last shift
-constexpr Index few = 16;          // so many eigenvalues beyond a shift are looked for from it
-constexpr Index most_reaches = 6;  // after so many such attempts the search begins again from further out
+constexpr double share_of_margin = 0.2;  // the error that Lanczos may leave, over the distance of the last shift
+constexpr Index few = 16;                // so many eigenvalues beyond a shift are looked for from it
+constexpr Index most_reaches = 6;        // after so many such attempts the search begins again from further out
 
 class EndSearch {
  public:
-  explicit EndSearch(PencilSide& side)
-      : side_(side), point_(side.point), end_(side.end), options_(side.options) {}
+  explicit EndSearch(PencilSide& side) : side_(side), point_(side.point), end_(side.end), options_(side.options) {}
 
   PencilEnd run(const std::optional<EndGuess>& guess, Vector start) {
     double shift = first_shift(guess), last_distance = infinity;
@@ -188,8 +186,7 @@ class EndSearch {
   }
 
   void measure_slopes(const ShiftedPencil& pencil) {
-    const ShiftedPencil::Response response =
-        side_.respond(pencil, side_.preconditioner(result_.vectors.col(0)));
+    const ShiftedPencil::Response response = side_.respond(pencil, side_.preconditioner(result_.vectors.col(0)));
     set_slopes(response, response.f.dot(side_.preconditioner(response.f)));
   }
 
@@ -246,9 +243,9 @@ class EndSearch {
 
 }  // namespace
 
-PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
-                   const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
-                   const Vector& start, const EndOptions& options) {
+PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
+                   SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
+                   const EndOptions& options) {
   PencilSide side(family, preconditioner, point, end, options);
   return EndSearch(side).run(guess, start);
 }

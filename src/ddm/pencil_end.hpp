@@ -30,7 +30,7 @@ struct EndOptions {
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
   Index maximum_factorisations = 40;
-  Index steps = 24;  ///< of Lanczos from one shift; after more, a closer shift is worth its factorisation
+  Index steps = 24;        ///< of Lanczos from one shift; after more, a closer shift is worth its factorisation
   Index list_steps = 300;  ///< the same if several eigenvalues are wanted
 };
 
@@ -64,8 +64,8 @@ struct PencilEnd {
 ///    look for them from there, and repeat from step 2.
 /// A crowded end costs some factorisations more, not thousands of products.
 /// `start`: a vector to start from, or empty. What does not converge is data: see PencilEnd::converged.
-PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
-                   const PencilPoint& point, SpectrumEnd end, const std::optional<EndGuess>& guess,
-                   const Vector& start, const EndOptions& options);
+PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
+                   SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
+                   const EndOptions& options);
 
 }  // namespace nscdd

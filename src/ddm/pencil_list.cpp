@@ -20,9 +20,8 @@ class EndList {
     const std::optional<ShiftedPencil> outside = side_.factorise(last - side_.inward(side_.margin(last)));
     if (!outside) return false;
     const auto missing = [&, counted = side_.beyond(*outside)] {
-      return counted - std::count_if(result_.values.begin(), result_.values.end(), [&](double lambda) {
-               return side_.inward(lambda - outside->shift()) < 0;
-             });
+      return counted - std::count_if(result_.values.begin(), result_.values.end(),
+                                     [&](double lambda) { return side_.inward(lambda - outside->shift()) < 0; });
     };
     while (missing() > 0)
       if (!add(pencil, missing())) return false;

@@ -20,8 +20,7 @@ ShiftInvertResult PencilSide::lanczos(const ShiftedPencil& pencil, SpectrumEnd t
                                       const Matrix& locked) {
   const LinearMap p = [this](const Vector& x) -> Vector { return p_.apply(x); };
   const LinearMap inverse = [&](const Vector& x) -> Vector { return ++solves, pencil.solve(x); };
-  return shift_invert_lanczos(size(), inverse, p, pencil.shift(), towards, wanted, lanczos_options, start,
-                              locked);
+  return shift_invert_lanczos(size(), inverse, p, pencil.shift(), towards, wanted, lanczos_options, start, locked);
 }
 
 }  // namespace nscdd

@@ -13,8 +13,8 @@ namespace nscdd {
 /// behind it (pencil_list.cpp) share it.
 class PencilSide {
  public:
-  PencilSide(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner,
-             const PencilPoint& at_point, SpectrumEnd at_end, const EndOptions& end_options)
+  PencilSide(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& at_point,
+             SpectrumEnd at_end, const EndOptions& end_options)
       : point(at_point), end(at_end), options(end_options), family_(family), p_(preconditioner) {}
 
   const PencilPoint& point;
@@ -47,14 +47,11 @@ class PencilSide {
     return end == SpectrumEnd::smallest ? pencil.below() - point.kernel : size() - pencil.below();
   }
 
-  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& g) {
-    return ++solves, pencil.respond(g);
-  }
+  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& g) { return ++solves, pencil.respond(g); }
 
   /// `towards`: the side of the shift that is looked at, see shift_invert_lanczos.
   ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
-                            const ShiftInvertOptions& lanczos_options, const Vector& start,
-                            const Matrix& locked = {});
+                            const ShiftInvertOptions& lanczos_options, const Vector& start, const Matrix& locked = {});
 
  private:
   const ShiftedPencilFamily& family_;

@@ -31,8 +31,7 @@ class Entries {
 
 // M_E on the diagonal and A_E in the interface rows.
 void add_inertia_and_gluing(Entries& entries, const Subdomain& subdomain, Index first, Index interface) {
-  for (Index i = 0; i < subdomain.inertia.size(); ++i)
-    entries.add(first + i, first + i, subdomain.inertia[i], 0);
+  for (Index i = 0; i < subdomain.inertia.size(); ++i) entries.add(first + i, first + i, subdomain.inertia[i], 0);
   for (Index j = 0; j < subdomain.inertia.size(); ++j)
     for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
       entries.add(interface + e.row(), first + j, e.value(), 0);
@@ -167,8 +166,7 @@ double SaddlePointFamily::energy(const Vector& x, Index first, Index last) const
   return sum;
 }
 
-ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta,
-                                                    double sigma) const {
+ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma) const {
   const double system = energy(x, 0, system_size);
   return {.f = -x.tail(interface_size()),
           .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,

@@ -31,8 +31,7 @@ double stiffest(const Decomposition& parts) {
     const Vector root = subdomain.inertia.cwiseSqrt();
     Vector rows = Vector::Zero(root.size());
     const auto for_column = [&](Index c, auto&& visit) {
-      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e)
-        visit(e.row(), std::abs(e.value()) / root[e.row()]);
+      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) visit(e.row(), std::abs(e.value()) / root[e.row()]);
     };
     for (Index c = 0; c < subdomain.h.cols(); ++c) for_column(c, [&](Index i, double a) { rows[i] += a; });
     for (Index c = 0; c < subdomain.h.cols(); ++c) {
@@ -55,8 +54,7 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
 // 1 at kappa = 0 to its value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that
 // P has not, nothing is known.
 PencilPoint known_bounds(const Contraction& b, double epsilon) {
-  PencilPoint point{
-      .epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
+  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
   const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
   const bool same = &system == &preconditioner;
   const double kappa = stiffest(preconditioner);
@@ -69,9 +67,8 @@ PencilPoint known_bounds(const Contraction& b, double epsilon) {
 // A point that is met again replaces what was known of it.
 void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) {
   auto& visited = memory.visited;
-  std::erase_if(visited, [&](const PencilMemory::Visited& v) {
-    return v.epsilon == point.epsilon && v.eta == point.eta;
-  });
+  std::erase_if(visited,
+                [&](const PencilMemory::Visited& v) { return v.epsilon == point.epsilon && v.eta == point.eta; });
   if (visited.size() > 1) visited.erase(visited.begin());
   const auto kept = [](const PencilEnd& end) {
     return PencilMemory::End{end.values[0], end.slope_epsilon, end.slope_eta, end.vectors.col(0)};
@@ -88,8 +85,8 @@ const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, con
   return *family;
 }
 
-Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral,
-               PencilMemory& memory, SystemForm form) {
+Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral, PencilMemory& memory,
+               SystemForm form) {
   const ShiftedPencilFamily& family = family_for(b, form, spectral.inertia, memory);
   const EndOptions options{
       .tolerance = spectral.tolerance, .eigenvalues = spectral.eigenvalues, .certify = spectral.certify};
@@ -135,8 +132,8 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
   for (const PencilEnd* end : {&ends.smallest, &ends.largest})
-    result.residual = std::max(result.residual, end->residual + lost_to_rounding(b, epsilon) *
-                                                                    std::max(1.0, std::abs(end->values[0])));
+    result.residual = std::max(result.residual,
+                               end->residual + lost_to_rounding(b, epsilon) * std::max(1.0, std::abs(end->values[0])));
   result.converged = ends.smallest.converged && ends.largest.converged && accurate(result, options.tolerance);
   result.certified = ends.smallest.certified && ends.largest.certified;
   result.interval_min = {1.0 - ends.largest.outside, 1.0 - ends.largest.inside};
@@ -152,16 +149,14 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   std::vector<char> kept(at(parts.contacts), 0);
   for_each_in_parallel(count(parts.subdomains), [&](Index e) {
     const Subdomain& subdomain = parts.subdomains[at(e)];
-    for (const Index c : RangeProjector(subdomain.h).independent_columns())
-      kept[at(subdomain.contacts[at(c)])] = 1;
+    for (const Index c : RangeProjector(subdomain.h).independent_columns()) kept[at(subdomain.contacts[at(c)])] = 1;
   });
   return restrict_contacts(parts, kept);
 }
 
 // The number of eigenvalues lambda below a shift next to 0; no number if no factorisation there can be relied
 // on.
-std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero,
-                                   Index& factorisations) {
+std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero, Index& factorisations) {
   for (const double shift : {zero, 2 * zero, 5 * zero}) {
     ++factorisations;
     const ShiftedPencil pencil = family.at(0, eta, shift);
@@ -182,12 +177,10 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
 // Whether `kernel` eigenvalues lie below the first reliable shift next to 0. It starts beyond the values that
 // rounding gives to the zeros, and goes no further than a hundred times that, or small eigenvalues would pass
 // for zeros.
-bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel,
-              Index& factorisations) {
+bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
   for (const double shift : {zero, 10 * zero, 100 * zero})
-    if (const auto counted = counted_below(family, point.eta, shift, factorisations))
-      return *counted == kernel;
+    if (const auto counted = counted_below(family, point.eta, shift, factorisations)) return *counted == kernel;
   return false;
 }
 
@@ -203,12 +196,11 @@ SpectralRadius unproved_rigid(Index kernel) {
 SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.parts() != &b.system.parts())
-    limit.emplace(RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0),
-                             std::nullopt});
+    limit.emplace(
+        RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), std::nullopt});
   const Contraction regular{b.preconditioner, limit->regular, b.relaxation};
   PencilPoint point = known_bounds(b, 0);
-  const ShiftedPencilFamily& family =
-      family_for(regular, SystemForm::augmented, options.inertia, memory.rigid);
+  const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, options.inertia, memory.rigid);
   Index factorisations = 0;
   if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
     limit->kernel = counted_at_zero(family, point.eta, factorisations);
@@ -220,8 +212,8 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   if (!limit->confirmed) return unproved_rigid(*limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result = report(b, find_ends(regular, point, options, memory.rigid, SystemForm::augmented),
-                                 0, point.kernel, options);
+  SpectralRadius result =
+      report(b, find_ends(regular, point, options, memory.rigid, SystemForm::augmented), 0, point.kernel, options);
   result.factorisations += factorisations;
   return result;
 }
@@ -240,8 +232,7 @@ SpectralRadius no_error_left(Index size, Index wanted) {
 
 }  // namespace
 
-SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options,
-                                   Continuation& memory) {
+SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
   const double epsilon = b.system.eta();
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
     return no_error_left(b.rows(), options.eigenvalues);

@@ -24,8 +24,8 @@ struct ShiftedPencilFamily::Preparation {
 
 class ShiftedPencil::Implementation {
  public:
-  Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation, double epsilon,
-                 double eta, double sigma, SolutionAccuracy accuracy)
+  Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation, double epsilon, double eta,
+                 double sigma, SolutionAccuracy accuracy)
       : shift(sigma), preparation_(std::move(preparation)), epsilon_(epsilon), eta_(eta) {
     SparseMatrix matrix = matrices().matrix(epsilon, eta, sigma);
     factor = preparation_->factors.factorise(matrix, {epsilon, eta});
@@ -89,8 +89,7 @@ bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form, const In
          method.name == preparation_->method_name;
 }
 
-ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma,
-                                      SolutionAccuracy accuracy) const {
+ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma, SolutionAccuracy accuracy) const {
   return ShiftedPencil(
       std::make_shared<const ShiftedPencil::Implementation>(preparation_, epsilon, eta, sigma, accuracy));
 }

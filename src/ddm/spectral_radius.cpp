@@ -49,8 +49,7 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
 SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& options) {
   constexpr Index fallback_limit = 4000;
   const bool automatic = options.solver == SpectralSolver::automatic;
-  if (size < arpack_smallest_size || (automatic && size <= options.dense_limit))
-    return {SpectralSolver::dense};
+  if (size < arpack_smallest_size || (automatic && size <= options.dense_limit)) return {SpectralSolver::dense};
   if (automatic) return {SpectralSolver::shift_invert, rigid && size <= fallback_limit};
   return {options.solver};
 }
@@ -58,8 +57,7 @@ SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& option
 SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
   constexpr Index dense_limit = 400, fallback_limit = 2500;  // the latter: what may be waited for
   const bool automatic = options.solver == SpectralSolver::automatic;
-  if (options.solver == SpectralSolver::dense || size < arpack_smallest_size ||
-      (automatic && size <= dense_limit))
+  if (options.solver == SpectralSolver::dense || size < arpack_smallest_size || (automatic && size <= dense_limit))
     return {SpectralSolver::dense};
   return {SpectralSolver::arpack, automatic && size <= fallback_limit};
 }

@@ -11,8 +11,7 @@ namespace nscdd {
 /// The three ways to find the ends of a spectrum, for omega = 1. spectral_radius.cpp chooses one.
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options);
 SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory);
-SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options,
-                                   Continuation& memory);
+SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory);
 
 /// Fills in everything that follows from the two ends of the spectrum of B outside ker S.
 void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_multiplicity);

@@ -15,8 +15,7 @@ namespace {
 
 // Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse of W. There
 // the impulses of a hyperstatic network are not unique, but the velocities that they give are.
-using ExactStageOne =
-    std::variant<std::monostate, SparseCholesky, Eigen::CompleteOrthogonalDecomposition<Matrix>>;
+using ExactStageOne = std::variant<std::monostate, SparseCholesky, Eigen::CompleteOrthogonalDecomposition<Matrix>>;
 
 ExactStageOne factorise(const ContactSystem& contacts, double epsilon) {
   if (contacts.h.cols() == 0) return {};
@@ -68,12 +67,10 @@ class TwoStageIteration::Implementation {
   }
 };
 
-TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law,
-                                     InterfaceOperator preconditioner, std::optional<Index> sweeps,
-                                     double relaxation) {
+TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
+                                     std::optional<Index> sweeps, double relaxation) {
   const OneBlasThread serial_blas;
-  if (sweeps && *sweeps < 1)
-    throw Error(fmt::format("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps));
+  if (sweeps && *sweeps < 1) throw Error(fmt::format("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps));
   auto prepared = std::make_shared<Implementation>(
       Implementation{stage_one, law, std::move(preconditioner), sweeps, relaxation, {}, {}});
   for (const Subdomain& subdomain : stage_one.subdomains) {
@@ -121,8 +118,8 @@ std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriv
   for (const Subdomain& subdomain : parts.subdomains) {
     Vector load(subdomain.inertia.size());
     for (Index i = 0; i < count(subdomain.grains); ++i)
-      load.segment(d * i, d) = subdomain.inertia.segment(d * i, d).cwiseProduct(
-          arriving_velocity.segment(d * subdomain.grains[at(i)], d));
+      load.segment(d * i, d) =
+          subdomain.inertia.segment(d * i, d).cwiseProduct(arriving_velocity.segment(d * subdomain.grains[at(i)], d));
     loads.push_back(std::move(load));
   }
   return loads;

@@ -71,8 +71,8 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
       ++i;
       const std::size_t comma = std::min(line.find(',', i), line.size());
       if (!trimmed(line.substr(i, comma - i)).empty())
-        throw Error(fmt::format("{}: expected a comma after a closing quote, met '{}'", where(),
-                                line.substr(i, comma - i)));
+        throw Error(
+            fmt::format("{}: expected a comma after a closing quote, met '{}'", where(), line.substr(i, comma - i)));
       quoted.emplace_back(values.size(), std::move(value));
       values.emplace_back();
       i = comma;
@@ -138,8 +138,7 @@ CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), nam
   if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
   if (!next_line()) throw Error(fmt::format("{}: expected a line of column names, met an empty file", name_));
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    if (values_[i].empty())
-      throw Error(fmt::format("{}: expected a name for column {}, met none", where(), i + 1));
+    if (values_[i].empty()) throw Error(fmt::format("{}: expected a name for column {}, met none", where(), i + 1));
     if (std::find(columns_.begin(), columns_.end(), values_[i]) != columns_.end())
       throw Error(fmt::format("{}: column '{}' is named twice", where(), values_[i]));
     columns_.emplace_back(values_[i]);
@@ -149,8 +148,8 @@ CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), nam
 bool CsvReader::next() {
   if (!next_line()) return false;
   if (values_.size() != columns_.size())
-    throw Error(fmt::format("{}: expected {} values as in the first line, met {}", where(), columns_.size(),
-                            values_.size()));
+    throw Error(
+        fmt::format("{}: expected {} values as in the first line, met {}", where(), columns_.size(), values_.size()));
   return true;
 }
 
@@ -232,8 +231,8 @@ std::string compare(const Table& table, const CsvText& expected, double toleranc
     for (std::size_t j = 0; j < names.size(); ++j) {
       if (std::find(not_compared.begin(), not_compared.end(), names[j]) != not_compared.end()) continue;
       const auto own = column_tolerance.find(names[j]);
-      if (!same_value(table.rows[i][j], expected.rows[i][j],
-                      own == column_tolerance.end() ? tolerance : own->second, relative))
+      if (!same_value(table.rows[i][j], expected.rows[i][j], own == column_tolerance.end() ? tolerance : own->second,
+                      relative))
         return fmt::format("row {}, column {}: expected {}, met {}", i + 1, names[j], expected.rows[i][j],
                            to_text(table.rows[i][j]));
     }

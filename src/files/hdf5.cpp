@@ -63,8 +63,7 @@ Table table_of(const Group& group) {
       throw Error(fmt::format("{}: expected {} values as in the first column, met {}", group.of(name),
                               table.rows.size(), cells.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) table.rows[i].push_back(cells[i]);
-    table.columns.push_back(
-        {name, group.text_attribute("unit", name), group.text_attribute("description", name)});
+    table.columns.push_back({name, group.text_attribute("unit", name), group.text_attribute("description", name)});
   }
   return table;
 }
@@ -82,8 +81,7 @@ std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>&
   });
 }
 
-std::string to_hdf5(const Provenance& provenance, const std::string& name,
-                    const std::vector<NumberColumn>& columns) {
+std::string to_hdf5(const Provenance& provenance, const std::string& name, const std::vector<NumberColumn>& columns) {
   return hdf5::new_file_bytes([&](const Group& root) {
     hdf5::put_provenance(root, provenance);
     const Group group = root.make_group(name);

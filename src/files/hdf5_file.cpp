@@ -30,8 +30,7 @@ hid_t open_bytes(std::string_view bytes) {
 
 hid_t open_path(const std::string& path, Access how) {
   const Handle access = file_access();
-  if (how == Access::create)
-    return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, without_times(H5P_FILE_CREATE), access);
+  if (how == Access::create) return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, without_times(H5P_FILE_CREATE), access);
   return H5Fopen(path.c_str(), how == Access::change ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
 }
 
@@ -86,9 +85,8 @@ Group Group::group(const std::string& name) const { return {id_, name, of(name)}
 
 Group Group::make_group(const std::string& name) const {
   if (!has(name))
-    const Handle made(
-        H5Gcreate2(id_, name.c_str(), H5P_DEFAULT, without_times(H5P_GROUP_CREATE), H5P_DEFAULT), H5Gclose,
-        fmt::format("{}: cannot be made", of(name)));
+    const Handle made(H5Gcreate2(id_, name.c_str(), H5P_DEFAULT, without_times(H5P_GROUP_CREATE), H5P_DEFAULT),
+                      H5Gclose, fmt::format("{}: cannot be made", of(name)));
   return group(name);
 }
 
@@ -107,8 +105,7 @@ File::File(const std::string& path, Access access, const std::string& failure)
     : name_(path), id_(open_path(path, access), H5Fclose, failure) {}
 
 void File::flush() const {
-  require(H5Fflush(id_, H5F_SCOPE_GLOBAL),
-          fmt::format("{}: cannot be written: no room left, or not permitted", name_));
+  require(H5Fflush(id_, H5F_SCOPE_GLOBAL), fmt::format("{}: cannot be written: no room left, or not permitted", name_));
 }
 
 std::string File::bytes() const {

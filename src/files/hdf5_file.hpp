@@ -35,8 +35,7 @@ class QuietErrors {
 /// An HDF5 identifier, closed by its own function. Throws Error(failure) if HDF5 returned none.
 class Handle {
  public:
-  Handle(hid_t id, herr_t (*closing)(hid_t),
-         const std::string& failure = "HDF5: the file cannot be put together");
+  Handle(hid_t id, herr_t (*closing)(hid_t), const std::string& failure = "HDF5: the file cannot be put together");
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   ~Handle();
   Handle(const Handle&) = delete;
@@ -82,13 +81,11 @@ class Group {
   /// Writing. A group or array that exists is taken again; an array with chunks is then resized.
   Group make_group(const std::string& name) const;
   template <class Value>
-  void put(const std::string& name, std::span<const Value> values, Attributes attributes = {},
-           Chunk chunk = 0) const;
+  void put(const std::string& name, std::span<const Value> values, Attributes attributes = {}, Chunk chunk = 0) const;
   void put_texts(const std::string& name, std::span<const std::string> texts, Attributes attributes) const;
   /// Behind the end of an array with chunks; texts are cut after `longest` bytes.
   template <class Value>
-  void append(const std::string& name, std::span<const Value> values, Attributes attributes,
-              Chunk chunk) const;
+  void append(const std::string& name, std::span<const Value> values, Attributes attributes, Chunk chunk) const;
   void append_texts(const std::string& name, std::span<const std::string> texts, std::size_t longest,
                     Attributes attributes, Chunk chunk) const;
   void put_text(const std::string& name, const std::string& text) const;
@@ -100,8 +97,8 @@ class Group {
 
  private:
   void put_text_bytes(const std::string& name, hid_t type, const std::string& bytes) const;
-  void append_bytes(const std::string& name, hid_t file_type, hid_t memory_type, std::size_t size,
-                    const void* data, Attributes attributes, Chunk chunk) const;
+  void append_bytes(const std::string& name, hid_t file_type, hid_t memory_type, std::size_t size, const void* data,
+                    Attributes attributes, Chunk chunk) const;
   std::string path_;
   Handle id_;
 };
@@ -111,8 +108,8 @@ enum class Access { create, change, read };
 /// An open file. It is closed, with everything in it, at the end of the object's life.
 class File {
  public:
-  File();                                                 ///< new, in memory
-  File(std::string_view bytes, const std::string& name);  ///< given by its bytes, for reading
+  File();                                                                    ///< new, in memory
+  File(std::string_view bytes, const std::string& name);                     ///< given by its bytes, for reading
   File(const std::string& path, Access access, const std::string& failure);  ///< on disk
 
   Group root() const { return {id_, "/", name_}; }

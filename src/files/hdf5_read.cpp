@@ -21,8 +21,8 @@ struct Source {
 };
 
 Source dataset_of(const Group& group, const std::string& name, const std::string& expected) {
-  const std::string unlike = fmt::format("{}: expected {}, met {}", group.of(name), expected,
-                                         group.has(name) ? "something else" : "none");
+  const std::string unlike =
+      fmt::format("{}: expected {}, met {}", group.of(name), expected, group.has(name) ? "something else" : "none");
   const Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose, unlike);
   if (H5Iget_type(object) != H5I_DATASET) throw Error(unlike);
   Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, unlike);
@@ -60,9 +60,8 @@ std::string until_zero(std::string_view bytes) { return std::string(bytes.substr
 template <class Value>
 std::vector<Value> Group::numbers(const std::string& name) const {
   constexpr bool whole = std::is_integral_v<Value>;
-  const Source source =
-      array_of(*this, name,
-               whole ? "a one-dimensional dataset of whole numbers" : "a one-dimensional dataset of numbers");
+  const Source source = array_of(
+      *this, name, whole ? "a one-dimensional dataset of whole numbers" : "a one-dimensional dataset of numbers");
   source.require_that(source.kind() == H5T_INTEGER || (!whole && source.kind() == H5T_FLOAT));
   std::vector<Value> values(source.extent());
   read_into(source, types_of<Value>().memory, values.data(), of(name));
@@ -115,8 +114,7 @@ std::size_t Group::element_size(const std::string& name) const {
 
 std::string Group::text_attribute(const std::string& name, const std::string& member) const {
   const Source source = attribute_of(*this, member, name, "a text");
-  source.require_that(source.kind() == H5T_STRING && H5Tis_variable_str(source.type) == 0 &&
-                      source.extent() == 1);
+  source.require_that(source.kind() == H5T_STRING && H5Tis_variable_str(source.type) == 0 && source.extent() == 1);
   std::string text(H5Tget_size(source.type), '\0');
   require(H5Aread(source.id, source.type, text.data()), source.unlike);
   return until_zero(text);

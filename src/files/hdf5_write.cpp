@@ -38,8 +38,7 @@ Handle new_dataset(const Group& group, const std::string& name, hid_t type, hsiz
                  fmt::format("{}: cannot be made", group.of(name)));
   for (const auto& [key, text] : attributes) {
     const Handle text_of = text_type(text.size());
-    const Handle attribute(H5Acreate2(dataset, key, text_of, scalar_space(), H5P_DEFAULT, H5P_DEFAULT),
-                           H5Aclose);
+    const Handle attribute(H5Acreate2(dataset, key, text_of, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
     require(H5Awrite(attribute, text_of, text.empty() ? "" : text.data()));
   }
   return dataset;
@@ -53,8 +52,7 @@ Handle open_dataset(const Group& group, const std::string& name) {
 }  // namespace
 
 template <class Value>
-void Group::put(const std::string& name, std::span<const Value> values, Attributes attributes,
-                Chunk chunk) const {
+void Group::put(const std::string& name, std::span<const Value> values, Attributes attributes, Chunk chunk) const {
   const Types types = types_of<Value>();
   const hsize_t extent = values.size();
   const bool there = has(name);
@@ -67,8 +65,7 @@ void Group::put(const std::string& name, std::span<const Value> values, Attribut
   require(H5Dwrite(dataset, types.memory, space, H5S_ALL, H5P_DEFAULT, values.data()), failure);
 }
 
-void Group::put_texts(const std::string& name, std::span<const std::string> texts,
-                      Attributes attributes) const {
+void Group::put_texts(const std::string& name, std::span<const std::string> texts, Attributes attributes) const {
   std::size_t length = 1;
   for (const std::string& text : texts) length = std::max(length, text.size());
   const Handle type = text_type(length);
@@ -95,8 +92,7 @@ void Group::append_bytes(const std::string& name, hid_t file_type, hid_t memory_
 }
 
 template <class Value>
-void Group::append(const std::string& name, std::span<const Value> values, Attributes attributes,
-                   Chunk chunk) const {
+void Group::append(const std::string& name, std::span<const Value> values, Attributes attributes, Chunk chunk) const {
   const Types types = types_of<Value>();
   append_bytes(name, types.file, types.memory, values.size(), values.data(), attributes, chunk);
 }
@@ -109,9 +105,9 @@ void Group::append_texts(const std::string& name, std::span<const std::string> t
 
 // A dataset holds a text of any length; an attribute holds 64 KiB at the most.
 void Group::put_text_bytes(const std::string& name, hid_t type, const std::string& bytes) const {
-  const Handle dataset(H5Dcreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT,
-                                  without_times(H5P_DATASET_CREATE), H5P_DEFAULT),
-                       H5Dclose, fmt::format("{}: cannot be made", of(name)));
+  const Handle dataset(
+      H5Dcreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT, without_times(H5P_DATASET_CREATE), H5P_DEFAULT),
+      H5Dclose, fmt::format("{}: cannot be made", of(name)));
   require(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
           fmt::format("{}: cannot be written", of(name)));
 }
@@ -127,15 +123,14 @@ void Group::put_terminated_text(const std::string& name, const std::string& text
 void Group::put_attribute(const std::string& name, std::string_view text) const {
   if (H5Aexists(id_, name.c_str()) > 0) H5Adelete(id_, name.c_str());
   const Handle type = text_type(text.size());
-  const Handle attribute(H5Acreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
+  const Handle attribute(H5Acreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   require(H5Awrite(attribute, type, text.empty() ? "" : text.data()));
 }
 
 void Group::put_attribute(const std::string& name, double value) const {
   if (H5Aexists(id_, name.c_str()) > 0) H5Adelete(id_, name.c_str());
-  const Handle attribute(
-      H5Acreate2(id_, name.c_str(), H5T_IEEE_F64LE, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle attribute(H5Acreate2(id_, name.c_str(), H5T_IEEE_F64LE, scalar_space(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
   require(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value));
 }
 

@@ -53,8 +53,7 @@ void require_writable(const fs::path& path, bool force, bool partial_accepted) {
     throw Error(fmt::format("{}: cannot be written: there is no folder {}", path.string(), folder.string()));
   if (force) return;
   if (fs::exists(path, ignored))
-    throw Error(
-        fmt::format("{}: exists already; choose another name, or --force to replace it", path.string()));
+    throw Error(fmt::format("{}: exists already; choose another name, or --force to replace it", path.string()));
   if (!partial_accepted && fs::exists(partial_path(path), ignored))
     throw Error(fmt::format("{}: left by an interrupted run; move it away, or --force to replace it",
                             partial_path(path).string()));
@@ -78,8 +77,8 @@ void complete(const fs::path& path) {
   std::error_code status;
   fs::rename(partial_path(path), path, status);
   if (status)
-    throw Error(fmt::format("{}: cannot be renamed from {}: {}", path.string(), partial_path(path).string(),
-                            status.message()));
+    throw Error(
+        fmt::format("{}: cannot be renamed from {}: {}", path.string(), partial_path(path).string(), status.message()));
 }
 
 OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes)
@@ -104,8 +103,7 @@ void OutputFile::open_growing(std::uintmax_t kept_bytes) {
   const int descriptor = ::open(growing_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) refuse(name_, "be opened for writing");
   const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  if (!locked && ::ftruncate(descriptor, static_cast<off_t>(kept_bytes)) == 0 &&
-      ::lseek(descriptor, 0, SEEK_END) >= 0)
+  if (!locked && ::ftruncate(descriptor, static_cast<off_t>(kept_bytes)) == 0 && ::lseek(descriptor, 0, SEEK_END) >= 0)
     stream_ = ::fdopen(descriptor, "wb");
   if (stream_ != nullptr) return;
   const int reason = errno;

@@ -62,8 +62,7 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
   const std::size_t bytes = for_each_line(text, [&](std::string_view line, Index number) {
     const std::string where = fmt::format("{}:{}", name, number);
     if (number == 1) {
-      if (line != header)
-        throw Error(fmt::format("{}: expected the columns {}, met {}", where, header, line));
+      if (line != header) throw Error(fmt::format("{}: expected the columns {}, met {}", where, header, line));
       return true;
     }
     if (number == lines && csv_values(line, where).size() < layout.columns.size()) return false;
@@ -90,8 +89,7 @@ TableRecord matching_record(const std::string& path, const std::string& rows, co
   const std::string name = record_path(path).string();
   const TableRecord record = usable_record(name, rows);
   const std::string found = difference(record.work, work.identity);
-  if (!found.empty())
-    throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));
+  if (!found.empty()) throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));
   return record;
 }
 
@@ -100,9 +98,8 @@ KeptRows partial_rows(const std::string& path, const TableWork& work) {
   const std::string text = read_text(name);
   if (line_count(text) < 2) return {};  // no row was finished
   if (!is_there(record_path(path)))
-    throw Error(
-        fmt::format("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
-                    record_path(path).string()));
+    throw Error(fmt::format("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
+                            record_path(path).string()));
   const TableRecord record = matching_record(path, name, work);
   if (!work.rows) return {};
   return usable_rows(text, record, work, name);
@@ -150,10 +147,9 @@ KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how
     return partial ? partial_rows(path, work) : KeptRows{};
   }
   if (partial && !how.force && !is_there(path))
-    throw Error(
-        fmt::format("{}: holds {} row(s) of an interrupted run; --resume continues it, --force starts again",
-                    partial_path(path).string(),
-                    std::max<Index>(line_count(read_text(partial_path(path).string())) - 1, 0)));
+    throw Error(fmt::format("{}: holds {} row(s) of an interrupted run; --resume continues it, --force starts again",
+                            partial_path(path).string(),
+                            std::max<Index>(line_count(read_text(partial_path(path).string())) - 1, 0)));
   require_writable(path, how.force);
   return {};
 }

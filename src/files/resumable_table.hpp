@@ -63,9 +63,8 @@ class ResumableTable {
   Index kept() const { return found_.rows; }  ///< rows that existed before this run
   Index rows() const { return found_.rows + written_; }
   std::optional<Index> total() const { return work_.rows; }
-  void replay(
-      const std::function<void(const Row&)>& sink) const;  ///< hands over the rows that existed before
-  bool finished() const { return found_.finished; }        ///< before this run
+  void replay(const std::function<void(const Row&)>& sink) const;  ///< hands over the rows that existed before
+  bool finished() const { return found_.finished; }                ///< before this run
   bool resumable() const { return !stream_; }
 
   void write(const Row& row);

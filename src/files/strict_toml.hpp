@@ -45,8 +45,7 @@ class StrictTable {
     static const toml::table empty;
     const toml::node* found = node(key);
     if (found == nullptr) {
-      if (required)
-        throw Error(fmt::format("{}: expected a section [{}], met none", location(nullptr), key_path(key)));
+      if (required) throw Error(fmt::format("{}: expected a section [{}], met none", location(nullptr), key_path(key)));
       return {empty, file_, key_path(key)};
     }
     if (!found->is_table()) fail(key, fmt::format("a section [{}]", key_path(key)), describe(*found));
@@ -62,8 +61,7 @@ class StrictTable {
     if (array == nullptr) fail(key, fmt::format("tables [[{}]]", key_path(key)), describe(*found));
     for (std::size_t i = 0; i < array->size(); ++i) {
       const toml::node& element = (*array)[i];
-      if (!element.is_table())
-        fail(&element, key, fmt::format("tables [[{}]]", key_path(key)), describe(element));
+      if (!element.is_table()) fail(&element, key, fmt::format("tables [[{}]]", key_path(key)), describe(element));
       all.emplace_back(*element.as_table(), file_, fmt::format("{}[{}]", key_path(key), i));
     }
     return all;
@@ -182,8 +180,7 @@ inline toml::table parse_toml(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw Error(
-        fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description()));
+    throw Error(fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description()));
   }
 }
 

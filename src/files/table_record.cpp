@@ -59,8 +59,8 @@ std::string to_toml(const TableRecord& record) {
   return fmt::format(
       "# What the rows of the table beside this file come from; --resume goes on with equal work only.\n"
       "version = {}\n\ncases = {}\n\noptions = {}\n\neffort = {}\n\ntypes = [{}]\nfinished = {}\n",
-      lines(record.work.version), lines(record.work.cases), lines(record.work.options),
-      lines(record.work.effort), types, field_text(record.finished));
+      lines(record.work.version), lines(record.work.cases), lines(record.work.options), lines(record.work.effort),
+      types, field_text(record.finished));
 }
 
 TableRecord parse_record(std::string_view text, const std::string& file) {
@@ -76,8 +76,7 @@ TableRecord parse_record(std::string_view text, const std::string& file) {
   root.read("finished", record.finished);
   const toml::node* types = root.node("types");
   if (!types->is_array()) root.fail("types", "an array", StrictTable::describe(*types));
-  for (const toml::node& type : *types->as_array())
-    record.types.push_back(type.value_or<std::string>("none"));
+  for (const toml::node& type : *types->as_array()) record.types.push_back(type.value_or<std::string>("none"));
   root.finish();
   return record;
 }

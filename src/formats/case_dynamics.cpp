@@ -17,8 +17,7 @@ std::array<double, 4> motion_entry(const StrictTable& section, const toml::node&
   const char* expected = "entries of four finite numbers [t, vx, vy, spin]";
   const toml::array* entry = node.as_array();
   if (entry == nullptr) section.fail(&node, "motion", expected, StrictTable::describe(node));
-  if (entry->size() != 4)
-    section.fail(&node, "motion", expected, fmt::format("an array of {}", entry->size()));
+  if (entry->size() != 4) section.fail(&node, "motion", expected, fmt::format("an array of {}", entry->size()));
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < 4; ++i) {
     const std::optional<double> value = (*entry)[i].value<double>();
@@ -75,8 +74,7 @@ Motion read_motion(StrictTable& section) {
 // has every key, those without effect at their defaults.)
 template <class Parameters>
 void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
-  const std::vector<FieldDescription> now = describe_fields(parameters),
-                                      by_default = describe_fields(Parameters{});
+  const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
   for (std::size_t k = 0; k < now.size(); ++k)
     if (section.has(now[k].key) && now[k].value != by_default[k].value)
       require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key));
@@ -155,8 +153,7 @@ std::optional<Dynamics> read_dynamics(StrictTable& root) {
     dynamics.boundaries.push_back(read_boundary(boundary));
     for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)
       if (dynamics.boundaries[k].name == dynamics.boundaries.back().name)
-        boundary.fail("name", "each name once",
-                      fmt::format("{} again", field_text(dynamics.boundaries[k].name)));
+        boundary.fail("name", "each name once", fmt::format("{} again", field_text(dynamics.boundaries[k].name)));
   }
   return dynamics;
 }

@@ -24,8 +24,7 @@ void read_packing_section(StrictTable section, CaseSpec& spec) {
   const int forms = section.has("generator") + section.has("file") + section.has("settled");
   if (section.has("settled") && forms > 1)
     section.fail("settled", "one of generator = ..., file = ... and settled = ...", "more");
-  if (forms != 1)
-    section.fail("generator", "either generator = ... or file = ...", forms > 0 ? "both" : "neither");
+  if (forms != 1) section.fail("generator", "either generator = ... or file = ...", forms > 0 ? "both" : "neither");
   if (section.has("generator")) {
     spec.packing = read_generator(section);
   } else if (section.has("file")) {
@@ -79,9 +78,8 @@ void read_prescribed(StrictTable section, CaseSpec& spec) {
     if (!section.has(key)) section.fail(key, "a value", "none");
   section.read("grain", velocity.grain);
   section.read("velocity", velocity.velocity);
-  check_bounds(
-      velocity.velocity, Field{.description = ""},
-      fmt::format("{}: {}", section.location(section.node("velocity")), section.key_path("velocity")));
+  check_bounds(velocity.velocity, Field{.description = ""},
+               fmt::format("{}: {}", section.location(section.node("velocity")), section.key_path("velocity")));
   section.finish();
   for (const PrescribedVelocity& other : spec.prescribed)
     if (other.grain == velocity.grain)
@@ -96,8 +94,7 @@ void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec)
     for (const auto& [key, value] : *table)
       note_lines(value, (path.empty() ? "" : path + ".") + std::string(key.str()), spec);
   if (const toml::array* array = node.as_array())
-    for (std::size_t i = 0; i < array->size(); ++i)
-      note_lines((*array)[i], fmt::format("{}[{}]", path, i), spec);
+    for (std::size_t i = 0; i < array->size(); ++i) note_lines((*array)[i], fmt::format("{}[{}]", path, i), spec);
 }
 
 // A contact problem has none of the sections of a packing: they are unknown keys, and named as such.
@@ -140,15 +137,15 @@ CaseSpec read_case(const std::string& path) { return parse_case(read_text(path),
 
 Case resolve(CaseSpec spec) {
   Case one{std::move(spec)};
-  const auto beside = [folder = std::filesystem::path(one.spec.source).parent_path()](
-                          const std::string& name) { return (folder / name).string(); };
+  const auto beside = [folder = std::filesystem::path(one.spec.source).parent_path()](const std::string& name) {
+    return (folder / name).string();
+  };
   if (const auto* file = std::get_if<PackingFile>(&one.spec.packing))
     one.packing = at_key(one.spec, "packing.file", [&] { return read_packing(beside(file->path)); });
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     one.problem = at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path)); });
   if (std::holds_alternative<SettledFrom>(one.spec.packing))
-    throw Error(where(one.spec, "packing.settled") +
-                ": expected a generator or a file: nothing can be settled here");
+    throw Error(where(one.spec, "packing.settled") + ": expected a generator or a file: nothing can be settled here");
   return one;
 }
 

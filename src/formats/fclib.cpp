@@ -24,8 +24,7 @@ Vector vector_of(const Group& group, const std::string& name) {
 }
 
 void require_length(const Group& group, const std::string& name, Index met, Index expected) {
-  if (met != expected)
-    throw Error(fmt::format("{}: expected {} numbers, met {}", group.of(name), expected, met));
+  if (met != expected) throw Error(fmt::format("{}: expected {} numbers, met {}", group.of(name), expected, met));
 }
 
 Vector numbers_of(const Group& group, const std::string& name, Index expected) {
@@ -64,25 +63,22 @@ Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t col
   require_inside(group, "p", p, rows);
   require_inside(group, "i", i, columns);
   Triplets found;
-  for (Index k = 0; k < entries; ++k)
-    found.emplace_back(static_cast<int>(p[at(k)]), static_cast<int>(i[at(k)]), x[k]);
+  for (Index k = 0; k < entries; ++k) found.emplace_back(static_cast<int>(p[at(k)]), static_cast<int>(i[at(k)]), x[k]);
   return found;
 }
 
 // nz = -1 (lines are columns) or -2 (rows): line k holds entries p_k ... p_(k+1) - 1 at i within the line.
-Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax,
-                            bool by_columns) {
+Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t width, Index nzmax, bool by_columns) {
   const auto p = group.numbers<std::int64_t>("p"), i = group.numbers<std::int64_t>("i");
   const Vector x = vector_of(group, "x");
   require_length(group, "p", count(p), lines + 1);
   require_length(group, "i", count(i), nzmax);
   require_length(group, "x", x.size(), nzmax);
-  if (p.front() != 0)
-    throw Error(fmt::format("{}: expected 0 at position 0, met {}", group.of("p"), p.front()));
+  if (p.front() != 0) throw Error(fmt::format("{}: expected 0 at position 0, met {}", group.of("p"), p.front()));
   for (Index k = 1; k < count(p); ++k)
     if (p[at(k)] < p[at(k - 1)] || p[at(k)] > nzmax)
-      throw Error(fmt::format("{}: expected numbers that ascend to {} at most, met {} at position {}",
-                              group.of("p"), nzmax, p[at(k)], k));
+      throw Error(fmt::format("{}: expected numbers that ascend to {} at most, met {} at position {}", group.of("p"),
+                              nzmax, p[at(k)], k));
   require_inside(group, "i", i, width);
   Triplets found;
   for (Index line = 0; line < lines; ++line)
@@ -96,8 +92,7 @@ Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t
 std::int64_t size_of(const Group& group, const std::string& name) {
   const std::int64_t size = group.integer(name);
   if (size < 0 || size >= largest_index)
-    throw Error(
-        fmt::format("{}: expected a number from 0 to {}, met {}", group.of(name), largest_index - 1, size));
+    throw Error(fmt::format("{}: expected a number from 0 to {}, met {}", group.of(name), largest_index - 1, size));
   return size;
 }
 
@@ -113,9 +108,9 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
   } else if (nz >= 0 && nz <= nzmax) {
     entries = triplet_entries(group, rows, columns, nz);
   } else {
-    throw Error(fmt::format(
-        "{}: expected -1 (by columns), -2 (by rows) or a number of triplets up to nzmax = {}, met {}",
-        group.of("nz"), nzmax, nz));
+    throw Error(
+        fmt::format("{}: expected -1 (by columns), -2 (by rows) or a number of triplets up to nzmax = {}, met {}",
+                    group.of("nz"), nzmax, nz));
   }
   SparseMatrix matrix(rows, columns);
   matrix.setFromTriplets(entries.begin(), entries.end());  // entries met twice add up, as in CSparse
@@ -136,16 +131,13 @@ Index plane_contacts(const Group& group, const std::string& kind, const std::str
   const std::int64_t dimension = group.integer("spacedim");
   const Group counted = group.group(matrix);
   const std::int64_t columns = size_of(counted, "n");
-  if (dimension == 3)
-    not_supported(group, fmt::format("a {} problem in three dimensions", kind), columns, dimension);
+  if (dimension == 3) not_supported(group, fmt::format("a {} problem in three dimensions", kind), columns, dimension);
   if (dimension != 2) throw Error(fmt::format("{}: expected 2, met {}", group.of("spacedim"), dimension));
   for (const auto& [member, meaning] : refused)
     if (group.has(member))
-      not_supported(group, fmt::format("a {} problem with {} ({})", kind, meaning, member), columns,
-                    dimension);
+      not_supported(group, fmt::format("a {} problem with {} ({})", kind, meaning, member), columns, dimension);
   if (columns % 2 != 0)
-    throw Error(
-        fmt::format("{}: expected two columns per contact, met {} columns", counted.of("n"), columns));
+    throw Error(fmt::format("{}: expected two columns per contact, met {} columns", counted.of("n"), columns));
   return columns / 2;
 }
 
@@ -199,16 +191,14 @@ FclibSolution read_solution(const Group& group, std::array<Index, 2> expected) {
   solution.u = numbers_of(group, "u", expected[1]);
   solution.r = numbers_of(group, "r", expected[1]);
   for (const Vector* values : {&solution.v, &solution.u, &solution.r})
-    if (!values->allFinite())
-      throw Error(fmt::format("{}: expected finite numbers, met others", group.path()));
+    if (!values->allFinite()) throw Error(fmt::format("{}: expected finite numbers, met others", group.path()));
   return solution;
 }
 
 std::vector<FclibSolution> read_guesses(const Group& group, std::array<Index, 2> expected) {
   const std::int64_t number = size_of(group, "number_of_guesses");
   std::vector<FclibSolution> guesses;
-  for (std::int64_t k = 1; k <= number; ++k)
-    guesses.push_back(read_solution(group.group(std::to_string(k)), expected));
+  for (std::int64_t k = 1; k <= number; ++k) guesses.push_back(read_solution(group.group(std::to_string(k)), expected));
   return guesses;
 }
 
@@ -243,8 +233,7 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
   } else if (problems[0] == "fclib_global") {
     result.problem = read_global(group);
   } else {
-    throw Error(fmt::format("{}: not supported: rolling friction; expected fclib_local or fclib_global",
-                            group.path()));
+    throw Error(fmt::format("{}: not supported: rolling friction; expected fclib_local or fclib_global", group.path()));
   }
   result.info = read_info(group);
   if (root.has("solution")) result.solution = read_solution(root.group("solution"), sizes(result));

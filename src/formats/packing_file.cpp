@@ -51,8 +51,7 @@ const PackingColumn* find_column(std::string_view name) {
 }
 
 // Throws unless every required column is among those met; `where` says what should have it.
-void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where,
-                     std::string_view kind) {
+void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where, std::string_view kind) {
   for (const PackingColumn& known : packing_columns())
     if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
       throw Error(fmt::format("{}: expected a {} '{}', met none", where, kind, known.name));
@@ -64,13 +63,11 @@ bool in_bounds(double value, const Field& field) {
 }
 
 // Most numbers are valid. Only for the others a text is made that says where they stand.
-double read_value(const CsvReader& reader, std::size_t column, const PackingColumn& meaning,
-                  const std::string& name) {
+double read_value(const CsvReader& reader, std::size_t column, const PackingColumn& meaning, const std::string& name) {
   const std::string_view text = reader.value(column);
   double value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status == std::errc() && end == text.data() + text.size() && in_bounds(value, meaning.field))
-    return value;
+  if (status == std::errc() && end == text.data() + text.size() && in_bounds(value, meaning.field)) return value;
   const std::string where = fmt::format("{}:{}: {}", name, reader.line(), meaning.name);
   value = parse_number(text, where);
   check_bounds(value, meaning.field, where);
@@ -112,8 +109,7 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   for (const std::string& column : reader.columns()) {
     meaning.push_back(find_column(column));
     if (meaning.back() == nullptr)
-      throw Error(
-          fmt::format("{}: expected columns x, y, radius and optionally mass, met '{}'", header, column));
+      throw Error(fmt::format("{}: expected columns x, y, radius and optionally mass, met '{}'", header, column));
   }
   require_columns(meaning, header, "column");
   Packing packing;
@@ -131,8 +127,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
     const std::string where = fmt::format("{}: packing/{}", name, dataset);
     met.push_back(find_column(dataset));
     if (met.back() == nullptr)
-      throw Error(
-          fmt::format("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset));
+      throw Error(fmt::format("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset));
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!in_bounds(values[i], met.back()->field))
         check_bounds(values[i], met.back()->field, fmt::format("{}: grain {}", where, i));
@@ -141,16 +136,15 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
   require_columns(met, name + ": packing", "dataset");
   for (const PackingColumn* column : met)
     if (count(packing.*(column->values)) != packing.size())
-      throw Error(fmt::format("{}: packing/{}: expected {} numbers as in x, met {}", name, column->name,
-                              packing.size(), count(packing.*(column->values))));
+      throw Error(fmt::format("{}: packing/{}: expected {} numbers as in x, met {}", name, column->name, packing.size(),
+                              count(packing.*(column->values))));
   if (packing.size() == 0) throw Error(fmt::format("{}: expected at least one grain, met none", name));
   return packing;
 }
 
 Packing read_packing(const std::string& path) {
   const std::string content = read_text(path);
-  return packing_format(path) == PackingFormat::hdf5 ? packing_from_hdf5(content, path)
-                                                     : parse_packing(content, path);
+  return packing_format(path) == PackingFormat::hdf5 ? packing_from_hdf5(content, path) : parse_packing(content, path);
 }
 
 std::string packing_csv(const Packing& packing) {
@@ -166,8 +160,7 @@ std::string packing_csv(const Packing& packing) {
   return text;
 }
 
-void write_packing(OutputFile& file, PackingFormat format, const Packing& packing,
-                   const Provenance& provenance) {
+void write_packing(OutputFile& file, PackingFormat format, const Packing& packing, const Provenance& provenance) {
   if (format == PackingFormat::csv) return file.bytes(remarks(provenance) + packing_csv(packing));
   std::vector<NumberColumn> columns;
   for (const PackingColumn* column : columns_of(packing))

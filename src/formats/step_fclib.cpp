@@ -31,12 +31,11 @@ void require_same_contacts(const StepProblem& problem, const TrajectoryStep& aft
   const auto same = [](const StepContact& found, const TrajectoryContact& kept) {
     return found.a == kept.geometry.a && found.b == kept.geometry.b;
   };
-  if (!std::equal(problem.geometry.begin(), problem.geometry.end(), after.contacts.begin(),
-                  after.contacts.end(), same))
-    throw Error(fmt::format(
-        "step {}: expected the {} contacts that the run found, met others ({}) from the state before: the "
-        "trajectory is damaged or was written by a program that finds them otherwise",
-        after.state.step, after.contacts.size(), problem.geometry.size()));
+  if (!std::equal(problem.geometry.begin(), problem.geometry.end(), after.contacts.begin(), after.contacts.end(), same))
+    throw Error(
+        fmt::format("step {}: expected the {} contacts that the run found, met others ({}) from the state before: the "
+                    "trajectory is damaged or was written by a program that finds them otherwise",
+                    after.state.step, after.contacts.size(), problem.geometry.size()));
 }
 
 Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contacts) {
@@ -51,8 +50,7 @@ Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contact
 Vector velocities_of_free(const GranularSystem& system, const GranularState& state) {
   std::vector<double> v;
   for (Index i = 0; i < system.disks(); ++i)
-    if (system.free(i))
-      v.insert(v.end(), {state.velocity_x[at(i)], state.velocity_y[at(i)], state.spin[at(i)]});
+    if (system.free(i)) v.insert(v.end(), {state.velocity_x[at(i)], state.velocity_y[at(i)], state.spin[at(i)]});
   return Vector::Map(v.data(), count(v));
 }
 
@@ -80,8 +78,7 @@ void require_contacts(const Partition& partition, Index subdomain, Index step) {
 GranularSubdomain with_ascending_bodies(const GranularSubdomain& part) {
   std::vector<std::size_t> order(part.bodies.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t i, std::size_t j) { return part.bodies[i] < part.bodies[j]; });
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return part.bodies[i] < part.bodies[j]; });
   GranularSubdomain result = part;
   std::vector<std::int32_t> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -124,8 +121,7 @@ FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
     require_same_contacts(step, *after);
     std::vector<Index> all(step.contacts.size());
     for (Index k = 0; k < count(all); ++k) all[at(k)] = k;
-    file.solution =
-        solution_of(problem, velocities_of_free(before.system, after->state), impulses_of(*after, all));
+    file.solution = solution_of(problem, velocities_of_free(before.system, after->state), impulses_of(*after, all));
   }
   file.problem = std::move(problem);
   return file;
@@ -139,8 +135,7 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
   const GranularDecomposition parts = decompose(step, partition, ContactOrder::natural, 0);
   const GranularSubdomain part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
   std::vector<DiskContact> contacts;
-  for (std::size_t k = 0; k < part.contacts.size(); ++k)
-    contacts.push_back(part.contacts.contact(k, part.velocities));
+  for (std::size_t k = 0; k < part.contacts.size(); ++k) contacts.push_back(part.contacts.contact(k, part.velocities));
   const std::vector<double>& of_disk = before.system.radius;
   std::vector<double> radius;
   for (const Index body : part.bodies) radius.push_back(body < before.system.disks() ? of_disk[at(body)] : 0);

@@ -55,8 +55,7 @@ const Observable* read_observable(StrictTable& section) {
 }
 
 // The parameters in the table `name`. Each value is tried on every case, so that it is refused here.
-std::vector<Variation> read_variations(StrictTable& table, std::string_view name,
-                                       const std::vector<Case>& cases) {
+std::vector<Variation> read_variations(StrictTable& table, std::string_view name, const std::vector<Case>& cases) {
   StrictTable section = table.section(name, false);
   const toml::node* node = table.node(name);
   std::vector<Variation> variations;
@@ -68,8 +67,7 @@ std::vector<Variation> read_variations(StrictTable& table, std::string_view name
       for (Case one : cases) try {
           override_case(one.spec, variation.parameter, value);
         } catch (const Error& error) {
-          throw Error(
-              fmt::format("{}: {}", section.location(section.node(variation.parameter)), error.what()));
+          throw Error(fmt::format("{}: {}", section.location(section.node(variation.parameter)), error.what()));
         }
   return variations;
 }
@@ -125,8 +123,7 @@ void read_lead_in(StrictTable& section, StudyTable& table) {
   const bool always_own = table.observable->own_solver;
   Choice<LeadInSolver> solver = always_own ? LeadInSolver::own : table.lead_in;
   section.read("lead_in", solver);
-  if (always_own && solver != LeadInSolver::own)
-    section.fail("lead_in", "\"own\", as runs always are", "\"plain\"");
+  if (always_own && solver != LeadInSolver::own) section.fail("lead_in", "\"own\", as runs always are", "\"plain\"");
   table.lead_in = solver;
 }
 
@@ -147,8 +144,7 @@ void check_moving(StrictTable& section, const StudyTable& table) {
       check_dynamics(one);
       if (table.observable->check != nullptr) table.observable->check(one);
     } catch (const Error& error) {
-      throw Error(
-          fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
+      throw Error(fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
     }
   }
 }
@@ -156,8 +152,7 @@ void check_moving(StrictTable& section, const StudyTable& table) {
 StudyTable read_table(StrictTable section, const CaseFinder& find) {
   StudyTable table;
   section.read("name", table.name);
-  if (table.name.empty() ||
-      table.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
+  if (table.name.empty() || table.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") != std::string::npos)
     section.fail("name", "a name of lower-case letters, digits, '-' and '_'", "'" + table.name + "'");
   if (table.name == "provenance")
     section.fail("name", "a name other than that of the group of origins", "'provenance'");
@@ -169,16 +164,14 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   for (const std::string& name : cases) try {
       table.cases.push_back({find(name)});
     } catch (const Error& error) {
-      throw Error(
-          fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
+      throw Error(fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
     }
   read_vary(section, table);
   check_moving(section, table);
   SweepParameters& sweep = table.sweep;
   read_spec(section, "epsilon", [&](const std::string& spec) { set_epsilon(sweep, parse_epsilon(spec)); });
   read_spec(section, "eta", [&](const std::string& spec) { set_eta(sweep, parse_eta(spec)); });
-  read_spec(section, "relaxation",
-            [&](const std::string& spec) { sweep.relaxation = parse_relaxation(spec); });
+  read_spec(section, "relaxation", [&](const std::string& spec) { sweep.relaxation = parse_relaxation(spec); });
   read_spec(section, "gauss_seidel_sweeps",
             [&](const std::string& spec) { sweep.gauss_seidel_sweeps = parse_sweeps(spec); });
   Choice<ContactSet> contacts = table.sweep.contacts;

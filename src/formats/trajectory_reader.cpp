@@ -62,8 +62,8 @@ Index get_count(const Group& group, const std::string& name, Index lowest) {
   constexpr double highest = 1e15;  // below it every integer is a double
   const double value = group.number_attribute(name);
   if (!(value >= static_cast<double>(lowest) && value <= highest && std::floor(value) == value))
-    throw Error(fmt::format("{}: expected an integer from {} to {} in the attribute '{}', met {}",
-                            group.path(), lowest, highest, name, value));
+    throw Error(fmt::format("{}: expected an integer from {} to {} in the attribute '{}', met {}", group.path(), lowest,
+                            highest, name, value));
   return static_cast<Index>(value);
 }
 
@@ -102,8 +102,7 @@ TrajectoryStep get_step(const Group& group, const Group& root) {
   check_numbers(step, walls, group);
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
-    if (c.impulse.n != 0 || c.impulse.t != 0)
-      state.impulses.push_back({c.geometry.a, c.geometry.b, c.impulse});
+    if (c.impulse.n != 0 || c.impulse.t != 0) state.impulses.push_back({c.geometry.a, c.geometry.b, c.impulse});
   }
   return step;
 }
@@ -113,8 +112,7 @@ GranularSystem get_system(const Group& root) {
   GranularSystem system;
   system.radius = group.numbers<double>("radius");
   system.mass = group.numbers<double>("mass");
-  for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by"))
-    system.driven_by.push_back(boundary);
+  for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
   system.walls = get_structs<Wall>(group, "walls", layout::wall_columns);
   const std::string names = group.text("boundaries");
   for (std::size_t begin = 0; begin < names.size();) {
@@ -166,9 +164,8 @@ std::vector<Index> trajectory_steps(const std::string& path) {
 TrajectoryStep read_trajectory_step(const std::string& path, Index step) {
   if (auto found = find_step(path, step, false)) return *std::move(found);
   const std::vector<Index> kept = trajectory_steps(path);
-  throw Error(fmt::format("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path,
-                          kept.size(), kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(),
-                          step));
+  throw Error(fmt::format("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path, kept.size(),
+                          kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(), step));
 }
 
 std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step) {

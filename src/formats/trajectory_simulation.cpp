@@ -18,8 +18,7 @@ void require_fit(const std::string& path, const Simulation& simulation) {
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
   // The grains are those of the trajectory, wherever the case has them from.
   const CaseSpec spec = parse_case(header.case_text, path + ": case");
-  if (!spec.dynamics)
-    throw Error(fmt::format("{}: case: expected a section [dynamics], met a case without", path));
+  if (!spec.dynamics) throw Error(fmt::format("{}: case: expected a section [dynamics], met a case without", path));
   const auto& specs = spec.dynamics->boundaries;
   GranularSystem system = header.system;
   if (system.boundaries.size() != specs.size())

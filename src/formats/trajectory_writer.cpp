@@ -20,8 +20,8 @@ constexpr Chunk summary_chunk = 256;
 constexpr std::chrono::seconds commit_interval{1};
 
 template <class Element, class Columns>
-void put_structs(const Group& parent, const char* name, const std::vector<Element>& elements,
-                 Columns&& columns, Chunk chunk) {
+void put_structs(const Group& parent, const char* name, const std::vector<Element>& elements, Columns&& columns,
+                 Chunk chunk) {
   const Group group = parent.make_group(name);
   columns([&](const char* column, const char* unit, auto get) {
     using Number = decltype(layout::stored(std::invoke(get, elements.front())));
@@ -105,8 +105,7 @@ void add_restart(const Group& root, const std::string& line) {
 // Changes a file that exists. It is closed afterwards.
 template <class Change>
 void change_file(const std::string& name, Change&& change) {
-  const hdf5::File file(name, hdf5::Access::change,
-                        fmt::format("{}: cannot be changed as an HDF5 file", name));
+  const hdf5::File file(name, hdf5::Access::change, fmt::format("{}: cannot be changed as an HDF5 file", name));
   change(file.root());
   file.flush();
 }
@@ -158,17 +157,15 @@ struct TrajectoryWriter::Implementation {
 
   void commit() {
     if (pending.steps.empty() && pending.ended.empty()) return;
-    const auto batch =
-        std::make_shared<const Pending>(std::exchange(pending, Pending{{}, {columns, {}}, {}}));
-    file.change([batch](const std::string& name) {
-      change_file(name, [&](const Group& root) { batch->write(root); });
-    });
+    const auto batch = std::make_shared<const Pending>(std::exchange(pending, Pending{{}, {columns, {}}, {}}));
+    file.change(
+        [batch](const std::string& name) { change_file(name, [&](const Group& root) { batch->write(root); }); });
     committed = Clock::now();
   }
 };
 
-TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHeader& header,
-                                   const TrajectoryStep& first, const std::vector<Column>& summary_columns)
+TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
+                                   const std::vector<Column>& summary_columns)
     : TrajectoryWriter(path, summary_columns) {
   implementation_->file.create([&](const std::string& name) {
     const hdf5::File file(name, hdf5::Access::create, fmt::format("{}: cannot be written", path));

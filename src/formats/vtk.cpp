@@ -13,8 +13,7 @@
 namespace nscdd {
 namespace {
 
-constexpr std::string_view byte_order =
-    std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+constexpr std::string_view byte_order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
 
 template <class Value>
 constexpr std::string_view type_name() {
@@ -30,9 +29,8 @@ class Writer {
 
   template <class Value>
   void array(std::string_view name, const std::vector<Value>& values, int components = 1) {
-    line(fmt::format(
-        R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)",
-        type_name<Value>(), name, components, appended_.size()));
+    line(fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)",
+                     type_name<Value>(), name, components, appended_.size()));
     const std::uint64_t bytes = values.size() * sizeof(Value);
     append(&bytes, sizeof bytes);
     append(values.data(), bytes);
@@ -80,9 +78,8 @@ void check(const VtkFrame& frame) {
   const auto grain = [n](std::int64_t i) { return i >= 0 && i < static_cast<std::int64_t>(n); };
   for (std::size_t k = 0; k < c; ++k)
     if (!grain(contacts.a[k]) || (contacts.b[k] != -1 && !grain(contacts.b[k])))
-      throw Error(
-          fmt::format("VTK frame: contact {}: expected two of {} grains, or a grain and -1, met {} and {}", k,
-                      n, contacts.a[k], contacts.b[k]));
+      throw Error(fmt::format("VTK frame: contact {}: expected two of {} grains, or a grain and -1, met {} and {}", k,
+                              n, contacts.a[k], contacts.b[k]));
 }
 
 // The values of grains, followed by `value` for each foot or contact.
@@ -214,8 +211,7 @@ void fill_subdomains(VtkFrame& frame, const std::vector<double>& radius) {
     }
   for (const auto& of_grain : held) {
     frame.grains.multiplicity.push_back(static_cast<std::int64_t>(of_grain.size()));
-    frame.grains.subdomain.push_back(of_grain.empty() ? -1
-                                                      : *std::min_element(of_grain.begin(), of_grain.end()));
+    frame.grains.subdomain.push_back(of_grain.empty() ? -1 : *std::min_element(of_grain.begin(), of_grain.end()));
   }
 }
 
@@ -246,13 +242,12 @@ std::string vtp_text(const VtkFrame& frame) {
   const std::size_t n = frame.grains.x.size();
   Writer writer;
   writer.line(R"(<?xml version="1.0"?>)");
-  writer.line(fmt::format(R"(<VTKFile type="PolyData" version="1.0" byte_order="{}" header_type="UInt64">)",
-                          byte_order));
+  writer.line(
+      fmt::format(R"(<VTKFile type="PolyData" version="1.0" byte_order="{}" header_type="UInt64">)", byte_order));
   writer.line("<PolyData>");
   writer.line("<FieldData>");
   writer.line(fmt::format(
-      R"(<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{}</DataArray>)",
-      frame.time));
+      R"(<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{}</DataArray>)", frame.time));
   writer.line("</FieldData>");
   writer.line(fmt::format(
       R"(<Piece NumberOfPoints="{}" NumberOfVerts="{}" NumberOfLines="{}" NumberOfStrips="0" NumberOfPolys="0">)",
@@ -270,8 +265,8 @@ std::string pvd_text(const std::vector<VtkFile>& files) {
       "byte_order=\"{}\">\n<Collection>\n",
       byte_order);
   for (const VtkFile& file : files)
-    text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", file.time,
-                        escaped(file.path));
+    text +=
+        fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}\"/>\n", file.time, escaped(file.path));
   return text + "</Collection>\n</VTKFile>\n";
 }
 

@@ -62,8 +62,8 @@ void require_size(Index n) {
 
 }  // namespace
 
-LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse,
-                      SpectrumEnd end, const ArpackOptions& options, const Vector& start) {
+LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
+                      const ArpackOptions& options, const Vector& start) {
   const OneBlasThread serial_blas;
   require_size(n);
   const std::lock_guard lock(one_call_at_a_time);
@@ -71,8 +71,7 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
   Workspace w(n, 1, options, 2);
   if (start.size() == n && start.norm() > 0)
     w.resid = start / start.norm() + share_of_fixed_vector * w.resid / w.resid.norm();
-  const auto which =
-      end == SpectrumEnd::largest ? arpack::which::largest_algebraic : arpack::which::smallest_algebraic;
+  const auto which = end == SpectrumEnd::largest ? arpack::which::largest_algebraic : arpack::which::smallest_algebraic;
   w.workl = Vector::Zero(w.ncv * (w.ncv + 8));
   const a_int lworkl = static_cast<a_int>(w.workl.size());
   a_int ido = 0, info = 1;  // info = 1: resid holds the start vector
@@ -96,8 +95,8 @@ LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const Lin
   Matrix z(n, w.nev);
   a_int status = 0;
   arpack::seupd(1, arpack::howmny::ritz_vectors, select.data(), value.data(), z.data(), w.n, 0.0,
-                arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
-                w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, status);
+                arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n,
+                w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, status);
   if (status != 0) return result;
   result.value = value[0];
   result.vector = z.col(0);
@@ -116,9 +115,9 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
   const a_int lworkl = static_cast<a_int>(w.workl.size());
   a_int ido = 0, info = 1;
   while (true) {
-    arpack::naupd(ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev,
-                  options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr,
-                  w.workd.data(), w.workl.data(), lworkl, info);
+    arpack::naupd(ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,
+                  w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl,
+                  info);
     if (ido != -1 && ido != 1) break;
     w.block(1) = a(w.block(0));
     ++result.applications;
@@ -130,10 +129,10 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
   imaginary.setZero();
   Matrix z = Matrix::Zero(n, w.nev + 1);
   a_int status = 0;
-  arpack::neupd(1, arpack::howmny::ritz_vectors, select.data(), real.data(), imaginary.data(), z.data(), w.n,
-                0.0, 0.0, workev.data(), arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev,
-                options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(),
-                w.workl.data(), lworkl, status);
+  arpack::neupd(1, arpack::howmny::ritz_vectors, select.data(), real.data(), imaginary.data(), z.data(), w.n, 0.0, 0.0,
+                workev.data(), arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,
+                w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl,
+                status);
   if (status != 0) return result;
   // A complex pair stands in two columns: the real part of its vector, then the imaginary part.
   const Index found = w.iparam[4];
@@ -152,8 +151,8 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
   const Vector y = imaginary[best] != 0 ? Vector(z.col(first + 1)) : Vector(Vector::Zero(n));
   // (A - lambda)(x + i y), in real arithmetic
   const Vector rx = a(x) - result.value.real() * x + result.value.imag() * y;
-  const Vector ry = imaginary[best] != 0 ? Vector(a(y) - result.value.real() * y - result.value.imag() * x)
-                                         : Vector(Vector::Zero(n));
+  const Vector ry =
+      imaginary[best] != 0 ? Vector(a(y) - result.value.real() * y - result.value.imag() * x) : Vector(Vector::Zero(n));
   result.applications += imaginary[best] != 0 ? 2 : 1;
   result.residual = std::sqrt((rx.squaredNorm() + ry.squaredNorm()) / (x.squaredNorm() + y.squaredNorm()));
   result.converged = info == 0;

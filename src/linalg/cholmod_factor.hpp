@@ -28,8 +28,7 @@ struct CholmodFactor {
 
   /// Throws std::bad_alloc if the last call ran out of memory or gave no result.
   void require_memory(bool result) const {
-    if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE || !result)
-      throw std::bad_alloc();
+    if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE || !result) throw std::bad_alloc();
   }
 
   cholmod_common common;
@@ -38,8 +37,8 @@ struct CholmodFactor {
 
 /// The lower triangle of a symmetric n x n matrix, compressed by columns, as CHOLMOD sees it without a copy.
 /// `values`: null for a pattern.
-inline cholmod_sparse lower_triangle_view(std::size_t n, std::size_t entries, const int* start,
-                                          const int* rows, const double* values) {
+inline cholmod_sparse lower_triangle_view(std::size_t n, std::size_t entries, const int* start, const int* rows,
+                                          const double* values) {
   cholmod_sparse a{};
   a.nrow = a.ncol = n;
   a.nzmax = entries;

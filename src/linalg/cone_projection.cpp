@@ -24,8 +24,7 @@ double step_to_boundary(const Vector& x, const Vector& d) {
 // I + B D B^T, lower triangle; one pattern for every D.
 class NormalMatrix {
  public:
-  explicit NormalMatrix(const SparseMatrix& b)
-      : b_(b), transposed_(b.transpose()), identity_(b.rows(), b.rows()) {
+  explicit NormalMatrix(const SparseMatrix& b) : b_(b), transposed_(b.transpose()), identity_(b.rows(), b.rows()) {
     identity_.setIdentity();
   }
   SparseMatrix at(const Vector& weights) const {

@@ -5,8 +5,7 @@
 
 namespace nscdd {
 
-InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve,
-                                const InertiaPattern& pattern) {
+InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern) {
   const auto spread = [n = pattern.lower.rows()](const Vector& g) {
     Vector x = Vector::Zero(n);
     x.tail(g.size()) = g;

@@ -54,8 +54,8 @@ LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolera
   x.head(a.rows()) = b;
   std::vector<lapack_int> pivots(at(a.cols()), 0);
   lapack_int rank = 0;
-  LAPACKE_dgelsy(LAPACK_COL_MAJOR, rows, columns, 1, a.data(), rows, x.data(), std::max(rows, columns),
-                 pivots.data(), tolerance, &rank);
+  LAPACKE_dgelsy(LAPACK_COL_MAJOR, rows, columns, 1, a.data(), rows, x.data(), std::max(rows, columns), pivots.data(),
+                 tolerance, &rank);
   result.solution = x.head(a.cols());
   result.rank = rank;
   return result;

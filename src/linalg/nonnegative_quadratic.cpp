@@ -23,9 +23,8 @@ Vector free_part(const Vector& x, const Vector& g) { return (x.array() > 0).sele
 
 }  // namespace
 
-NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue,
-                                        Vector start, const QuadraticOptions& options,
-                                        const Monitor& monitor) {
+NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue, Vector start,
+                                        const QuadraticOptions& options, const Monitor& monitor) {
   NonnegativeMinimum result;
   Vector& x = result.x = start.cwiseMax(0);
   const double scale = b.size() == 0 ? 0.0 : b.cwiseAbs().maxCoeff();

@@ -31,8 +31,7 @@ struct NonnegativeMinimum {
 /// (Z. Dostal, J. Schoeberl, Comput. Optim. Appl. 30 (2005) 23-43). `largest_eigenvalue`: an upper bound of
 /// that of A. A run that does not converge, or that a monitor stops, is data: see
 /// `converged`.
-NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue,
-                                        Vector start, const QuadraticOptions& options = {},
-                                        const Monitor& monitor = {});
+NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue, Vector start,
+                                        const QuadraticOptions& options = {}, const Monitor& monitor = {});
 
 }  // namespace nscdd

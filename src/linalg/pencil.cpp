@@ -76,8 +76,8 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
   const auto n = static_cast<lapack_int>(a.rows());
   const auto k = static_cast<lapack_int>(std::min<Index>(wanted, n));
   Matrix lower = p, c = a;
-  ends.definite = p.allFinite() && a.allFinite() &&
-                  LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, lower.data(), n) == 0;  // P = L L^T
+  ends.definite =
+      p.allFinite() && a.allFinite() && LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, lower.data(), n) == 0;  // P = L L^T
   if (!ends.definite) return ends;
   LAPACKE_dsygst(LAPACK_COL_MAJOR, 1, 'L', n, c.data(), n, lower.data(), n);  // C = L^-1 A L^-T
   const Tridiagonal t = tridiagonalise(std::move(c));                         // T = Q^T C Q

@@ -119,9 +119,7 @@ RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance)
 
 Index RangeProjector::rank() const { return implementation_->rank; }
 bool RangeProjector::conclusive() const { return implementation_->conclusive; }
-std::vector<Index> RangeProjector::independent_columns() const {
-  return implementation_->independent_columns();
-}
+std::vector<Index> RangeProjector::independent_columns() const { return implementation_->independent_columns(); }
 Vector RangeProjector::apply(const Vector& x) const { return implementation_->apply(x); }
 
 Index sparse_rank(const SparseMatrix& a, double tolerance) {

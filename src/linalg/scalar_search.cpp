@@ -51,16 +51,14 @@ ScalarSearch find_root(const std::function<double(double)>& f, double a, double 
       gsl_root_fsolver_alloc(gsl_root_fsolver_brent), &gsl_root_fsolver_free);
   const int start = gsl_root_fsolver_set(solver.get(), &function, a, b);
   callback.rethrow();
-  if (start != GSL_SUCCESS)
-    throw Error(fmt::format("root search: no change of sign between {} and {}", a, b));
+  if (start != GSL_SUCCESS) throw Error(fmt::format("root search: no change of sign between {} and {}", a, b));
   ScalarSearch result;
   for (int i = 0; i < maximum_iterations && !result.converged; ++i) {
     const int status = gsl_root_fsolver_iterate(solver.get());
     callback.rethrow();
     if (status != GSL_SUCCESS) break;
-    result.converged =
-        gsl_root_test_interval(gsl_root_fsolver_x_lower(solver.get()), gsl_root_fsolver_x_upper(solver.get()),
-                               tolerance, 0) == GSL_SUCCESS;
+    result.converged = gsl_root_test_interval(gsl_root_fsolver_x_lower(solver.get()),
+                                              gsl_root_fsolver_x_upper(solver.get()), tolerance, 0) == GSL_SUCCESS;
   }
   result.x = gsl_root_fsolver_root(solver.get());
   result.value = f(result.x);
@@ -68,8 +66,7 @@ ScalarSearch find_root(const std::function<double(double)>& f, double a, double 
   return result;
 }
 
-ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b,
-                          double tolerance) {
+ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b, double tolerance) {
   const QuietGsl quiet;
   Callback callback{f, 0, nullptr};
   gsl_function function = callback.as_gsl();
@@ -77,16 +74,14 @@ ScalarSearch find_minimum(const std::function<double(double)>& f, double a, doub
       gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), &gsl_min_fminimizer_free);
   const int start = gsl_min_fminimizer_set(solver.get(), &function, m, a, b);
   callback.rethrow();
-  if (start != GSL_SUCCESS)
-    throw Error(fmt::format("minimum search: {} < {} < {} brackets no minimum", a, m, b));
+  if (start != GSL_SUCCESS) throw Error(fmt::format("minimum search: {} < {} < {} brackets no minimum", a, m, b));
   ScalarSearch result;
   for (int i = 0; i < maximum_iterations && !result.converged; ++i) {
     const int status = gsl_min_fminimizer_iterate(solver.get());
     callback.rethrow();
     if (status != GSL_SUCCESS) break;
-    result.converged =
-        gsl_min_test_interval(gsl_min_fminimizer_x_lower(solver.get()),
-                              gsl_min_fminimizer_x_upper(solver.get()), tolerance, 0) == GSL_SUCCESS;
+    result.converged = gsl_min_test_interval(gsl_min_fminimizer_x_lower(solver.get()),
+                                             gsl_min_fminimizer_x_upper(solver.get()), tolerance, 0) == GSL_SUCCESS;
   }
   result.x = gsl_min_fminimizer_x_minimum(solver.get());
   result.value = gsl_min_fminimizer_f_minimum(solver.get());

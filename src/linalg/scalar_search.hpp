@@ -19,7 +19,6 @@ ScalarSearch find_root(const std::function<double(double)>& f, double a, double 
 
 /// Minimum of f between a and b by Brent's method (GSL), given an inner point m with f(m) below both ends.
 /// Throws Error where (a, m, b) does not bracket a minimum.
-ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b,
-                          double tolerance);
+ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b, double tolerance);
 
 }  // namespace nscdd

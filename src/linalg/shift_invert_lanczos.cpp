@@ -15,10 +15,9 @@ namespace nscdd {
 namespace {
 
 constexpr double share_of_fixed_vector = 0.1;
-constexpr double breakdown =
-    1e-14;  // a new direction counts if it is longer than this times the image it comes from
-constexpr Index first_estimate = 3;       // steps before the gaps of Ritz values are worth anything
-constexpr Index every_step = 40;          // so many steps check convergence each; later every tenth does
+constexpr double breakdown = 1e-14;  // a new direction counts if it is longer than this times the image it comes from
+constexpr Index first_estimate = 3;  // steps before the gaps of Ritz values are worth anything
+constexpr Index every_step = 40;     // so many steps check convergence each; later every tenth does
 constexpr std::uint64_t fixed_seed = 12;  // of the fixed vector and of those that follow a breakdown
 
 // M-orthonormal basis with its images, orthogonal to the locked vectors as well.
@@ -65,8 +64,7 @@ struct RitzPairs {
   Matrix s;
 };
 
-RitzPairs ritz_pairs(const std::vector<double>& alpha, const std::vector<double>& beta, bool positive,
-                     Index wanted) {
+RitzPairs ritz_pairs(const std::vector<double>& alpha, const std::vector<double>& beta, bool positive, Index wanted) {
   const Index steps = count(alpha);
   const Vector diagonal = Eigen::Map<const Vector>(alpha.data(), steps);
   const Vector below = Eigen::Map<const Vector>(beta.data(), steps - 1);

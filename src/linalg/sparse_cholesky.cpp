@@ -9,8 +9,7 @@ namespace nscdd {
 namespace {
 
 cholmod_sparse view(const SparseMatrix& a) {
-  return lower_triangle_view(at(a.rows()), at(a.nonZeros()), a.outerIndexPtr(), a.innerIndexPtr(),
-                             a.valuePtr());
+  return lower_triangle_view(at(a.rows()), at(a.nonZeros()), a.outerIndexPtr(), a.innerIndexPtr(), a.valuePtr());
 }
 
 constexpr int ordering = CHOLMOD_METIS;  // nested dissection, the best for the planar networks of grains
@@ -30,8 +29,7 @@ class CholeskyAnalysis::Implementation {
 
 class SparseCholesky::Implementation {
  public:
-  Implementation(const CholeskyAnalysis::Implementation& analysis, const SparseMatrix& matrix)
-      : numeric_(ordering) {
+  Implementation(const CholeskyAnalysis::Implementation& analysis, const SparseMatrix& matrix) : numeric_(ordering) {
     const OneBlasThread serial_blas;
     cholmod_sparse a = view(matrix);
     numeric_.factor = cholmod_copy_factor(analysis.symbolic.factor, &numeric_.common);

@@ -46,8 +46,7 @@ void check(const Boundary& boundary) {
                             boundary.name, motion.time.size(), motion.velocity.size()));
   for (std::size_t k = 0; k < motion.time.size(); ++k) {
     const RigidVelocity& v = motion.velocity[k];
-    if (!std::isfinite(motion.time[k]) || !std::isfinite(v.x) || !std::isfinite(v.y) ||
-        !std::isfinite(v.spin))
+    if (!std::isfinite(motion.time[k]) || !std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.spin))
       throw Error(fmt::format("boundary '{}': expected finite numbers, met another in entry {} of its motion",
                               boundary.name, k));
     if (k > 0 && !(motion.time[k] > motion.time[k - 1]))

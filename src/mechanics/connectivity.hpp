@@ -11,7 +11,7 @@ namespace nscdd {
 /// Where a body stands in H.
 struct BodyRows {
   Index first = -1;  ///< its first row: x, y and, where the problem has rotations, spin; -1 for a driven body
-  double arm = 1;  ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
+  double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
 };
 
 /// Builds H column by column from contacts and bodies: everything that knows how an impulse at a contact acts

@@ -43,8 +43,7 @@ std::vector<Index> along_curve(std::span<const std::array<double, 2>> points) {
   std::vector<std::pair<std::uint32_t, Index>> places;
   places.reserve(points.size());
   for (std::size_t k = 0; k < points.size(); ++k)
-    places.emplace_back(hilbert_place(cell(points[k][0], low[0]), cell(points[k][1], low[1])),
-                        static_cast<Index>(k));
+    places.emplace_back(hilbert_place(cell(points[k][0], low[0]), cell(points[k][1], low[1])), static_cast<Index>(k));
   std::sort(places.begin(), places.end());
   std::vector<Index> order;
   order.reserve(points.size());
@@ -74,8 +73,7 @@ std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::spa
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Index here = static_cast<Index>(k) / block;
     std::uint64_t taken = 0;
-    const std::size_t ends[2] = {static_cast<std::size_t>(contacts[k].a),
-                                 static_cast<std::size_t>(contacts[k].b)};
+    const std::size_t ends[2] = {static_cast<std::size_t>(contacts[k].a), static_cast<std::size_t>(contacts[k].b)};
     for (const std::size_t i : ends) {
       if (block_of[i] != here) {
         block_of[i] = here;

@@ -30,8 +30,8 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
     sum.natural_map += squared(next - r);
   } else {
     const LocalVector relative = relative_velocity(c, v);
-    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, relative + LocalVector{c.bias_n, c.bias_t},
-                                           c.friction, c.inverse_w.inverse_n));
+    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, relative + LocalVector{c.bias_n, c.bias_t}, c.friction,
+                                           c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
   ++sum.active;
@@ -71,14 +71,11 @@ double ContactResidual::relative_natural_map() const {
   return natural_map == 0 ? 0.0 : std::sqrt(natural_map / impulses);
 }
 
-double ContactResidual::quad_dv() const {
-  return violation == 0 ? 0.0 : std::sqrt(violation / scale_velocity);
-}
+double ContactResidual::quad_dv() const { return violation == 0 ? 0.0 : std::sqrt(violation / scale_velocity); }
 
 double ContactResidual::mean_dv_over_r() const { return work == 0 ? 0.0 : work / scale_work; }
 
-ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
-                                 std::span<const DiskVelocity> v) {
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts, std::span<const DiskVelocity> v) {
   return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
 }
 

@@ -6,8 +6,7 @@ namespace {
 
 // The choices are template parameters, so that the loop does not make them again for every contact.
 template <bool relaxed, bool tangential_bias, class Law>
-SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> velocities,
-                double relaxation) {
+SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> velocities, double relaxation) {
   SweepSums sums;
   DiskVelocity* const v = velocities.data();
   const double frictions[2] = {contacts.friction, contacts.boundary_friction};

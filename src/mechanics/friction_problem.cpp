@@ -10,14 +10,13 @@ namespace nscdd {
 namespace {
 
 void require_size(const std::string& what, Index met, const std::string& size, Index expected) {
-  if (met != expected)
-    throw Error(fmt::format("{}: expected {} = {} numbers, met {}", what, size, expected, met));
+  if (met != expected) throw Error(fmt::format("{}: expected {} = {} numbers, met {}", what, size, expected, met));
 }
 
 void require_shape(const std::string& what, const SparseMatrix& matrix, Index rows, Index columns) {
   if (matrix.rows() != rows || matrix.cols() != columns)
-    throw Error(fmt::format("{}: expected a {} x {} matrix, met {} x {}", what, rows, columns, matrix.rows(),
-                            matrix.cols()));
+    throw Error(
+        fmt::format("{}: expected a {} x {} matrix, met {} x {}", what, rows, columns, matrix.rows(), matrix.cols()));
 }
 
 void require_finite(const std::string& what, const Vector& values) {
@@ -30,8 +29,8 @@ void require_finite(const std::string& what, const SparseMatrix& matrix) {
   for (Index j = 0; j < matrix.cols(); ++j)
     for (SparseMatrix::InnerIterator e(matrix, j); e; ++e)
       if (!std::isfinite(e.value()))
-        throw Error(fmt::format("{}: expected finite numbers, met {} at row {}, column {}", what, e.value(),
-                                e.row(), j));
+        throw Error(
+            fmt::format("{}: expected finite numbers, met {} at row {}, column {}", what, e.value(), e.row(), j));
 }
 
 void require_symmetric(const std::string& what, const SparseMatrix& matrix) {
@@ -48,20 +47,20 @@ void require_symmetric(const std::string& what, const SparseMatrix& matrix) {
   for (Index j = 0; j < matrix.cols(); ++j)
     for (SparseMatrix::InnerIterator e(difference, j); e; ++e)
       if (std::abs(e.value()) > symmetry_tolerance * largest)
-        throw Error(fmt::format(
-            "{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}", what,
-            matrix.coeff(e.row(), j), e.row(), j, matrix.coeff(j, e.row()), j, e.row(),
-            above == below ? ""
-            : above        ? ": the upper triangle alone"
-                           : ": the lower triangle alone"));
+        throw Error(
+            fmt::format("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}", what,
+                        matrix.coeff(e.row(), j), e.row(), j, matrix.coeff(j, e.row()), j, e.row(),
+                        above == below ? ""
+                        : above        ? ": the upper triangle alone"
+                                       : ": the lower triangle alone"));
 }
 
 void require_friction(const std::string& name, const Vector& friction) {
   require_finite(name + ": mu", friction);
   for (Index c = 0; c < friction.size(); ++c)
     if (friction[c] < 0)
-      throw Error(fmt::format("{}: mu: expected coefficients of friction >= 0, met {} for contact {}", name,
-                              friction[c], c));
+      throw Error(
+          fmt::format("{}: mu: expected coefficients of friction >= 0, met {} for contact {}", name, friction[c], c));
 }
 
 }  // namespace
@@ -82,9 +81,9 @@ void check(const LocalFrictionProblem& problem, const std::string& name) {
   for (Index c = 0; c < problem.contacts(); ++c) {
     const FullDelassus block = diagonal_block(problem, c);
     if (!(block.nn > 0 && block.tt > 0 && block.nn * block.tt - block.nt * block.nt > 0))
-      throw Error(fmt::format(
-          "{}: W: expected a positive definite block for every contact, met [{} {}; {} {}] for contact {}",
-          name, block.nn, block.nt, block.nt, block.tt, c));
+      throw Error(
+          fmt::format("{}: W: expected a positive definite block for every contact, met [{} {}; {} {}] for contact {}",
+                      name, block.nn, block.nt, block.nt, block.tt, c));
   }
 }
 
@@ -106,14 +105,13 @@ ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const s
   check(problem, name);
   constexpr Index dofs = 3;
   if (problem.mass.rows() == 0 || problem.mass.rows() % dofs != 0)
-    throw Error(
-        fmt::format("{}: M: expected three rows per body (two translations and a rotation), met {} rows",
-                    name, problem.mass.rows()));
+    throw Error(fmt::format("{}: M: expected three rows per body (two translations and a rotation), met {} rows", name,
+                            problem.mass.rows()));
   for (Index j = 0; j < problem.mass.cols(); ++j)
     for (SparseMatrix::InnerIterator e(problem.mass, j); e; ++e)
       if (e.row() != j && e.value() != 0)
-        throw Error(fmt::format("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name,
-                                e.value(), e.row(), j));
+        throw Error(
+            fmt::format("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name, e.value(), e.row(), j));
   ReferenceProblem result;
   result.dofs_per_grain = dofs;
   result.columns_per_contact = 2;

@@ -61,10 +61,10 @@ class Piece {
       definite = sparse_->positive_definite();
     }
     if (!definite)
-      throw Error(fmt::format(
-          "{}: M: expected a positive definite matrix, met one that is not in the piece of {} unknown(s) "
-          "that begins at row {}",
-          name, unknowns.size(), unknowns.front()));
+      throw Error(
+          fmt::format("{}: M: expected a positive definite matrix, met one that is not in the piece of {} unknown(s) "
+                      "that begins at row {}",
+                      name, unknowns.size(), unknowns.front()));
   }
 
   Matrix solve(const Matrix& b) const { return sparse_ ? sparse_->solve(b) : Matrix(dense_.solve(b)); }
@@ -97,9 +97,8 @@ Matrix block_of(const SparseMatrix& h, const std::vector<Index>& columns, Index 
 }
 
 // H_p^T M_p^-1 H_p of one piece, added to W.
-void add_delassus(const GlobalFrictionProblem& problem, const Piece& piece,
-                  const std::vector<Index>& unknowns, const std::vector<Index>& place,
-                  const std::vector<Index>& columns, SparseEntries& w) {
+void add_delassus(const GlobalFrictionProblem& problem, const Piece& piece, const std::vector<Index>& unknowns,
+                  const std::vector<Index>& place, const std::vector<Index>& columns, SparseEntries& w) {
   for (Index first = 0; first < count(columns); first += columns_at_a_time) {
     const Index size = std::min(columns_at_a_time, count(columns) - first);
     const Matrix solved = piece.solve(block_of(problem.h, columns, first, size, unknowns, place));
@@ -108,8 +107,7 @@ void add_delassus(const GlobalFrictionProblem& problem, const Piece& piece,
         double value = 0;
         for (SparseMatrix::InnerIterator e(problem.h, row); e; ++e) {
           const Index local = place[at(e.row())];
-          if (local < count(unknowns) && unknowns[at(local)] == e.row())
-            value += e.value() * solved(local, k);
+          if (local < count(unknowns) && unknowns[at(local)] == e.row()) value += e.value() * solved(local, k);
         }
         w.add(row, columns[at(first + k)], value);
       }

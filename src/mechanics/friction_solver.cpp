@@ -80,13 +80,11 @@ inline LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector
 }
 
 // The impulse that would bring contact c to rest, the others held:  r_c - W_c^-1 u_c.
-inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) {
-  return impulse - w.solve(u);
-}
+inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) { return impulse - w.solve(u); }
 
 template <bool relaxed>
-void sweep_once(const BlockRows& rows, const LocalFrictionProblem& problem,
-                const FrictionSolverOptions& options, Vector& impulses) {
+void sweep_once(const BlockRows& rows, const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
+                Vector& impulses) {
   const Index contacts = problem.contacts();
   for (Index k = 0; k < contacts; ++k) {
     const Index c = options.order == SweepOrder::natural ? k : contacts - 1 - k;
@@ -113,8 +111,7 @@ double natural_map_norm(const LocalFrictionProblem& problem, const Vector& impul
                         const Vector& rho) {
   double squares = 0;
   for (Index c = 0; c < problem.contacts(); ++c)
-    squares +=
-        squared(natural_map(component(impulses, c), component(velocities, c), problem.friction[c], rho[c]));
+    squares += squared(natural_map(component(impulses, c), component(velocities, c), problem.friction[c], rho[c]));
   return std::sqrt(squares);
 }
 
@@ -126,33 +123,28 @@ FrictionState state_of(const LocalFrictionProblem& problem, const Vector& impuls
   for (Index c = 0; c < problem.contacts(); ++c) rho[c] = 1 / problem.w.coeff(2 * c, 2 * c);
   const double map = natural_map_norm(problem, impulses, state.velocities, rho);
   state.residual = map == 0 ? 0 : map / std::max(impulses.norm(), alone);
-  state.siconos_residual =
-      natural_map_norm(problem, impulses, state.velocities, Vector::Ones(problem.contacts()));
+  state.siconos_residual = natural_map_norm(problem, impulses, state.velocities, Vector::Ones(problem.contacts()));
   const double size = std::max({impulses.norm(), state.velocities.norm(), problem.q.norm()});
   state.siconos_relative = size > std::numeric_limits<double>::epsilon();
   if (state.siconos_relative) state.siconos_residual /= size;
   for (Index c = 0; c < problem.contacts(); ++c) {
     const ContactStatus status = contact_status(component(impulses, c), problem.friction[c]);
-    ++(status == ContactStatus::open    ? state.open
-       : status == ContactStatus::stick ? state.stick
-                                        : state.slide);
+    ++(status == ContactStatus::open ? state.open : status == ContactStatus::stick ? state.stick : state.slide);
   }
   return state;
 }
 
-void check_options(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
-                   const Vector& guess) {
+void check_options(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess) {
   if (guess.size() != 0 && guess.size() != 2 * problem.contacts())
-    throw Error(fmt::format("guess of the impulses: expected 2 x contacts = {} numbers, met {}",
-                            2 * problem.contacts(), guess.size()));
-  if (!(options.tolerance > 0))
-    throw Error(fmt::format("tolerance: expected a number > 0, met {}", options.tolerance));
+    throw Error(fmt::format("guess of the impulses: expected 2 x contacts = {} numbers, met {}", 2 * problem.contacts(),
+                            guess.size()));
+  if (!(options.tolerance > 0)) throw Error(fmt::format("tolerance: expected a number > 0, met {}", options.tolerance));
   if (!(options.relaxation > 0 && options.relaxation < 2))
     throw Error(fmt::format("relaxation: expected a number between 0 and 2, met {}", options.relaxation));
   if (options.maximum_sweeps < 0 || options.check_every < 1 || options.patience < 1)
-    throw Error(fmt::format(
-        "sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
-        options.maximum_sweeps, options.check_every, options.patience));
+    throw Error(
+        fmt::format("sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
+                    options.maximum_sweeps, options.check_every, options.patience));
 }
 
 }  // namespace
@@ -169,17 +161,15 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
   const BlockRows rows = block_rows(problem);
   const double alone = lone_impulses(problem);
   const double scale = std::max(alone, solution.impulses.norm());
-  ProgressWatch<FrictionStatus> watch({.tolerance = options.tolerance,
-                                       .growth = growth_allowed,
-                                       .fall = progress_wanted,
-                                       .patience = options.patience},
-                                      FrictionStatus::not_finite);
+  ProgressWatch<FrictionStatus> watch(
+      {.tolerance = options.tolerance, .growth = growth_allowed, .fall = progress_wanted, .patience = options.patience},
+      FrictionStatus::not_finite);
   for (Index check = 0;; ++check) {
     solution.state = state_of(problem, solution.impulses, alone);
     const FrictionState& now = solution.state;
     const auto over = watch.judge(check, now.residual, solution.impulses.norm(), scale);
-    const bool go_on = !observer || observer({solution.sweeps, now.residual, now.siconos_residual, now.open,
-                                              now.stick, now.slide});
+    const bool go_on =
+        !observer || observer({solution.sweeps, now.residual, now.siconos_residual, now.open, now.stick, now.slide});
     if (over || !go_on || solution.sweeps >= options.maximum_sweeps) {
       solution.status = over ? *over : go_on ? FrictionStatus::maximum_reached : FrictionStatus::stopped;
       return solution;

@@ -36,8 +36,7 @@ void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& i
     for (SparseMatrix::InnerIterator e(contacts.h, c); e; ++e) velocity += e.value() * velocities[e.row()];
     const double free_velocity = velocity - contacts.delassus[c] * impulses[c];
     const double change = take_impulse<false>(impulses[c], law.impulse(free_velocity, contacts.delassus[c]));
-    for (SparseMatrix::InnerIterator e(contacts.response, c); e; ++e)
-      velocities[e.row()] += e.value() * change;
+    for (SparseMatrix::InnerIterator e(contacts.response, c); e; ++e) velocities[e.row()] += e.value() * change;
   }
 }
 

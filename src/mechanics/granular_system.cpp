@@ -25,8 +25,7 @@ std::string body_name(const GranularSystem& system, Index body) {
     return fmt::format("the wall of boundary '{}'",
                        system.boundaries[at(system.walls[at(body - system.disks())].boundary)].name);
   if (system.free(body)) return fmt::format("disk {}", body);
-  return fmt::format("disk {} of boundary '{}'", body,
-                     system.boundaries[at(system.driven_by[at(body)])].name);
+  return fmt::format("disk {} of boundary '{}'", body, system.boundaries[at(system.driven_by[at(body)])].name);
 }
 
 void check(const GranularSystem& system, const GranularState& state) {
@@ -41,11 +40,10 @@ void check(const GranularSystem& system, const GranularState& state) {
   bool any_free = false;
   for (std::size_t i = 0; i < n; ++i) {
     if (system.driven_by[i] >= count(system.boundaries))
-      throw Error(fmt::format("disk {}: expected one of {} boundaries, met number {}", i,
-                              system.boundaries.size(), system.driven_by[i]));
+      throw Error(fmt::format("disk {}: expected one of {} boundaries, met number {}", i, system.boundaries.size(),
+                              system.driven_by[i]));
     any_free = any_free || system.driven_by[i] < 0;
-    for (const auto* field :
-         {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
+    for (const auto* field : {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
       if (!std::isfinite((*field)[i]))
         throw Error(fmt::format("disk {}: expected finite positions and velocities, met {}", i, (*field)[i]));
   }

@@ -27,8 +27,7 @@ class ProgressWatch {
   ProgressWatch(const ProgressLimits& limits, Status not_finite) : limits_(limits), not_finite_(not_finite) {}
 
   /// How the iteration ended, or nothing if it goes on. `may_converge`: whether a small indicator is enough.
-  std::optional<Status> judge(Index step, double indicator, double size, double scale,
-                              bool may_converge = true) {
+  std::optional<Status> judge(Index step, double indicator, double size, double scale, bool may_converge = true) {
     if (std::isnan(indicator) || !std::isfinite(size)) return not_finite_;
     if (size > limits_.growth * scale) return Status::diverged;
     if (indicator <= limits_.tolerance && may_converge) return Status::converged;

@@ -33,26 +33,24 @@ Vector deformation_velocities(const Packing& packing, const Loads& loads) {
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed, const Loads& loads) {
   if (count(packing.mass) != packing.size())
-    throw Error(fmt::format("assemble: expected a mass for each of {} grains, met {}", packing.size(),
-                            packing.mass.size()));
+    throw Error(
+        fmt::format("assemble: expected a mass for each of {} grains, met {}", packing.size(), packing.mass.size()));
   ReferenceProblem problem;
   const Index n = packing.size();
   problem.inertia.resize(2 * n);
   for (Index i = 0; i < n; ++i) problem.inertia.segment(2 * i, 2).setConstant(packing.mass[at(i)]);
 
   ConnectivityBuilder h(network.contacts.size());
-  for (const Contact& contact : network.contacts)
-    h.add(contact.normal, {2 * contact.a}, {2 * contact.b}, {1, 0});
+  for (const Contact& contact : network.contacts) h.add(contact.normal, {2 * contact.a}, {2 * contact.b}, {1, 0});
   problem.h = h.matrix(2 * n);
 
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {
     if (one.grain < 0 || one.grain >= n)
-      throw Error(
-          fmt::format("prescribed velocity: expected a grain in 0..{}, met grain {}", n - 1, one.grain));
+      throw Error(fmt::format("prescribed velocity: expected a grain in 0..{}, met grain {}", n - 1, one.grain));
     if (!std::isfinite(one.velocity[0]) || !std::isfinite(one.velocity[1]))
-      throw Error(fmt::format("prescribed velocity of grain {}: expected finite components, met ({}, {})",
-                              one.grain, one.velocity[0], one.velocity[1]));
+      throw Error(fmt::format("prescribed velocity of grain {}: expected finite components, met ({}, {})", one.grain,
+                              one.velocity[0], one.velocity[1]));
     problem.arriving_velocity.segment(2 * one.grain, 2) << one.velocity[0], one.velocity[1];
   }
   return problem;
@@ -78,8 +76,7 @@ std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index cont
 double mean_normal_delassus(const ReferenceProblem& problem) {
   double sum = 0;
   for (Index c = 0; c < problem.h.cols(); c += problem.columns_per_contact)
-    for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e)
-      sum += e.value() * e.value() / problem.inertia[e.row()];
+    for (SparseMatrix::InnerIterator e(problem.h, c); e; ++e) sum += e.value() * e.value() / problem.inertia[e.row()];
   const Index contacts = problem.h.cols() / problem.columns_per_contact;
   return contacts == 0 ? 0 : sum / static_cast<double>(contacts);
 }

@@ -18,11 +18,10 @@ struct Alert {
   double reach = 0;     ///< m, what the fastest pair may close in the step
 };
 
-Alert alert_of(const GranularSystem& system, const std::vector<DiskVelocity>& free,
-               const TimeStepping& scheme, double least) {
+Alert alert_of(const GranularSystem& system, const std::vector<DiskVelocity>& free, const TimeStepping& scheme,
+               double least) {
   double fastest = 0;
-  for (Index i = 0; i < system.disks(); ++i)
-    fastest = std::max(fastest, std::hypot(free[at(i)].x, free[at(i)].y));
+  for (Index i = 0; i < system.disks(); ++i) fastest = std::max(fastest, std::hypot(free[at(i)].x, free[at(i)].y));
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
   return {std::max(scheme.alert * smallest, least), 2 * fastest * scheme.step};
 }
@@ -45,8 +44,8 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);
     if (!(distance > 0))
-      throw Error(fmt::format("{} and {}: expected distinct centres, met one", body_name(system, a),
-                              body_name(system, b)));
+      throw Error(
+          fmt::format("{} and {}: expected distinct centres, met one", body_name(system, a), body_name(system, b)));
     StepContact c{.a = a, .b = b, .normal = {dx / distance, dy / distance}, .gap = distance - touch};
     const double closing =
         c.normal[0] * (free[at(b)].x - free[at(a)].x) + c.normal[1] * (free[at(b)].y - free[at(a)].y);
@@ -60,20 +59,16 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
     const Pose& pose = where.poses[at(wall.boundary)];
     for (Index i = 0; i < system.disks(); ++i) {
       if (!system.free(i)) continue;
-      const double height = (where.x[at(i)] - wall.point[0]) * wall.normal[0] +
-                            (where.y[at(i)] - wall.point[1]) * wall.normal[1];
+      const double height =
+          (where.x[at(i)] - wall.point[0]) * wall.normal[0] + (where.y[at(i)] - wall.point[1]) * wall.normal[1];
       const double gap = height - system.radius[at(i)];
       const std::array<double, 2> foot{where.x[at(i)] - height * wall.normal[0],
                                        where.y[at(i)] - height * wall.normal[1]};
       const auto v = velocity_of_point(motion, pose, foot);
-      const double closing =
-          wall.normal[0] * (free[at(i)].x - v[0]) + wall.normal[1] * (free[at(i)].y - v[1]);
+      const double closing = wall.normal[0] * (free[at(i)].x - v[0]) + wall.normal[1] * (free[at(i)].y - v[1]);
       if (gap > alert.distance && gap + scheme.step * closing > alert.distance) continue;
-      found.push_back({.a = i,
-                       .b = system.disks() + w,
-                       .normal = {-wall.normal[0], -wall.normal[1]},
-                       .point = foot,
-                       .gap = gap});
+      found.push_back(
+          {.a = i, .b = system.disks() + w, .normal = {-wall.normal[0], -wall.normal[1]}, .point = foot, .gap = gap});
     }
   }
   return sorted_by_bodies(found, system.disks());

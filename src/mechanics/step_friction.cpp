@@ -30,8 +30,7 @@ SparseMatrix diagonal(const Vector& values) {
 
 }  // namespace
 
-GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies,
-                                       std::span<const DiskContact> contacts,
+GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
                                        std::span<const double> radius) {
   const std::vector<BodyRows> row_of = rows_of(bodies, radius);
   std::vector<double> inertia, momentum;

@@ -15,7 +15,7 @@ namespace nscdd {
 /// have no rows. In the rows of spin a tangential column has the lever arm, -R.
 /// `bodies`: V_free and inverse masses. `radius`: of each body, m; it may end before the driven bodies at the
 /// end (walls have no radius).
-GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies,
-                                       std::span<const DiskContact> contacts, std::span<const double> radius);
+GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
+                                       std::span<const double> radius);
 
 }  // namespace nscdd

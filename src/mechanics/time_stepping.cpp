@@ -45,8 +45,8 @@ void check_moves(const GranularSystem& system, const GranularState& state, const
                  double h) {
   for (Index i = 0; i < system.disks(); ++i) {
     if (!std::isfinite(state.x[at(i)]) || !std::isfinite(state.y[at(i)]))
-      throw Error(fmt::format("{}: expected a finite position, met ({}, {}) m", body_name(system, i),
-                              state.x[at(i)], state.y[at(i)]));
+      throw Error(fmt::format("{}: expected a finite position, met ({}, {}) m", body_name(system, i), state.x[at(i)],
+                              state.y[at(i)]));
     const double move = h * std::hypot(v[at(i)].x, v[at(i)].y);
     if (!(move <= largest_move * system.radius[at(i)]) || !std::isfinite(v[at(i)].rim))
       throw Error(
@@ -67,8 +67,7 @@ void move_driven(double& x, double& y, const Pose& before, const Pose& after) {
 Configuration middle(const GranularSystem& system, const GranularState& state,
                      const std::vector<RigidVelocity>& motions, double time) {
   Configuration where{state.x, state.y, system.walls, state.poses, motions};
-  for (std::size_t k = 0; k < where.poses.size(); ++k)
-    where.poses[k] = advanced(where.poses[k], motions[k], time);
+  for (std::size_t k = 0; k < where.poses.size(); ++k) where.poses[k] = advanced(where.poses[k], motions[k], time);
   for (Index i = 0; i < system.disks(); ++i) {
     if (system.free(i)) {
       where.x[at(i)] += time * state.velocity_x[at(i)];
@@ -171,8 +170,8 @@ void check_overlaps(const GranularSystem& system, const StepProblem& problem, do
   }
 }
 
-StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
-                         const Interaction& interaction, const TimeStepping& scheme, bool warm_start) {
+StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                         const TimeStepping& scheme, bool warm_start) {
   const double h = scheme.step;
   const auto motions = boundary_velocities(system, state.time + h / 2);
   StepProblem problem;
@@ -193,8 +192,7 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   check_moves(system, state, problem.free, h);
   const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
   // Bodies that hold each other are found however short the alert distance.
-  const double hold =
-      problem.pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
+  const double hold = problem.pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
   problem.geometry = find_contacts(system, where, problem.free, scheme, hold);
   // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
   if (interaction.restitution > 0)
@@ -206,8 +204,7 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   problem.contacts.reserve(problem.geometry.size());
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
-    problem.contacts.push_back(solver_contact(c, second[k], problem, interaction,
-                                              scheme.penetration_correction,
+    problem.contacts.push_back(solver_contact(c, second[k], problem, interaction, scheme.penetration_correction,
                                               push_speed(scheme, smaller_radius(system, c), boundary_speed)));
     if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull(law);
   }

@@ -55,9 +55,8 @@ UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const Un
   const Vector load = b.transpose() * point;
   Solution found{Vector::Zero(contacts), 0, 0, true};
   if (contacts > 0 && load.minCoeff() < 0)
-    found = options.method == UnilateralMethod::interior_point
-                ? by_interior_point(b, point, options, monitor)
-                : by_projected_gradients(b, load, options, monitor);
+    found = options.method == UnilateralMethod::interior_point ? by_interior_point(b, point, options, monitor)
+                                                               : by_projected_gradients(b, load, options, monitor);
   result.residual = found.residual;
   result.iterations = found.iterations;
   result.converged = found.converged;
@@ -74,8 +73,8 @@ UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const Un
     if (result.status.back() == UnilateralStatus::open) found.scaled_impulses[c] = 0;
   }
   result.impulses = found.scaled_impulses.cwiseQuotient(root);
-  result.velocities = problem.arriving_velocity +
-                      problem.inertia.cwiseInverse().cwiseProduct(Vector(problem.h * result.impulses));
+  result.velocities =
+      problem.arriving_velocity + problem.inertia.cwiseInverse().cwiseProduct(Vector(problem.h * result.impulses));
   result.separation = problem.h.transpose() * result.velocities;
   return result;
 }

@@ -29,12 +29,11 @@ void require_no_overlap(const Packing& p, const Contact& contact, double allowed
     return fmt::format("({}, {}) of radius {}", p.x[at(g)], p.y[at(g)], p.radius[at(g)]);
   };
   if (p.x[at(i)] == p.x[at(j)] && p.y[at(i)] == p.y[at(j)])
-    throw Error(
-        fmt::format("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j)));
+    throw Error(fmt::format("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j)));
   if (-contact.gap > allowed)
-    throw Error(fmt::format(
-        "grains {} and {} overlap by {} m, more than the {} m allowed (overlap_tolerance): {} and {}", i, j,
-        -contact.gap, allowed, describe(i), describe(j)));
+    throw Error(
+        fmt::format("grains {} and {} overlap by {} m, more than the {} m allowed (overlap_tolerance): {} and {}", i, j,
+                    -contact.gap, allowed, describe(i), describe(j)));
 }
 
 }  // namespace

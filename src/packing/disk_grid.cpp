@@ -51,8 +51,8 @@ CellGrid::CellGrid(std::span<const double> x, std::span<const double> y, double 
   for (std::size_t i = 0; i < x.size(); ++i) points_[at(next[at(cell_of[i])]++)] = static_cast<Index>(i);
 }
 
-DiskGrid::DiskGrid(std::span<const double> x, std::span<const double> y, std::span<const double> radius,
-                   double stretch, double range) {
+DiskGrid::DiskGrid(std::span<const double> x, std::span<const double> y, std::span<const double> radius, double stretch,
+                   double range) {
   if (radius.empty()) return;
   Disks rest;
   while (true) {
@@ -61,8 +61,7 @@ DiskGrid::DiskGrid(std::span<const double> x, std::span<const double> y, std::sp
     const auto coarse_one = [&](double r) { return 2 * r >= largest; };
     CellGrid grid(x, y, 2 * reach);
     if (grid.crowd() <= crowded || std::all_of(radius.begin(), radius.end(), coarse_one)) {
-      levels_.push_back(
-          {std::move(rest.numbers), std::move(rest.x), std::move(rest.y), reach, std::move(grid)});
+      levels_.push_back({std::move(rest.numbers), std::move(rest.x), std::move(rest.y), reach, std::move(grid)});
       return;
     }
     Disks coarse, fine;
@@ -71,8 +70,7 @@ DiskGrid::DiskGrid(std::span<const double> x, std::span<const double> y, std::sp
       (coarse_one(radius[k]) ? coarse : fine).add(number, x[k], y[k], radius[k]);
     }
     CellGrid own(coarse.x, coarse.y, 2 * reach);
-    levels_.push_back(
-        {std::move(coarse.numbers), std::move(coarse.x), std::move(coarse.y), reach, std::move(own)});
+    levels_.push_back({std::move(coarse.numbers), std::move(coarse.x), std::move(coarse.y), reach, std::move(own)});
     rest = std::move(fine);
     x = rest.x, y = rest.y, radius = rest.radius;
   }

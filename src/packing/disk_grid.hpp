@@ -90,8 +90,8 @@ class CellGrid {
 class DiskGrid {
  public:
   /// x, y: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
-  DiskGrid(std::span<const double> x, std::span<const double> y, std::span<const double> radius,
-           double stretch = 1, double range = 0);
+  DiskGrid(std::span<const double> x, std::span<const double> y, std::span<const double> radius, double stretch = 1,
+           double range = 0);
 
   /// Calls visit(i, j), i < j, once for every pair whose centres are no farther apart than
   /// stretch (radius_i + radius_j) + range, and once for some that are.

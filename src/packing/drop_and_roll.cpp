@@ -204,8 +204,8 @@ Disk Heap::settle(double x, double radius) const {
     while (met.with == Meeting::With::grain) {
       met = roll(disks_[at(met.grain)], centre, radius, side);
       centre = met.centre;
-      const bool held = met.with == Meeting::With::grain &&
-                        static_cast<double>(side) * (disks_[at(met.grain)].x - centre[0]) >= 0;
+      const bool held =
+          met.with == Meeting::With::grain && static_cast<double>(side) * (disks_[at(met.grain)].x - centre[0]) >= 0;
       if (held || met.with == Meeting::With::floor || met.with == Meeting::With::wall)
         return {centre[0], centre[1], radius};
     }

@@ -22,8 +22,8 @@ void check(const Packing& packing) {
   if (packing.size() == 0) throw Error("packing: expected at least one grain, met none");
   for (Index i = 0; i < packing.size(); ++i)
     if (!std::isfinite(packing.x[at(i)]) || !std::isfinite(packing.y[at(i)]))
-      throw Error(fmt::format("grain {}: expected finite coordinates, met ({}, {})", i, packing.x[at(i)],
-                              packing.y[at(i)]));
+      throw Error(
+          fmt::format("grain {}: expected finite coordinates, met ({}, {})", i, packing.x[at(i)], packing.y[at(i)]));
   require_positive(packing.radius, "radius");
   require_positive(packing.mass, "mass");
 }

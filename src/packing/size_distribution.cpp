@@ -25,8 +25,7 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
                     a, b, std::exp(zeta), sigma));
   return [=](double u) {
     const double p = low + u * (high - low);
-    const double radius =
-        upper ? gsl_cdf_lognormal_Qinv(p, zeta, sigma) : gsl_cdf_lognormal_Pinv(p, zeta, sigma);
+    const double radius = upper ? gsl_cdf_lognormal_Qinv(p, zeta, sigma) : gsl_cdf_lognormal_Pinv(p, zeta, sigma);
     return std::clamp(radius, a, b);
   };
 }

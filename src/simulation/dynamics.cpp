@@ -9,24 +9,20 @@
 namespace nscdd {
 namespace {
 
-double length_of(const BoundarySpec& spec) {
-  return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]);
-}
+double length_of(const BoundarySpec& spec) { return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]); }
 
 void add_wall(GranularSystem& system, const BoundarySpec& spec, Index boundary) {
   const double length = length_of(spec);
-  system.walls.push_back(
-      {.point = spec.from,
-       .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length},
-       .boundary = boundary});
+  system.walls.push_back({.point = spec.from,
+                          .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length},
+                          .boundary = boundary});
 }
 
-void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y,
-               const BoundarySpec& spec, Index boundary) {
+void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
+               Index boundary) {
   const double length = length_of(spec);
   // As few gaps as keep them no wider than asked for; rounding must not add one.
-  const Index gaps =
-      std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
+  const Index gaps = std::max<Index>(1, static_cast<Index>(std::ceil(length / spec.distance() * (1 - 1e-12))));
   for (Index k = 0; k <= gaps; ++k) {
     const double s = static_cast<double>(k) / static_cast<double>(gaps);
     x.push_back(spec.from[0] + s * (spec.to[0] - spec.from[0]));

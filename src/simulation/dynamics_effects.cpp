@@ -79,9 +79,7 @@ const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
 
 }  // namespace
 
-bool has_effect(const Dynamics& dynamics, std::string_view path) {
-  return missing_for(dynamics, path) == nullptr;
-}
+bool has_effect(const Dynamics& dynamics, std::string_view path) { return missing_for(dynamics, path) == nullptr; }
 
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where) {
   const Effect* missing = missing_for(dynamics, path);
@@ -94,16 +92,15 @@ void check(const BoundarySpec& spec) {
   if (spec.shape == BoundaryShape::grains) return;
   const double length = std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]);
   if (!(length > 0) || !std::isfinite(length))
-    throw Error(fmt::format("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})",
-                            spec.name, spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
+    throw Error(fmt::format("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})", spec.name,
+                            spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
   if (spec.shape == BoundaryShape::wall) return;
   if (!(spec.radius > 0))
-    throw Error(
-        fmt::format("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius));
+    throw Error(fmt::format("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius));
   constexpr double most = 1e7;
   if (!(length / spec.distance() < most))
-    throw Error(fmt::format("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m",
-                            spec.name, most, length, spec.distance()));
+    throw Error(fmt::format("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name,
+                            most, length, spec.distance()));
 }
 
 }  // namespace nscdd

@@ -10,30 +10,25 @@ namespace {
 
 std::string motion_lines(const Motion& motion) {
   std::string text;
-  if (motion.centre != std::array<double, 2>{0, 0})
-    text += fmt::format("centre = {}\n", field_text(motion.centre));
+  if (motion.centre != std::array<double, 2>{0, 0}) text += fmt::format("centre = {}\n", field_text(motion.centre));
   if (motion.velocity.empty()) return text;
   const auto numbers = [](const RigidVelocity& v) {
     return fmt::format("{}, {}, {}", field_text(v.x), field_text(v.y), field_text(v.spin));
   };
   if (motion.velocity.size() == 1 && motion.time.front() == 0) {
     const RigidVelocity& v = motion.velocity.front();
-    return text + fmt::format("velocity = [{}, {}]\nspin = {}\n", field_text(v.x), field_text(v.y),
-                              field_text(v.spin));
+    return text + fmt::format("velocity = [{}, {}]\nspin = {}\n", field_text(v.x), field_text(v.y), field_text(v.spin));
   }
   text += "motion = [";
   for (std::size_t k = 0; k < motion.velocity.size(); ++k)
-    text += fmt::format("{}[{}, {}]", k == 0 ? "" : ", ", field_text(motion.time[k]),
-                        numbers(motion.velocity[k]));
+    text += fmt::format("{}[{}, {}]", k == 0 ? "" : ", ", field_text(motion.time[k]), numbers(motion.velocity[k]));
   return text + "]\n";
 }
 
 // A parameter without effect is written with its default, so that equal runs have equal texts.
 template <class Parameters>
-std::string effective_lines(const Dynamics& dynamics, std::string_view section,
-                            const Parameters& parameters) {
-  const std::vector<FieldDescription> now = describe_fields(parameters),
-                                      by_default = describe_fields(Parameters{});
+std::string effective_lines(const Dynamics& dynamics, std::string_view section, const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
   std::string lines;
   for (std::size_t k = 0; k < now.size(); ++k) {
     const bool effective = has_effect(dynamics, fmt::format("{}.{}", section, now[k].key));

@@ -50,8 +50,7 @@ IterationWatch::IterationWatch(const StepSolver& solver)
               .longer = 4},
              SolverStatus::no_number) {}
 
-std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
-                                                  const ContactResidual& residual) {
+std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record, const ContactResidual& residual) {
   const double value = criterion_value(solver_.criterion, record, residual);
   if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   // Contacts may have settled within subdomains while their copies of shared grains still differ.

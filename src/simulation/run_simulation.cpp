@@ -58,8 +58,7 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
   return std::sqrt(2 * kinetic_energy / mass);
 }
 
-RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks,
-                          const std::vector<double>& speeds_before) {
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, const std::vector<double>& speeds_before) {
   const TimeStepping time = simulation.dynamics.time;
   RunOutcome outcome;
   RestWatch rest(time.rest_speed);

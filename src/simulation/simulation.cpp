@@ -16,9 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 bool all_finite(const std::vector<DiskVelocity>& velocities) {
   return std::all_of(velocities.begin(), velocities.end(), [](const DiskVelocity& v) {
@@ -34,8 +32,7 @@ constexpr double energy_explosion = 10;
 double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
   double sum = 0;
   for (const DiskVelocity& v : velocities)
-    if (v.inverse_mass > 0)
-      sum += (v.x * v.x + v.y * v.y + v.rim * v.rim / rim_mass_ratio) / (2 * v.inverse_mass);
+    if (v.inverse_mass > 0) sum += (v.x * v.x + v.y * v.y + v.rim * v.rim / rim_mass_ratio) / (2 * v.inverse_mass);
   return sum;
 }
 
@@ -47,8 +44,7 @@ bool energy_exploded(const StepProblem& problem, const std::vector<DiskVelocity>
   }
   for (const DiskContact& c : problem.contacts)
     speed_squared = std::max(speed_squared, c.bias_n * c.bias_n + c.bias_t * c.bias_t);
-  const double reference =
-      kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2;
+  const double reference = kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2;
   return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
 }
 
@@ -90,8 +86,7 @@ PreparedStep prepare_solution(const Simulation& simulation) {
                                : solver.eta.flexibility().at_scale(mean_normal_delassus(problem));
     enriched = enriched_operator(simulation, problem, partition, eta);
   }
-  GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver,
-                             enriched);
+  GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
   return {std::move(problem), std::move(partition), std::move(enriched), eta, std::move(iteration)};
 }
@@ -157,8 +152,8 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
 }
 
 StepReport take_step(Simulation& simulation, SolvedStep step) {
-  step.report.energy = finish_step(simulation.system, simulation.state, step.problem,
-                                   simulation.dynamics.time, step.contacts, step.velocities);
+  step.report.energy = finish_step(simulation.system, simulation.state, step.problem, simulation.dynamics.time,
+                                   step.contacts, step.velocities);
   GranularState& state = simulation.state;
   if (decomposes_afresh(simulation, step.report.step - 1)) {
     state.decomposed_at = step.report.step - 1;
@@ -191,8 +186,7 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep& step)
   for (std::size_t i = 0; i < step.velocities.size(); ++i)
     if (!std::isfinite(step.velocities[i].x + step.velocities[i].y + step.velocities[i].rim))
       return fmt::format("{} at ({:.6g}, {:.6g}) m: velocity is no number",
-                         body_name(before.system, static_cast<Index>(i)), before.state.x[i],
-                         before.state.y[i]);
+                         body_name(before.system, static_cast<Index>(i)), before.state.x[i], before.state.y[i]);
   if (step.contacts.empty()) return "no contact";
   return fmt::format("{}: largest impulse, {:.6g} N s", name(step.problem.geometry[largest]), size);
 }

@@ -28,10 +28,8 @@ std::vector<char> usable_columns(const Simulation& simulation, const StepProblem
 }
 
 // M, H and the partition of a step for the linear analysis, restricted to the columns that impulses may use.
-Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem,
-                           const Partition& partition) {
-  Decomposition all =
-      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
+  Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
   const std::vector<char> usable = usable_columns(simulation, problem);
   if (std::find(usable.begin(), usable.end(), 0) == usable.end()) return all;
   return restrict_contacts(all, usable);
@@ -61,8 +59,7 @@ std::vector<char> active_columns(const Simulation& simulation, const StepProblem
 // choose a flexibility by, and it is known for the first step too.
 std::vector<char> expected_columns(const Simulation& simulation, const StepProblem& problem) {
   constexpr int sweeps = 100;
-  const Partition whole{.subdomains = 1,
-                        .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
+  const Partition whole{.subdomains = 1, .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
   GranularDecomposition parts = decompose(problem, whole, "natural", 0);
   GranularSubdomain& one = parts.subdomains.front();
   const ContactLaw law = contact_law(simulation.dynamics.interaction, problem.h);

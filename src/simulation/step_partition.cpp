@@ -13,8 +13,7 @@ namespace {
 ContactNetwork network_of(const StepProblem& problem, Index disks) {
   ContactNetwork network;
   network.grains = disks;
-  for (const StepContact& c : problem.geometry)
-    network.contacts.push_back({c.a, c.b, c.normal, c.point, c.gap});
+  for (const StepContact& c : problem.geometry) network.contacts.push_back({c.a, c.b, c.normal, c.point, c.gap});
   return network;
 }
 
@@ -85,9 +84,7 @@ StepProblem checked_problem(const Simulation& simulation) {
   return problem;
 }
 
-void check_next_step(const Simulation& simulation) {
-  partition_step(simulation, checked_problem(simulation));
-}
+void check_next_step(const Simulation& simulation) { partition_step(simulation, checked_problem(simulation)); }
 
 Partition partition_step(const Simulation& simulation, const StepProblem& problem) {
   const StepSolver& solver = simulation.dynamics.solver;

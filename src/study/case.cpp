@@ -11,20 +11,19 @@ namespace {
 
 // Overrides a field of a section, or says which fields the section has.
 template <class Parameters>
-void override_section(std::string_view section, Parameters& parameters, std::string_view key,
-                      std::string_view path, std::string_view value) {
+void override_section(std::string_view section, Parameters& parameters, std::string_view key, std::string_view path,
+                      std::string_view value) {
   if (override_field(parameters, key, value, path)) return;
   std::vector<std::string> known;
   for (const FieldDescription& field : describe_fields(parameters))
     known.push_back(fmt::format("{}.{}", section, field.key));
-  throw Error(fmt::format("{}: no such parameter in this case; expected one of {}{}", path,
-                          fmt::join(known, ", "), suggestion(path, known)));
+  throw Error(fmt::format("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
+                          suggestion(path, known)));
 }
 
 void override_dynamics(std::optional<Dynamics>& dynamics, std::string_view section, std::string_view key,
                        std::string_view path, std::string_view value) {
-  if (!dynamics)
-    throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", path));
+  if (!dynamics) throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", path));
   if (section == "interaction") {
     override_section(section, dynamics->interaction, key, path, value);
   } else if (section == "dynamics") {
@@ -50,10 +49,10 @@ Partition partition_without_geometry(const Partitioner& partitioner, const Refer
   if (subdomains(partitioner) == 1)
     return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
   const auto refuse = [&]() -> std::pair<Packing, ContactNetwork> {
-    throw Error(fmt::format(
-        "{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is "
-        "known, met {} subdomains by another partitioner",
-        path, subdomains(partitioner)));
+    throw Error(
+        fmt::format("{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is "
+                    "known, met {} subdomains by another partitioner",
+                    path, subdomains(partitioner)));
   };
   return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
 }
@@ -86,13 +85,12 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
   for (std::size_t k = 0; k < prescribed.size(); ++k) {
     PrescribedVelocity& velocity = prescribed[k];
     if (velocity.grain < -grains || velocity.grain >= grains)
-      throw Error(grain_key(k), fmt::format("expected a grain in 0..{} (or -1 for the last), met grain {}",
-                                            grains - 1, velocity.grain));
+      throw Error(grain_key(k), fmt::format("expected a grain in 0..{} (or -1 for the last), met grain {}", grains - 1,
+                                            velocity.grain));
     if (velocity.grain < 0) velocity.grain += grains;
     for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
       if (other->grain == velocity.grain)
-        throw Error(grain_key(k),
-                    fmt::format("expected each grain once, met grain {} again", velocity.grain));
+        throw Error(grain_key(k), fmt::format("expected each grain once, met grain {} again", velocity.grain));
   }
   return prescribed;
 }
@@ -101,9 +99,7 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
 
 std::string where(const CaseSpec& spec, std::string_view key) { return place(spec, key).append(key); }
 
-Error located(const CaseSpec& spec, const Error& error) {
-  return Error(place(spec, error.key()) + error.what());
-}
+Error located(const CaseSpec& spec, const Error& error) { return Error(place(spec, error.key()) + error.what()); }
 
 void override_case(CaseSpec& spec, std::string_view path, std::string_view value) {
   const auto dot = path.find('.');
@@ -116,8 +112,7 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
     if (generator == nullptr)
       throw Error(fmt::format("{}: the packing of this case is {} and has no parameters", path,
                               std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled"));
-    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
-               *generator);
+    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); }, *generator);
   } else if (section == "contacts") {
     override_section(section, spec.contacts, key, path, value);
   } else if (section == "masses") {
@@ -125,8 +120,7 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
     override_section(section, masses, key, path, value);
     spec.masses = {MassModel::density, masses.density};
   } else if (section == "partition") {
-    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); },
-               spec.partition);
+    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); }, spec.partition);
   } else if (section == "loads") {
     override_section(section, spec.loads, key, path, value);
   } else if (section == "interaction" || section == "dynamics" || section == "solver") {
@@ -134,8 +128,8 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   } else {
     static const std::vector<std::string> sections{"packing", "contacts",    "masses",   "partition",
                                                    "loads",   "interaction", "dynamics", "solver"};
-    throw Error(fmt::format("{}: no such parameter; expected one of {}.*{}", path,
-                            fmt::join(sections, ".*, "), suggestion(section, sections)));
+    throw Error(fmt::format("{}: no such parameter; expected one of {}.*{}", path, fmt::join(sections, ".*, "),
+                            suggestion(section, sections)));
   }
   spec.lines.erase(std::string(path));  // the value is no longer that of the file
 }
@@ -144,8 +138,7 @@ std::string to_toml(const CaseSpec& spec) {
   const std::string partition =
       "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, spec.partition);
   if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing))
-    return fmt::format("title = {}\n\n[problem]\nfile = {}\n", field_text(spec.title),
-                       field_text(file->path)) +
+    return fmt::format("title = {}\n\n[problem]\nfile = {}\n", field_text(spec.title), field_text(file->path)) +
            partition;
   std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(spec.title));
   if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
@@ -167,16 +160,14 @@ std::string to_toml(const CaseSpec& spec) {
   text += partition;
   if (!spec.loads.none()) text += "\n[loads]\n" + field_lines(spec.loads);
   for (const PrescribedVelocity& velocity : spec.prescribed)
-    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain,
-                        field_text(velocity.velocity));
+    text += fmt::format("\n[[prescribed]]\ngrain = {}\nvelocity = {}\n", velocity.grain, field_text(velocity.velocity));
   if (spec.dynamics) text += to_toml(*spec.dynamics);
   return text;
 }
 
 Packing packing_of(const Case& one, const Monitor& monitor) {
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
-    throw Error(
-        fmt::format("{}: expected a packing, met a contact problem, which has no geometry", file->path));
+    throw Error(fmt::format("{}: expected a packing, met a contact problem, which has no geometry", file->path));
   const auto* generator = std::get_if<Generator>(&one.spec.packing);
   Packing packing = generator ? generate(*generator, monitor) : one.packing;
   check(packing);
@@ -185,9 +176,8 @@ Packing packing_of(const Case& one, const Monitor& monitor) {
 
 void require_geometry(const Model& model, std::string_view what) {
   if (!model.has_geometry())
-    throw Error(
-        fmt::format("{}: {}: expected a packing, met a contact problem, of which no geometry is known",
-                    model.name, what));
+    throw Error(fmt::format("{}: {}: expected a packing, met a contact problem, of which no geometry is known",
+                            model.name, what));
 }
 
 namespace {
@@ -215,8 +205,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   const Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
   GranularScene start = scene(packing, *one.spec.dynamics);
   set_moving(one, packing, start);
-  Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics,
-                        one.spec.partition};
+  Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};
   check_next_step(simulation);
   return simulation;
 } catch (const Error& error) {
@@ -224,8 +213,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
 }
 
 Model build(const Case& one, const Monitor& monitor) try {
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
-    return build_contact_problem(one, *file);
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) return build_contact_problem(one, *file);
   Model model;
   model.name = one.spec.name;
   model.packing = with_masses(packing_of(one, monitor), one.spec.masses);

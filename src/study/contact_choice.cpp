@@ -48,8 +48,7 @@ ContactChoice complementary(const ReferenceProblem& problem) {
   const UnilateralImpulses solved = unilateral_impulses(problem);
   const bool unique = unique_impulses(problem, solved.status);
   ContactChoice choice;
-  for (const UnilateralStatus status : solved.status)
-    choice.active.push_back(status == UnilateralStatus::carrying);
+  for (const UnilateralStatus status : solved.status) choice.active.push_back(status == UnilateralStatus::carrying);
   choice.impulses = solved.impulses;
   choice.rule = unique ? "complementarity (unique)" : "complementarity (maximal)";
   choice.solution = unique ? "unilateral_unique" : "unilateral_maximal";

@@ -23,8 +23,7 @@ void check_criterion(const CaseSpec& spec) {
 
 void check_dynamics(const CaseSpec& spec) {
   if (!spec.dynamics)
-    throw Error(fmt::format("case {}: expected a section [dynamics], met a case that is not made to move",
-                            spec.name));
+    throw Error(fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", spec.name));
   subdomains(spec.partition);
   check_criterion(spec);
 }

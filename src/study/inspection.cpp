@@ -77,9 +77,8 @@ void count_rattlers(const ContactNetwork& network, Inspection& result) {
   const std::vector<char> loose = rattlers(network);
   result.rattlers = std::count(loose.begin(), loose.end(), 1);
   const Index held = network.grains - result.rattlers;
-  const auto between = std::count_if(network.contacts.begin(), network.contacts.end(), [&](const Contact& c) {
-    return loose[at(c.a)] == 0 && loose[at(c.b)] == 0;
-  });
+  const auto between = std::count_if(network.contacts.begin(), network.contacts.end(),
+                                     [&](const Contact& c) { return loose[at(c.a)] == 0 && loose[at(c.b)] == 0; });
   result.coordination_without_rattlers =
       held > 0 ? 2.0 * static_cast<double>(between) / static_cast<double>(held) : not_a_number;
 }

@@ -58,8 +58,7 @@ double square(double x) { return x * x; }
 
 double numbers_of(const Model& model) {
   double copies = 0;
-  for (const Subdomain& subdomain : model.parts.subdomains)
-    copies += static_cast<double>(subdomain.inertia.size());
+  for (const Subdomain& subdomain : model.parts.subdomains) copies += static_cast<double>(subdomain.inertia.size());
   return copies;
 }
 
@@ -99,8 +98,7 @@ double shifted_need(const Model& model, bool finite_eta) {
   const double rows =
       std::max((finite_eta ? 2 : 1) * unknowns + static_cast<double>(model.parts.interface_size()), 2.0);
   const double rows_per_unknown = rows / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
-  const double entries =
-      shift_fill * (finite_eta ? shift_fill_finite : 1) * rows * rows_per_unknown * std::log2(rows);
+  const double entries = shift_fill * (finite_eta ? shift_fill_finite : 1) * rows * rows_per_unknown * std::log2(rows);
   return bytes_per_number * entries + shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
 }
 
@@ -114,8 +112,8 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
     return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
   const double unknowns = std::max(numbers_of(model), 2.0);
   if (choice.solver == SpectralSolver::shift_invert) {
-    const bool finite = std::any_of(parameters.eta.begin(), parameters.eta.end(),
-                                    [](double eta) { return std::isfinite(eta); });
+    const bool finite =
+        std::any_of(parameters.eta.begin(), parameters.eta.end(), [](double eta) { return std::isfinite(eta); });
     const double shifted = shifted_need(model, finite);
     if (!rigid) return program_bytes + shifted;
     const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;

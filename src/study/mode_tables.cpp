@@ -33,8 +33,7 @@ const ResultColumns<ModeImpulse>& mode_impulse_columns() {
        [](const One& r) { return r.parameters.epsilon; }},
       {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
        [](const One& r) { return r.parameters.eta; }},
-      {"end", "", "of the spectrum without unit eigenvalues: low or high",
-       [](const One& r) { return r.mode.side; }},
+      {"end", "", "of the spectrum without unit eigenvalues: low or high", [](const One& r) { return r.mode.side; }},
       {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",
        [](const One& r) { return r.mode.eigenvalue; }},
       {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
@@ -52,8 +51,7 @@ const ResultColumns<ModeImpulse>& mode_impulse_columns() {
        [](const One& r) { return r.mode.jumps[2 * r.number]; }},
       {"jump_y", "m/s", "velocity of the first copy minus that of the second",
        [](const One& r) { return r.mode.jumps[2 * r.number + 1]; }},
-      {"share", "1", "of F^T P F; all shares add up to 1",
-       [](const One& r) { return r.mode.shares[at(r.number)]; }}};
+      {"share", "1", "of F^T P F; all shares add up to 1", [](const One& r) { return r.mode.shares[at(r.number)]; }}};
   return columns;
 }
 

@@ -79,8 +79,7 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   mode.impulses = normalised(found, b.preconditioner);
   derive(mode, b);
   // This judges one mode. The other end of the spectrum may not have converged.
-  mode.converged =
-      mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
+  mode.converged = mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
   return mode;
 }
 

@@ -48,13 +48,11 @@ const ResultColumns<PlacedDisk>& disk_columns() {
       {"disk", "1", "number of the disk, grains first", &PlacedDisk::number},
       {"x", "m", "centre", of(&GranularState::x)},
       {"y", "m", "centre", of(&GranularState::y)},
-      {"radius", "m", "radius",
-       [](const PlacedDisk& disk) { return disk.simulation.system.radius[at(disk.number)]; }},
+      {"radius", "m", "radius", [](const PlacedDisk& disk) { return disk.simulation.system.radius[at(disk.number)]; }},
       {"angle", "rad", "angle turned by", of(&GranularState::angle)},
       {"driven", "", "whether a boundary drives it",
        [](const PlacedDisk& disk) { return !disk.simulation.system.free(disk.number); }},
-      {"subdomain", "1", "lowest subdomain that holds it; -1 for a disk without contact",
-       &PlacedDisk::subdomain},
+      {"subdomain", "1", "lowest subdomain that holds it; -1 for a disk without contact", &PlacedDisk::subdomain},
       {"multiplicity", "1", "subdomains that hold it", &PlacedDisk::multiplicity}};
   return columns;
 }
@@ -63,8 +61,7 @@ Index disks(const ObservedCase& work, Index steps, const Sink<PlacedDisk>& sink)
   const Simulation simulation = simulation_at(work, steps);
   const Index number = simulation.system.disks();
   const Membership of = membership(next_step(simulation, work.table.lead_in), number);
-  for (Index i = 0; i < number; ++i)
-    sink({work.one.spec.name, simulation, i, of.first[at(i)], of.multiplicity[at(i)]});
+  for (Index i = 0; i < number; ++i) sink({work.one.spec.name, simulation, i, of.first[at(i)], of.multiplicity[at(i)]});
   return 0;
 }
 
@@ -104,8 +101,8 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
     const StepContact& g = step.problem.geometry[k];
     if (c.impulse_n == 0 && c.impulse_t == 0) continue;
     const bool wall = g.b >= simulation.system.disks();
-    sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b),
-          c.impulse_n, c.impulse_t, status_of(law, c), step.partition.subdomain_of_contact[k]});
+    sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b), c.impulse_n,
+          c.impulse_t, status_of(law, c), step.partition.subdomain_of_contact[k]});
   }
   return 0;
 }

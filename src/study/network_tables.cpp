@@ -37,9 +37,8 @@ ResultColumns<Link> link_columns(ContactSet contacts) {
           {"active", "1", "in compression (every contact where nothing is prescribed)",
            [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
           {"impulse_solution", "",
-           unilateral
-               ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
-               : "unique, least_norm (hyperstatic network), or none without a load",
+           unilateral ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
+                      : "unique, least_norm (hyperstatic network), or none without a load",
            [](const Link& link) { return link.choice.solution; }}};
 }
 
@@ -48,8 +47,7 @@ ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet conta
   const bool loaded = !model.problem.arriving_velocity.isZero(0);
   if (contacts == ContactSet::all) contacts = ContactSet::active;
   const ContactChoice choice = choose_contacts(model, loaded ? contacts : ContactSet::all);
-  for (Index c = 0; c < model.network.size(); ++c)
-    sink({model, choice, c, loaded ? choice.impulses[c] : not_a_number});
+  for (Index c = 0; c < model.network.size(); ++c) sink({model, choice, c, loaded ? choice.impulses[c] : not_a_number});
   return choice;
 }
 
@@ -80,9 +78,7 @@ const ResultColumns<Grain>& grain_columns() {
     return [=](const Grain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
   };
   const auto velocity = [](Index component) {
-    return [=](const Grain& grain) {
-      return grain.model.problem.arriving_velocity[2 * grain.number + component];
-    };
+    return [=](const Grain& grain) { return grain.model.problem.arriving_velocity[2 * grain.number + component]; };
   };
   static const ResultColumns<Grain> columns{
       {"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
@@ -116,8 +112,7 @@ const ResultColumns<GrainSizes>& size_columns() {
        [](const GrainSizes& s) {
          return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
        }},
-      {"area_fraction", "1", "of the area of all grains",
-       [](const GrainSizes& s) { return s.one.area / s.all_area; }}};
+      {"area_fraction", "1", "of the area of all grains", [](const GrainSizes& s) { return s.one.area / s.all_area; }}};
   return columns;
 }
 

@@ -17,8 +17,7 @@ constexpr double done_ratio = 1e-13;
 
 TwoStageState difference(const TwoStageState& next, const TwoStageState& previous) {
   TwoStageState d{next.interface_impulses - previous.interface_impulses, {}};
-  for (std::size_t e = 0; e < next.impulses.size(); ++e)
-    d.impulses.push_back(next.impulses[e] - previous.impulses[e]);
+  for (std::size_t e = 0; e < next.impulses.size(); ++e) d.impulses.push_back(next.impulses[e] - previous.impulses[e]);
   return d;
 }
 
@@ -50,8 +49,7 @@ class Run {
     const double after = norm(correction_);
     record(after, before);
     if (!vanished_ && iteration_.rigid() && after < 1e-6 * last_cleaned_) clean(after);
-    if (!vanished_ &&
-        (after < 1e-100 || after > 1e100)) {  // the map is linear: a factor changes the offset only
+    if (!vanished_ && (after < 1e-100 || after > 1e100)) {  // the map is linear: a factor changes the offset only
       correction_ = scaled(correction_, 1 / after);
       offset_ += std::log(after);
       last_cleaned_ = 1;
@@ -144,12 +142,10 @@ ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& param
          [](const Result& r) { return r.observed.value; }},
         {"observed_rate_error", "1", "error of the fit", [](const Result& r) { return r.observed.error; }},
         {"difference", "1", "observed minus predicted", &Result::difference},
-        {"agree", "1", "|difference| within the error of the fit and the residual of the prediction",
-         &Result::agree},
+        {"agree", "1", "|difference| within the error of the fit and the residual of the prediction", &Result::agree},
         {"iterations", "1", "iterations run", [](const Result& r) { return r.observed.iterations; }},
         {"seed", "1", "seed of the random first F_Gamma", &Result::seed},
-        {"residual", "1", "residual of the prediction",
-         [](const Result& r) { return r.predicted.radius.residual; }},
+        {"residual", "1", "residual of the prediction", [](const Result& r) { return r.predicted.radius.residual; }},
         {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
   return joined<Result>({columns, columns_of(&Result::predicted, relative_columns(parameters))});
 }
@@ -167,8 +163,7 @@ Index observe(const Model& model, const SweepParameters& parameters, std::uint64
     // With an inexact Stage 1 the corrections oscillate. The error of the fit is then about inversely
     // proportional to the length of the run, and less is asked for.
     const double tolerance = point.gauss_seidel_sweeps ? 1e-4 : 1e-9;
-    const ObservedResult result{predicted, observed_rate(iteration, preconditioner, seed, 20000, tolerance),
-                                seed};
+    const ObservedResult result{predicted, observed_rate(iteration, preconditioner, seed, 20000, tolerance), seed};
     failed += !result.converged();
     sink(result);
   };
@@ -184,8 +179,7 @@ constinit const Observable observables::observed_rate{
     .run =
         [](const ObservedCase& work) {
           return observe(build(work.one), work.table.sweep, work.table.seed,
-                         as_rows(observed_rate_columns(work.table.sweep), work.sink), work.monitor,
-                         work.first);
+                         as_rows(observed_rate_columns(work.table.sweep), work.sink), work.monitor, work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },
     .known = known_of_point};

@@ -5,11 +5,9 @@
 namespace nscdd {
 namespace {
 
-Optimum optimum_of(const Model& model, const Selection& selection, double epsilon,
-                   const SpectralOptions& options) {
+Optimum optimum_of(const Model& model, const Selection& selection, double epsilon, const SpectralOptions& options) {
   Optimum best = optimum(model.parts, selection.stage_one, epsilon, options);
-  if (!selection.certain && best.status != OptimumStatus::no_interface)
-    best.status = OptimumStatus::not_converged;
+  if (!selection.certain && best.status != OptimumStatus::no_interface) best.status = OptimumStatus::not_converged;
   return best;
 }
 
@@ -29,17 +27,14 @@ ResultColumns<OptimumResult> optimum_columns(bool relative) {
       {"best_radius", "1", "the smallest radius of the enriched algorithm", &Optimum::radius},
       {"convergent_from", "1/kg", "the enriched algorithm converges for every eta above this; 0 for all",
        &Optimum::convergent_from},
-      {"better_from", "1/kg", "it beats the generic one for every eta above this; 0 for all",
-       &Optimum::better_from},
+      {"better_from", "1/kg", "it beats the generic one for every eta above this; 0 for all", &Optimum::better_from},
       {"generic_relaxation", "1", "best relaxation of the generic algorithm", &Optimum::generic_relaxation},
       {"generic_relaxed_radius", "1", "its radius with that relaxation", &Optimum::generic_relaxed_radius},
       {"relaxed_status", "", "interior, eta_to_zero or eta_to_infinity", &Optimum::relaxed_status},
-      {"relaxed_best_eta", "1/kg", "flexibility of the smallest radius with relaxation",
-       &Optimum::relaxed_eta},
+      {"relaxed_best_eta", "1/kg", "flexibility of the smallest radius with relaxation", &Optimum::relaxed_eta},
       {"relaxed_best_relaxation", "1", "relaxation there", &Optimum::relaxation},
       {"relaxed_best_radius", "1", "radius there", &Optimum::relaxed_radius},
-      {"residual", "1", "largest residual of the spectra at the flexibilities of this row",
-       &Optimum::residual},
+      {"residual", "1", "largest residual of the spectra at the flexibilities of this row", &Optimum::residual},
       {"spectra", "1", "spectra computed", &Optimum::spectra}};
   static const auto columns = joined<OptimumResult>(
       {columns_of(&OptimumResult::of_case, case_columns()),
@@ -55,8 +50,8 @@ ResultColumns<OptimumResult> optimum_columns(bool relative) {
   return relative ? joined<OptimumResult>({columns, in_multiples}) : columns;
 }
 
-Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
-             const Monitor& monitor, Index first) {
+Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink, const Monitor& monitor,
+             Index first) {
   const Selection selection = select(model, sweep.contacts);
   const CaseSummary of_case = summary(model, selection);
   const double scale = flexibility_scale(model);
@@ -77,8 +72,7 @@ constinit const Observable observables::optimum{
     .name = "optimum",
     .summary = "best flexibility eta of the enriched algorithm, with and without relaxation",
     .keys = {"epsilon", "contacts", "solver", "certify"},
-    .columns =
-        [](const StudyTable& table) { return headings(optimum_columns(table.sweep.relative_epsilon)); },
+    .columns = [](const StudyTable& table) { return headings(optimum_columns(table.sweep.relative_epsilon)); },
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& sweep = work.table.sweep;

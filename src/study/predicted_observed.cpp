@@ -105,8 +105,7 @@ bool PredictedObserved::agree() const {
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
   const StepSolver& solver = dynamics.solver;
   const auto expect = [](bool right, const char* key, const char* expected, std::string_view met) {
-    if (!right)
-      throw Error(fmt::format("{}: expected {} for a rate that is predicted, met {}", key, expected, met));
+    if (!right) throw Error(fmt::format("{}: expected {} for a rate that is predicted, met {}", key, expected, met));
   };
   expect(solver.algorithm != StepAlgorithm::nlgs, "solver.algorithm", "generic or enriched",
          to_string(solver.algorithm));
@@ -115,10 +114,9 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
          to_string(solver.interface_method));
   expect(solver.enrichment == Enrichment::every_iteration, "solver.enrichment", "every_iteration",
          to_string(solver.enrichment));
-  expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1",
-         field_text(solver.contact_relaxation));
-  expect(opens(contact_law(dynamics.interaction, dynamics.time.step)), "interaction.law",
-         "a law with open contacts", to_string(dynamics.interaction.law));
+  expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1", field_text(solver.contact_relaxation));
+  expect(opens(contact_law(dynamics.interaction, dynamics.time.step)), "interaction.law", "a law with open contacts",
+         to_string(dynamics.interaction.law));
 }
 
 PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {
@@ -135,8 +133,7 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
     const IterationRecord record = step.iteration.iterate();
     stretches.record(record, step.iteration.statuses());
     result.iterations = record.iteration;
-    const ContactResidual residual =
-        needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{};
+    const ContactResidual residual = needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{};
     if (const auto status = watch.judge(record, residual)) {
       result.status = *status;
       break;
@@ -147,15 +144,14 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   if (best.statuses.empty()) return result;
   count_statuses(result, best.statuses);
   fit(result, best);
-  const MapRadius frozen = frozen_radius(FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps,
-                                                         step.enriched, solver.interface_relaxation));
+  const MapRadius frozen = frozen_radius(
+      FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps, step.enriched, solver.interface_relaxation));
   result.predicted = frozen.value;
   result.complex_pair = frozen.dominant.imag() > 0;
   result.converged = frozen.converged;
   if (simulation.system.disks() <= dense_grains)
     result.predicted_exact =
-        frozen_radius(frozen_contraction(parts, best.statuses, step.enriched, solver.interface_relaxation))
-            .value;
+        frozen_radius(frozen_contraction(parts, best.statuses, step.enriched, solver.interface_relaxation)).value;
   return result;
 }
 

@@ -13,7 +13,7 @@ namespace nscdd {
 struct PredictedObserved {
   double eta = not_a_number;                                   ///< of the enriched algorithm, 1/kg
   Index interface_size = 0, active = 0, stick = 0, slide = 0;  ///< at the statuses compared
-  double predicted = not_a_number;        ///< radius of the frozen iteration with n_GS sweeps
+  double predicted = not_a_number;                             ///< radius of the frozen iteration with n_GS sweeps
   double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 disks
   bool complex_pair = false;              ///< the dominant eigenvalue of `predicted` is one of a pair
   bool converged = false;                 ///< of the prediction

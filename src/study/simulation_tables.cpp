@@ -34,14 +34,11 @@ const ResultColumns<IterationRow>& iteration_columns() {
   using Iteration = IterationRow;
   static const auto columns = joined<Iteration>(
       {{{"step", "1", "time step, from 1", &Iteration::step},
-        {"iteration", "1", "iteration of the step, from 1",
-         [](const Iteration& row) { return row.record.iteration; }}},
+        {"iteration", "1", "iteration of the step, from 1", [](const Iteration& row) { return row.record.iteration; }}},
        indicators(&Iteration::record),
-       {{"status_changes", "1",
-         "contacts that open, stick or slide otherwise than at the iteration looked at before",
+       {{"status_changes", "1", "contacts that open, stick or slide otherwise than at the iteration looked at before",
          &Iteration::status_changes},
-        {"seconds", "s", "time of the iterations of the step so far, without the indicators",
-         &Iteration::seconds}}});
+        {"seconds", "s", "time of the iterations of the step so far, without the indicators", &Iteration::seconds}}});
   return columns;
 }
 
@@ -60,8 +57,7 @@ const ResultColumns<StepReport>& step_columns() {
         {"status", "", "how the iterations ended", &Step::status},
         {"iterations", "1", "of the step", [](const Step& step) { return step.last.iteration; }}},
        indicators(&Step::last),
-       {{"impulses", "N s", "|r| over all contacts",
-         [](const Step& step) { return std::sqrt(step.last.impulses); }},
+       {{"impulses", "N s", "|r| over all contacts", [](const Step& step) { return std::sqrt(step.last.impulses); }},
         {"contacts", "1", "considered in the step", &Step::contacts},
         {"interface_size", "1", "n_Gamma, 3 per gluing", &Step::interface_size},
         {"overlap_maximum", "m", "largest overlap when contacts are found",

@@ -51,8 +51,7 @@ const ResultColumns<Iteration>& indicator_columns() {
   static const auto columns = [] {
     ResultColumns<IterationRow> timeless = iteration_columns();  // the time differs from run to run
     std::erase_if(timeless, [](const auto& column) { return column.heading.name == "seconds"; });
-    return joined<Iteration>(
-        {columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, timeless)});
+    return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, timeless)});
   }();
   return columns;
 }
@@ -84,18 +83,16 @@ const ResultColumns<WholeRun>& run_columns() {
   static const ResultColumns<Totals> totals{
       {"converged_steps", "1", "of them those that converged", &Totals::converged},
       {"iterations", "1", "of all steps", &Totals::iterations},
-      {"natural_map", "1", "|natural map| / |r| of the velocities kept, the worst of all steps",
-       &Totals::natural_map},
-      {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps",
-       &Totals::gluing},
+      {"natural_map", "1", "|natural map| / |r| of the velocities kept, the worst of all steps", &Totals::natural_map},
+      {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps", &Totals::gluing},
       {"kinetic", "J", "energy of the free disks at the end", &Totals::kinetic}};
-  static const auto columns = joined<WholeRun>(
-      {columns_of(&WholeRun::solver, solver_columns()),
-       {{"steps", "1", "steps of the run", &WholeRun::steps}},
-       columns_of(&WholeRun::totals, totals),
-       {{"distance_mean", "m", "of the free disks at the end from those of plain Gauss-Seidel",
-         &WholeRun::distance_mean},
-        {"distance_maximum", "m", "the largest of these distances", &WholeRun::distance_maximum}}});
+  static const auto columns =
+      joined<WholeRun>({columns_of(&WholeRun::solver, solver_columns()),
+                        {{"steps", "1", "steps of the run", &WholeRun::steps}},
+                        columns_of(&WholeRun::totals, totals),
+                        {{"distance_mean", "m", "of the free disks at the end from those of plain Gauss-Seidel",
+                          &WholeRun::distance_mean},
+                         {"distance_maximum", "m", "the largest of these distances", &WholeRun::distance_maximum}}});
   return columns;
 }
 
@@ -132,8 +129,7 @@ const ResultColumns<ComparedStep>& rate_columns() {
       {"stick", "1", "of them sticking", &Rates::stick},
       {"slide", "1", "of them sliding", &Rates::slide},
       {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &Rates::predicted},
-      {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings",
-       &Rates::predicted_exact},
+      {"predicted_exact", "1", "the same with an exact Stage 1; nan for large packings", &Rates::predicted_exact},
       {"complex_pair", "", "whether the dominant eigenvalue is one of a complex pair", &Rates::complex_pair},
       {"observed", "1",
        "rate fitted to the run; nan where no stretch of fixed statuses falls or grows enough, at one rate",
@@ -192,8 +188,7 @@ constinit const Observable observables::predicted_observed{
 
 constinit const Observable observables::runs{
     .name = "runs",
-    .summary =
-        "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel",
+    .summary = "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel",
     .keys = {"steps", "lead_in"},
     .columns = [](const StudyTable&) { return headings(run_columns()); },
     .run = [](const ObservedCase& work) { return each_step(work, run_columns(), whole_run); },

@@ -118,8 +118,7 @@ VariedCase varied_case(const StudyTable& table, Index number) {
   return varied;
 }
 
-Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first,
-                LeadIn* lead_in) {
+Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first, LeadIn* lead_in) {
   const std::optional<Index> rows = rows_per_case(table);
   if (!rows && first > 0)
     throw Error(fmt::format("table {}: expected to start at row 0, met {}: its rows are not known beforehand",

@@ -124,8 +124,7 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
 Selection select(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all) return {contacts, model.parts, model.problem.contacts(), "all"};
   const ContactChoice choice = choose_contacts(model, contacts);
-  Selection selection{contacts, restrict_contacts(model.parts, choice.active), 0, choice.rule,
-                      choice.certain};
+  Selection selection{contacts, restrict_contacts(model.parts, choice.active), 0, choice.rule, choice.certain};
   for (const char flag : choice.active) selection.active_contacts += flag;
   return selection;
 }
@@ -146,23 +145,22 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
   for (const auto& relaxation : parameters.relaxation)
     for (const auto& sweeps : parameters.gauss_seidel_sweeps)
       if (!relaxation && sweeps)
-        throw Error(fmt::format(
-            "relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is "
-            "known for an exact Stage 1 only",
-            *sweeps));
+        throw Error(
+            fmt::format("relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is "
+                        "known for an exact Stage 1 only",
+                        *sweeps));
   const Selection selection = select(model, parameters.contacts);
   const CaseSummary of_case = summary(model, selection);
   const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_two(model.parts);
-  Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one),
-                  stage_two, options);
+  Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one), stage_two,
+                  options);
   const Index total = point_count(parameters);
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;
-  const bool warm =
-      choose_solver(model.parts.interface_size(), false, options).solver != SpectralSolver::dense;
+  const bool warm = choose_solver(model.parts.interface_size(), false, options).solver != SpectralSolver::dense;
   Index failed = 0;
   for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
     const SweepPoint asked = sweep_point(parameters, number);

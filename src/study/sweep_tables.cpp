@@ -13,8 +13,7 @@ namespace {
 // within the tolerance.
 Index multiplicity(const std::vector<double>& values, Index within, double tolerance) {
   if (within > 0) return within;
-  return std::count_if(values.begin(), values.end(),
-                       [&](double mu) { return std::abs(mu - values[0]) <= tolerance; });
+  return std::count_if(values.begin(), values.end(), [&](double mu) { return std::abs(mu - values[0]) <= tolerance; });
 }
 
 // Columns of certificates and further eigenvalues.
@@ -22,14 +21,14 @@ ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
   using Radius = SpectralRadius;
   ResultColumns<Radius> columns;
   if (options.certify)
-    columns = {{"certified", "", "inertia counts prove that no eigenvalue lies outside the two intervals",
-                &Radius::certified},
-               {"low_from", "1", "interval that holds the low end of the spectrum (unit eigenvalues apart)",
-                [](const Radius& r) { return r.interval_min[0]; }},
-               {"low_to", "1", "its upper bound", [](const Radius& r) { return r.interval_min[1]; }},
-               {"high_from", "1", "interval that holds the high end of the spectrum (unit eigenvalues apart)",
-                [](const Radius& r) { return r.interval_max[0]; }},
-               {"high_to", "1", "its upper bound", [](const Radius& r) { return r.interval_max[1]; }}};
+    columns = {
+        {"certified", "", "inertia counts prove that no eigenvalue lies outside the two intervals", &Radius::certified},
+        {"low_from", "1", "interval that holds the low end of the spectrum (unit eigenvalues apart)",
+         [](const Radius& r) { return r.interval_min[0]; }},
+        {"low_to", "1", "its upper bound", [](const Radius& r) { return r.interval_min[1]; }},
+        {"high_from", "1", "interval that holds the high end of the spectrum (unit eigenvalues apart)",
+         [](const Radius& r) { return r.interval_max[0]; }},
+        {"high_to", "1", "its upper bound", [](const Radius& r) { return r.interval_max[1]; }}};
   const auto end = [&](const char* name, std::vector<double> Radius::*values, Index Radius::*within) {
     columns.push_back({fmt::format("{}_multiplicity", name), "1",
                        fmt::format("eigenvalues within the interval (else: found) at the {} end", name),
@@ -60,8 +59,7 @@ ResultColumns<SpectralRadius> end_columns(const SpectralOptions& options) {
 const ResultColumns<SweepPoint>& point_columns() {
   static const ResultColumns<SweepPoint> columns{
       {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit", &SweepPoint::epsilon},
-      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
-       &SweepPoint::eta},
+      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm", &SweepPoint::eta},
       {"relaxation", "1", "omega of F <- F + omega (F' - F)",
        [](const SweepPoint& p) { return p.relaxation.value_or(not_a_number); }},
       {"gauss_seidel_sweeps", "1", "sweeps n_GS of Stage 1, inf where it is exact", [](const SweepPoint& p) {
@@ -105,12 +103,10 @@ ResultColumns<SweepResult> relative_columns(const SweepParameters& parameters) {
 ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
   using Radius = SpectralRadius;
   static const ResultColumns<Radius> moduli{
-      {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator",
-       &Radius::value},
+      {"spectral_radius", "1", "largest modulus of the eigenvalues of the contraction operator", &Radius::value},
       {"eigenvalue_min", "1", "smallest eigenvalue (exact Stage 1 only, else nan)", &Radius::eigenvalue_min},
       {"eigenvalue_max", "1", "largest eigenvalue (exact Stage 1 only, else nan)", &Radius::eigenvalue_max},
-      {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1 in the rigid limit",
-       &Radius::unit_multiplicity},
+      {"unit_multiplicity", "1", "multiplicity of the eigenvalue 1 in the rigid limit", &Radius::unit_multiplicity},
       {"subdominant_radius", "1", "largest modulus among the other eigenvalues", &Radius::subdominant}};
   static const ResultColumns<SweepResult> dominant{
       {"dominant_real", "1", "real part of the eigenvalue of largest modulus",
@@ -120,11 +116,9 @@ ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
   static const ResultColumns<Radius> certificate{
       {"solver", "", "dense, arpack, shift-invert, or none for an empty interface", &Radius::solver},
       {"applications", "1", "operator applications, 0 where matrices were assembled", &Radius::applications},
-      {"residual", "1",
-       "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)",
+      {"residual", "1", "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)",
        &Radius::residual},
-      {"converged", "1", "the solver converged and the residual is within the tolerance",
-       &Radius::converged}};
+      {"converged", "1", "the solver converged and the residual is within the tolerance", &Radius::converged}};
   return joined<SweepResult>({place_columns(), columns_of(&SweepResult::radius, moduli), dominant,
                               columns_of(&SweepResult::radius, certificate),
                               columns_of(&SweepResult::radius, end_columns(parameters.spectral)),
@@ -151,8 +145,8 @@ constinit const Observable observables::spectral_radius{
     .run =
         [](const ObservedCase& work) {
           const SweepParameters& parameters = work.table.sweep;
-          return sweep(build(work.one), parameters, as_rows(sweep_columns(parameters), work.sink),
-                       work.monitor, work.first);
+          return sweep(build(work.one), parameters, as_rows(sweep_columns(parameters), work.sink), work.monitor,
+                       work.first);
         },
     .rows = [](const StudyTable& table) { return point_count(table.sweep); },
     .known = known_of_point};

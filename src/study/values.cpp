@@ -26,8 +26,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 // Points of one range. Both ends are met exactly, whatever rounding does between them.
-std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts,
-                          const std::string& what) {
+std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts, const std::string& what) {
   const bool linear = parts.size() == 4 && parts[3] == "linear";
   const bool logarithmic = parts.size() == 3 || (parts.size() == 4 && parts[3] == "log");
   if (!linear && !logarithmic)
@@ -37,18 +36,15 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
   if (!std::isfinite(from) || !std::isfinite(to))
     throw Error(fmt::format("{}: expected finite ends of a range, met '{}'", what, item));
   if (logarithmic && (from <= 0 || to <= 0))
-    throw Error(
-        fmt::format("{}: expected ends > 0 of a logarithmic range (or :linear), met '{}'", what, item));
+    throw Error(fmt::format("{}: expected ends > 0 of a logarithmic range (or :linear), met '{}'", what, item));
   if (points < 1 || points > static_cast<Index>(most_values) || (points == 1 && from != to))
-    throw Error(fmt::format("{}: expected a count between 2 and {} in '{}', met {}", what, most_values, item,
-                            points));
+    throw Error(fmt::format("{}: expected a count between 2 and {} in '{}', met {}", what, most_values, item, points));
   std::vector<double> values;
   for (Index i = 0; i < points; ++i) {
     const double t = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
     const double value =
         linear ? std::lerp(from, to, t) : std::pow(10.0, std::lerp(std::log10(from), std::log10(to), t));
-    values.push_back(
-        std::clamp(value, std::min(from, to), std::max(from, to)));  // if rounding leaves the range
+    values.push_back(std::clamp(value, std::min(from, to), std::max(from, to)));  // if rounding leaves the range
   }
   values.front() = from;
   values.back() = to;
@@ -56,8 +52,7 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
 }
 
 template <class Check>
-void require(const std::vector<double>& values, std::string_view what, std::string_view expected,
-             Check&& check) {
+void require(const std::vector<double>& values, std::string_view what, std::string_view expected, Check&& check) {
   for (const double value : values)
     if (!check(value)) throw Error(fmt::format("{}: expected {}, met {}", what, expected, value));
 }
@@ -105,13 +100,11 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
 }  // namespace
 
 FlexibilityValues parse_epsilon(std::string_view spec) {
-  return flexibilities(spec, "epsilon", "a finite number >= 0",
-                       [](double v) { return std::isfinite(v) && v >= 0; });
+  return flexibilities(spec, "epsilon", "a finite number >= 0", [](double v) { return std::isfinite(v) && v >= 0; });
 }
 
 FlexibilityValues parse_eta(std::string_view spec) {
-  return flexibilities(spec, "eta", "a number > 0 (or inf for the generic algorithm)",
-                       [](double v) { return v > 0; });
+  return flexibilities(spec, "eta", "a number > 0 (or inf for the generic algorithm)", [](double v) { return v > 0; });
 }
 
 void set_epsilon(SweepParameters& sweep, FlexibilityValues epsilon) {
@@ -149,8 +142,8 @@ std::vector<std::optional<long>> parse_sweeps(std::string_view spec) {
       continue;
     }
     if (!(value >= 1 && value <= 1e9) || value != std::floor(value))
-      throw Error(fmt::format(
-          "gauss_seidel_sweeps: expected an integer >= 1 (or inf for an exact Stage 1), met {}", value));
+      throw Error(
+          fmt::format("gauss_seidel_sweeps: expected an integer >= 1 (or inf for an exact Stage 1), met {}", value));
     all.emplace_back(static_cast<long>(value));
   }
   return all;

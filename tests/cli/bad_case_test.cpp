@@ -62,8 +62,7 @@ TEST_CASE("case file: an unknown key") {
 }
 
 TEST_CASE("case file: an unknown section") {
-  check_spoilt("[contacts]\ntolerance = 1e-7", "[contact]\ntolerance = 1e-7",
-               {"bad.toml:6", "contact", "contacts"});
+  check_spoilt("[contacts]\ntolerance = 1e-7", "[contact]\ntolerance = 1e-7", {"bad.toml:6", "contact", "contacts"});
 }
 
 TEST_CASE("case file: a value of the wrong type") {
@@ -78,15 +77,13 @@ TEST_CASE("case file: a value of the wrong type") {
   check_spoilt("[2, 1]", "[2.0, 1]", {"bad.toml:12", "partition.grid", "integer"});
   check_spoilt("[-1.0, 0.0]", "[-1.0]", {"bad.toml:15", "velocity", "two numbers"});
   check_spoilt("[[prescribed]]", "[prescribed]", {"bad.toml:13", "prescribed", "[[prescribed]]"});
-  check_spoilt("[contacts]\ntolerance = 1e-7", "[[contacts]]\ntolerance = 1e-7",
-               {"bad.toml:6", "contacts", "section"});
+  check_spoilt("[contacts]\ntolerance = 1e-7", "[[contacts]]\ntolerance = 1e-7", {"bad.toml:6", "contacts", "section"});
 }
 
 TEST_CASE("case file: a missing section or value") {
   check_spoilt("[packing]\ngenerator = \"strip\"\ngrains = 4\nradius = 0.5\n", "", {"bad.toml", "[packing]"});
   check_spoilt("[partition]\ngrid = [2, 1]\n", "", {"bad.toml", "[partition]"});
-  check_spoilt("generator = \"strip\"\ngrains = 4\nradius = 0.5\n", "",
-               {"bad.toml:2", "packing", "generator", "file"});
+  check_spoilt("generator = \"strip\"\ngrains = 4\nradius = 0.5\n", "", {"bad.toml:2", "packing", "generator", "file"});
   check_spoilt("grid = [2, 1]\n", "", {"bad.toml:11", "partition", "grid", "metis"});
   check_spoilt("density = 2.5\n", "", {"bad.toml", "masses.density"});
   check_spoilt("grain = 3\n", "", {"bad.toml:13", "grain"});

@@ -8,8 +8,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-void check_bad(const std::string& text, std::initializer_list<std::string> parts,
-               const std::string& more = "") {
+void check_bad(const std::string& text, std::initializer_list<std::string> parts, const std::string& more = "") {
   const Session session;
   session.file("bad.csv", text);
   CAPTURE(text);

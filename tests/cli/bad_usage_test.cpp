@@ -14,8 +14,7 @@ void check_usage(const std::vector<std::string>& arguments, std::initializer_lis
   check_refused(session, arguments, parts);
 }
 
-void check_option(const std::string& option, const std::string& value,
-                  std::initializer_list<std::string> parts) {
+void check_option(const std::string& option, const std::string& value, std::initializer_list<std::string> parts) {
   check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "-", option, value}, parts);
 }
 
@@ -53,8 +52,7 @@ TEST_CASE("usage: no verb or an unknown verb or option") {
 TEST_CASE("usage: errors suggest the nearest name") {
   check_usage({"swep", "disks4"}, {"; did you mean sweep?"});
   check_usage({"sweep", "disk8", "--epsilon", "1", "--csv", "-"}, {"case 'disk8'", "; did you mean disks8?"});
-  check_usage({"sweep", "disks8", "--epsilom", "1", "--csv", "-"},
-              {"--epsilom", "; did you mean --epsilon?"});
+  check_usage({"sweep", "disks8", "--epsilom", "1", "--csv", "-"}, {"--epsilom", "; did you mean --epsilon?"});
   check_usage({"sweep", "disks8", "--epsilom=1", "--csv", "-"}, {"; did you mean --epsilon?"});
   check_usage({"run", "figure5"}, {"study 'figure5'", "; did you mean figure-5?"});
   check_option("--contacts", "unilaterl", {"--contacts", "; did you mean unilateral?"});
@@ -64,9 +62,8 @@ TEST_CASE("usage: errors suggest the nearest name") {
 
 TEST_CASE("usage: SPEC nonsense for epsilon") {
   // --epsilon=1 comes first in check_spec: an option given twice is refused as well
-  for (const std::string& spec :
-       Texts{"", "abc", "1,,2", "1:2", "1:2:1", "1:2:0", "1:2:3:cubic", "0:1:3", "1:inf:3", "nan",
-             "1:2:1000001", "1:2:2.5", "1:2:3:linear:4", "1e999"}) {
+  for (const std::string& spec : Texts{"", "abc", "1,,2", "1:2", "1:2:1", "1:2:0", "1:2:3:cubic", "0:1:3", "1:inf:3",
+                                       "nan", "1:2:1000001", "1:2:2.5", "1:2:3:linear:4", "1e999"}) {
     CAPTURE(spec);
     check_usage({"sweep", "disks4", "--csv", "-", std::string("--epsilon=") + spec}, {"epsilon"});
     check_usage({"optimum", "disks4", std::string("--epsilon=") + spec}, {"epsilon"});
@@ -96,8 +93,7 @@ TEST_CASE("usage: eta zero or below") {
 }
 
 TEST_CASE("usage: relaxation zero or below or infinite") {
-  for (const std::string& value : Texts{"0", "-1", "inf"})
-    check_option("--relaxation", value, {"relaxation", "> 0"});
+  for (const std::string& value : Texts{"0", "-1", "inf"}) check_option("--relaxation", value, {"relaxation", "> 0"});
   check_option("--relaxation", "best", {"relaxation", "best"});
   check_usage(words("sweep disks4 --epsilon 1 --csv - --relaxation optimal --gauss-seidel-sweeps 2"),
               {"relaxation", "gauss_seidel_sweeps"});
@@ -119,8 +115,7 @@ TEST_CASE("usage: certificates and lists of eigenvalues are of an exact Stage 1"
   const Session session;
   for (const std::string& option : Texts{"--certify", "--eigenvalues 3"})
     for (const std::string& sweeps : Texts{"1", "inf,2"})
-      check_refused(session,
-                    "sweep disks8 --epsilon 1 --csv - --gauss-seidel-sweeps " + sweeps + " " + option,
+      check_refused(session, "sweep disks8 --epsilon 1 --csv - --gauss-seidel-sweeps " + sweeps + " " + option,
                     {"--gauss-seidel-sweeps: expected inf", "--certify"});
 }
 
@@ -136,14 +131,11 @@ TEST_CASE("usage: a load that moves nothing is no missing load") {
 TEST_CASE("usage: the active set without a prescribed velocity") {
   const Session session;
   session.file("mine.csv", row_of_three());
-  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv -",
-                {"prescribed", "--prescribed"});
-  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv out.csv --hdf5 out.h5",
-                {"prescribed"});
+  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv -", {"prescribed", "--prescribed"});
+  check_refused(session, "sweep mine.csv --epsilon 0 --contacts active --csv out.csv --hdf5 out.h5", {"prescribed"});
   check_refused(session, "sweep mine.csv --epsilon 0 --contacts unilateral --csv -", {"prescribed", "loads"});
   check_refused(session, "network mine.csv --contacts all", {"--contacts", "unilateral"});
-  check_refused(session, "sweep mine.csv --epsilon 0 --csv - --set loads.compression=1",
-                {"loads.compression"});
+  check_refused(session, "sweep mine.csv --epsilon 0 --csv - --set loads.compression=1", {"loads.compression"});
   check_refused(session, "optimum mine.csv", {"prescribed"});
   check_refused(session, "optimum mine.csv --csv -", {"prescribed"});
   check_refused(session, "optimum mine.csv --csv out.csv", {"prescribed"});
@@ -164,8 +156,7 @@ TEST_CASE("usage: subdomains that make no sense") {
   for (const std::string& value : Texts{"2", "x", "2x", "x2", "2x1x3", "0x1", "-1x1", "1.5x1", "2X1", "metis",
                                         "metis:", "metis:0", "metis:x", "99999999999x1", "100000x100000"}) {
     CAPTURE(value);
-    check_usage({"sweep", "mine.csv", "--epsilon", "1", "--csv", "-", std::string("--subdomains=") + value},
-                {});
+    check_usage({"sweep", "mine.csv", "--epsilon", "1", "--csv", "-", std::string("--subdomains=") + value}, {});
   }
 }
 

@@ -21,9 +21,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-std::string path_of(const Session& session, const std::string& name) {
-  return (session.folder / name).string();
-}
+std::string path_of(const Session& session, const std::string& name) { return (session.folder / name).string(); }
 
 // A box of 30 grains with a floor of disks and walls that turn.
 std::string small_case() {
@@ -41,9 +39,7 @@ double residual_of_run(const std::string& report) {
   return 1;
 }
 
-FclibFile fclib(const Session& session, const std::string& name) {
-  return read_fclib(path_of(session, name));
-}
+FclibFile fclib(const Session& session, const std::string& name) { return read_fclib(path_of(session, name)); }
 
 // Exports, solves, and gives both: the solution of the run and the one found.
 std::pair<FclibFile, FclibFile> solved_again(const Session& session, const std::string& options) {
@@ -56,19 +52,16 @@ std::pair<FclibFile, FclibFile> solved_again(const Session& session, const std::
   return both;
 }
 
-const GlobalFrictionProblem& global(const FclibFile& file) {
-  return std::get<GlobalFrictionProblem>(file.problem);
-}
+const GlobalFrictionProblem& global(const FclibFile& file) { return std::get<GlobalFrictionProblem>(file.problem); }
 
 using Arrays = std::map<std::string, std::vector<double>>;
 
 // What VTK reads, by picture (see tests/unit/read_vtk.py): "file NAME TIME", then a line per array.
 std::map<std::string, Arrays> read_by_vtk(const std::filesystem::path& collection) {
   const std::string out = collection.string() + ".txt";
-  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/unit/read_vtk.py").string() +
-                              "' '" + collection.string() + "' > '" + out + "'";
-  REQUIRE_MESSAGE(std::system(command.c_str()) == 0,
-                  "VTK (Debian package python3-vtk9) does not read the collection");
+  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/unit/read_vtk.py").string() + "' '" +
+                              collection.string() + "' > '" + out + "'";
+  REQUIRE_MESSAGE(std::system(command.c_str()) == 0, "VTK (Debian package python3-vtk9) does not read the collection");
   std::map<std::string, Arrays> pictures;
   std::istringstream lines(read_file(out));
   std::string picture;
@@ -90,7 +83,7 @@ TEST_CASE("export --fclib: solved again, a step gives the velocities of the run"
   session.file("box.toml", small_case());
   answer(session, "simulate box.toml --algorithm nlgs -o run.h5" + tightly);
   std::filesystem::remove(session.folder / "box.toml");  // the trajectory alone is enough
-  for (const int step : {3, 12}) {  // in the first two all grains fall: impulses are rounding
+  for (const int step : {3, 12}) {                       // in the first two all grains fall: impulses are rounding
     CAPTURE(step);
     const auto [run, solved] = solved_again(session, "--fclib " + std::to_string(step));
     CHECK(*run.info.title == "box, step " + std::to_string(step));
@@ -103,8 +96,7 @@ TEST_CASE("export --fclib: solved again, a step gives the velocities of the run"
     CHECK(run.solution->v.norm() > 1e-3);
     CHECK((run.solution->v - solved.solution->v).norm() < 1e-9 * run.solution->v.norm());
     // M v = H r + f holds for the run with its own impulses and the spins it has.
-    CHECK((body_velocities(global(run), run.solution->r) - run.solution->v).norm() <
-          1e-12 * run.solution->v.norm());
+    CHECK((body_velocities(global(run), run.solution->r) - run.solution->v).norm() < 1e-12 * run.solution->v.norm());
   }
   const TrajectoryHeader header = read_trajectory_header(path_of(session, "run.h5"));
   const Vector mass = global(fclib(session, "p.hdf5")).mass.diagonal();
@@ -196,8 +188,7 @@ TEST_CASE("export --subdomain: with its interface impulses a part moves as in th
     std::set<Index> grains;
     for (const TrajectoryContact& c : kept.contacts)
       for (const Index body : {c.geometry.a, c.geometry.b})
-        if (c.subdomain == subdomain && body < header.system.disks() && header.system.free(body))
-          grains.insert(body);
+        if (c.subdomain == subdomain && body < header.system.disks() && header.system.free(body)) grains.insert(body);
     REQUIRE(global(run).mass.rows() == 3 * static_cast<Index>(grains.size()));
     contacts += global(run).contacts();
     CHECK((run.solution->v - solved.solution->v).norm() < 1e-9 * run.solution->v.norm());
@@ -225,8 +216,7 @@ TEST_CASE("export --fclib: a step without the state before it, or that is not ke
   session.file("box.toml", small_case());
   answer(session, "simulate box.toml --save-every 5 -o run.h5");
   CHECK(trajectory_steps(path_of(session, "run.h5")) == std::vector<Index>{0, 5, 10, 12});
-  CHECK(answer(session, "export run.h5 --fclib 6 -o six.hdf5").find("step 6 is not kept") !=
-        std::string::npos);
+  CHECK(answer(session, "export run.h5 --fclib 6 -o six.hdf5").find("step 6 is not kept") != std::string::npos);
   CHECK_FALSE(fclib(session, "six.hdf5").solution);
   check_refused(session, "export run.h5 --fclib 5 -o five.hdf5",
                 {"run.h5", "one of 1:11:5, 13, met step 5", "0:10:5, 12", "--save-every"});
@@ -280,8 +270,7 @@ TEST_CASE("export --vtk: VTK reads the kept steps as the trajectory has them") {
   CHECK(shared);
 
   check_refused(session, "export run.h5 --vtk pictures/all", {"pictures/all", "--force"});
-  CHECK(answer(session, "export run.h5 --vtk pictures/all --force").find("13 steps (0:12)") !=
-        std::string::npos);
+  CHECK(answer(session, "export run.h5 --vtk pictures/all --force").find("13 steps (0:12)") != std::string::npos);
   CHECK(answer(session, "export run.h5 --vtk one --steps 3").find("1 steps (3)") != std::string::npos);
 }
 

@@ -50,9 +50,9 @@ TEST_CASE("full disk: standard output to a full device") {
   link_devices(session);
   const RunOptions options = printing_to_full_device(session);
   for (const std::string& line :
-       Texts{"sweep disks4 --epsilon 1 --csv -", "sweep disks4 --epsilon 1e-3:1e3:5000 --csv -",
-             "network disks4", "inspect disks4", "optimum disks4", "list", "run figures-2-3-4 --force",
-             "--help", "sweep --help", "--version"}) {
+       Texts{"sweep disks4 --epsilon 1 --csv -", "sweep disks4 --epsilon 1e-3:1e3:5000 --csv -", "network disks4",
+             "inspect disks4", "optimum disks4", "list", "run figures-2-3-4 --force", "--help", "sweep --help",
+             "--version"}) {
     CAPTURE(line);
     const Outcome outcome = session.run(words(line), options);
     CHECK(outcome.exit_code == 2);
@@ -87,8 +87,7 @@ TEST_CASE("full disk: an HDF5 file that outgrows the disk") {
   // Small, and just short of the whole file: the library writes some of it on closing only.
   for (const std::size_t bytes : {0, 512, 4096, 8192, 12288, 15000}) {
     CAPTURE(bytes);
-    check_refused(session, "sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5", {"out.h5"},
-                  limited_to(bytes));
+    check_refused(session, "sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5", {"out.h5"}, limited_to(bytes));
   }
 }
 
@@ -96,8 +95,7 @@ TEST_CASE("full disk: an existing HDF5 file survives") {
   const Session session;
   link_devices(session);
   session.file("out.h5", "precious");
-  check_refused(session, "sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5 --force", {"out.h5"},
-                limited_to(8192));
+  check_refused(session, "sweep disks4 --epsilon 1 --csv sink --hdf5 out.h5 --force", {"out.h5"}, limited_to(8192));
 }
 
 TEST_CASE("full disk: a study that outgrows the disk leaves no part of a file") {

@@ -23,14 +23,12 @@ TEST_CASE("generate: a generator at its defaults, with settings, and to standard
   CHECK(answer(session, "generate strip -o strip.csv") == "");
   CHECK(read_table(without_remarks(session.read("strip.csv"))).rows.size() == 4);
   answer(session, "generate deposit --set packing.grains=50 --set packing.seed=3 -o bed.csv");
-  const std::string printed =
-      answer(session, "generate deposit --set packing.grains=50 --set packing.seed=3 -o -");
+  const std::string printed = answer(session, "generate deposit --set packing.grains=50 --set packing.seed=3 -o -");
   CHECK(read_table(without_remarks(printed)).rows.size() == 50);
   CHECK(without_remarks(printed) == without_remarks(session.read("bed.csv")));
   CHECK(printed.rfind("# program: nscdd ", 0) == 0);
-  for (const std::string& part :
-       Texts{"#   GSL ", "# command_line: nscdd generate deposit", "#   grains = 50\n", "#   seed = 3\n",
-             "#   distribution = \"uniform\"\n"}) {
+  for (const std::string& part : Texts{"#   GSL ", "# command_line: nscdd generate deposit", "#   grains = 50\n",
+                                       "#   seed = 3\n", "#   distribution = \"uniform\"\n"}) {
     CAPTURE(part);
     CHECK(contains(printed, part));
   }
@@ -49,8 +47,7 @@ TEST_CASE("generate: a case by name and by file, masses where it has them") {
   const CsvTable own = read_table(without_remarks(answer(session, "generate own.toml -o -")));
   CHECK(own.rows.size() == 15);
   CHECK(own.columns == Texts{"x", "y", "radius"});
-  const CsvTable heavy =
-      read_table(without_remarks(answer(session, "generate own.toml --set masses.density=4 -o -")));
+  const CsvTable heavy = read_table(without_remarks(answer(session, "generate own.toml --set masses.density=4 -o -")));
   CHECK(heavy.number(0, "mass") > 3.14);
 }
 
@@ -75,8 +72,7 @@ TEST_CASE("generate: CSV and HDF5 are the same packing wherever one is read") {
   answer(session, "generate bed.h5 -o again.csv");
   CHECK(without_remarks(session.read("again.csv")) == without_remarks(session.read("bed.csv")));
   session.file("cases/bed.toml", "[packing]\nfile = \"../bed.h5\"\n[partition]\ngrid = [2, 1]\n");
-  CHECK(answer(session, "sweep cases/bed.toml --epsilon 0,1 --csv -") ==
-        answer(session, "sweep bed.h5" + options));
+  CHECK(answer(session, "sweep cases/bed.toml --epsilon 0,1 --csv -") == answer(session, "sweep bed.h5" + options));
   CHECK(answer(session, "inspect bed.h5") == answer(session, "inspect bed.csv"));
 }
 
@@ -98,8 +94,7 @@ TEST_CASE("generate: what makes no packing is refused") {
   check_refused(session, "generate deposit", {"--output"});
   check_refused(session, "generate deposit strip -o a.csv", {"strip"});
   check_refused(session, "generate heap -o a.csv", {"heap", "disks4"});
-  check_refused(session, "generate bad.toml -o a.csv",
-                {"bad.toml:3: packing.distribution", "lognormal", "gauss"});
+  check_refused(session, "generate bad.toml -o a.csv", {"bad.toml:3: packing.distribution", "lognormal", "gauss"});
   const auto setting = [&](const std::string& text, std::initializer_list<std::string> parts) {
     check_refused(session, "generate deposit -o a.csv --set " + text, parts);
     check_refused(session, "generate deposit -o a.h5 --set " + text, parts);
@@ -166,8 +161,7 @@ TEST_CASE("generate: a progress bar where standard error is a terminal") {
   const Session session;
   RunOptions options;
   options.on_terminal = true;
-  const Outcome outcome =
-      session.run(words("generate deposit --set packing.grains=1000000 -o bed.h5"), options);
+  const Outcome outcome = session.run(words("generate deposit --set packing.grains=1000000 -o bed.h5"), options);
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.standard_error, "generate ["));
   CHECK(outcome.standard_output == "");
@@ -178,8 +172,7 @@ TEST_CASE("packing file: HDF5 that is none is refused wherever a packing is read
   session.file("text.h5", "x,y,radius\n0,0,1\n");
   session.file("own.toml", "[packing]\nfile = \"text.h5\"\n[partition]\ngrid = [1, 1]\n");
   answer(session, "sweep disks4 --epsilon 1 --csv a.csv --hdf5 sweep.h5");
-  for (const std::string& verb :
-       Texts{"inspect ", "network ", "generate -o b.csv ", "sweep --epsilon 1 --csv - "}) {
+  for (const std::string& verb : Texts{"inspect ", "network ", "generate -o b.csv ", "sweep --epsilon 1 --csv - "}) {
     check_refused(session, verb + "text.h5", {"text.h5", "HDF5"});
     check_refused(session, verb + "sweep.h5", {"sweep.h5: packing: expected a group"});
     check_refused(session, verb + "own.toml", {"own.toml:2: packing.file", "text.h5", "HDF5"});
@@ -204,8 +197,7 @@ TEST_CASE("inspect: geometry of four disks known by hand, and the sizes as a tab
   CHECK(sizes.number(9, "radius_to") == 1);
   CHECK(sizes.number(9, "number_fraction") == 0.8);
   CHECK(sizes.number(9, "area_fraction") > 0.94);
-  check_refused(session, "inspect square.csv --histogram sizes.csv",
-                {"sizes.csv: exists already", "--force"});
+  check_refused(session, "inspect square.csv --histogram sizes.csv", {"sizes.csv: exists already", "--force"});
   check_refused(session, "inspect square.csv --histogram -", {"--histogram"});
   answer(session, "inspect square.csv --histogram sizes.csv --force");
 }

@@ -18,8 +18,8 @@ const std::string lattice = "hexagonal --set masses.density=1.2732395447351628 -
 
 TEST_CASE("large: 10^5 grains in 16 strips within 1 GiB") {
   const Session session;
-  const Outcome outcome = session.run(words(
-      "sweep " + lattice + "400 --set packing.rows=250 --subdomains 16x1 --epsilon 1 --csv - --threads 2"));
+  const Outcome outcome = session.run(
+      words("sweep " + lattice + "400 --set packing.rows=250 --subdomains 16x1 --epsilon 1 --csv - --threads 2"));
   CHECK(outcome.exit_code == 0);
   CHECK(outcome.standard_error == "");
   CHECK(outcome.peak_memory < std::size_t{1} << 30);
@@ -33,13 +33,11 @@ TEST_CASE("large: 10^5 grains in 16 strips within 1 GiB") {
   CHECK(result.number(0, "residual") <= 1e-8);
 }
 
-TEST_CASE(
-    "large: a sweep is the same bytes for any number of threads, certificates and eigenvalues included") {
+TEST_CASE("large: a sweep is the same bytes for any number of threads, certificates and eigenvalues included") {
   const Session session;
-  const std::string line =
-      "sweep " + lattice +
-      "60 --set packing.rows=50 --subdomains 5x3 --epsilon 1e-2:1:3 --eta 0.5,inf --csv - "
-      "--solver shift-invert --certify --eigenvalues 2 --threads ";
+  const std::string line = "sweep " + lattice +
+                           "60 --set packing.rows=50 --subdomains 5x3 --epsilon 1e-2:1:3 --eta 0.5,inf --csv - "
+                           "--solver shift-invert --certify --eigenvalues 2 --threads ";
   const std::string one = session.run(words(line + "1")).standard_output;
   CHECK(read_table(one).rows.size() == 6);
   for (const std::string threads : {"2", "3", "4", "0"})
@@ -49,8 +47,7 @@ TEST_CASE(
 TEST_CASE("certify: its columns come last, and hold the ends of the dense solver") {
   const Session session;
   const std::string line =
-      "sweep " + lattice +
-      "12 --set packing.rows=10 --subdomains 4x2 --epsilon 1e-3,0.1,5 --eta 0.3,inf --solver ";
+      "sweep " + lattice + "12 --set packing.rows=10 --subdomains 4x2 --epsilon 1e-3,0.1,5 --eta 0.3,inf --solver ";
   const CsvTable dense = table(session, line + "dense"), plain = table(session, line + "shift-invert"),
                  certified = table(session, line + "shift-invert --certify");
   Texts expected = plain.columns;
@@ -111,10 +108,9 @@ TEST_CASE("certify, eigenvalues, threads: wrong values are refused") {
 
 TEST_CASE("certify: a table written to a file is the same bytes each time") {
   const Session session;
-  const std::string line =
-      "sweep " + lattice +
-      "12 --set packing.rows=10 --subdomains 4x2 --epsilon 1e-2:1:11 --solver shift-invert "
-      "--certify --csv ";
+  const std::string line = "sweep " + lattice +
+                           "12 --set packing.rows=10 --subdomains 4x2 --epsilon 1e-2:1:11 --solver shift-invert "
+                           "--certify --csv ";
   answer(session, line + "whole.csv");
   CHECK(read_table(session.read("whole.csv")).rows.size() == 11);
   answer(session, line + "again.csv --threads 2");

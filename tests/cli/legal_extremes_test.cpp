@@ -11,8 +11,7 @@ using namespace nscdd::testing;
 namespace {
 
 // A sweep whose interface is empty: legal, said on standard error, radius 0 in every row.
-void check_nothing_to_contract(const Session& session, const std::string& packing,
-                               const std::string& options) {
+void check_nothing_to_contract(const Session& session, const std::string& packing, const std::string& options) {
   const std::string line = "sweep " + packing + " --epsilon 0,1 --eta 0.3,inf --csv - " + options;
   CAPTURE(line);
   const Outcome outcome = session.run(words(line));
@@ -92,8 +91,7 @@ TEST_CASE("legal: subdomains without a contact") {
     CHECK(std::abs(result.number(row, "spectral_radius") - two.number(row, "spectral_radius")) < 1e-14);
   }
   CHECK(contains(answer(session, "inspect row.csv --subdomains 10x3"), "30 (28 without a contact)"));
-  CHECK(table(session, "sweep row.csv --subdomains 10x3 --epsilon 1 --gauss-seidel-sweeps 1,2").rows.size() ==
-        2);
+  CHECK(table(session, "sweep row.csv --subdomains 10x3 --epsilon 1 --gauss-seidel-sweeps 1,2").rows.size() == 2);
   CHECK(table(session, "optimum row.csv --subdomains 10x3 --contacts all --epsilon 1").rows.size() == 1);
 }
 

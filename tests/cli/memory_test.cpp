@@ -28,13 +28,12 @@ TEST_CASE("memory: what the rigid limit takes is within its estimate, and no ten
   CHECK(session.run(words(line + std::to_string(10 * taken))).exit_code == 0);
 }
 
-TEST_CASE(
-    "memory: where copies of grains abound the estimate is no less than what is taken, and not far more") {
+TEST_CASE("memory: where copies of grains abound the estimate is no less than what is taken, and not far more") {
   const Session session;
   for (const std::string parts : {"40x40", "20x20"}) {
     CAPTURE(parts);
-    const std::string line = "sweep hexagonal --set packing.columns=45 --set packing.rows=45 --subdomains " +
-                             parts + " --epsilon 1 --solver shift-invert --csv - --memory-limit ";
+    const std::string line = "sweep hexagonal --set packing.columns=45 --set packing.rows=45 --subdomains " + parts +
+                             " --epsilon 1 --solver shift-invert --csv - --memory-limit ";
     const Outcome outcome = session.run(words(line + "4"));
     REQUIRE(outcome.exit_code == 0);
     const double taken = static_cast<double>(outcome.peak_memory) / (1 << 30);
@@ -69,8 +68,7 @@ TEST_CASE("memory: impulses of contacts and ranks that do not fit are refused at
   for (int i = 0; i < 40000; ++i) row += std::to_string(i < 3991 ? 2 * i : 3 * i) + ",0,1\n";
   session.file("row.csv", row);
   check_refused(session, "network row.csv --memory-limit 2 --prescribed 0:1:0", {"impulses of"});
-  CHECK(session.run(words("network row.csv --memory-limit 2 --csv links.csv")).exit_code ==
-        0);  // no impulses
+  CHECK(session.run(words("network row.csv --memory-limit 2 --csv links.csv")).exit_code == 0);  // no impulses
   check_refused(session, "network disks4 --memory-limit 0", {"--memory-limit"});
 }
 

@@ -66,14 +66,13 @@ TEST_CASE("modes: several eigenvalues of the end, certified") {
 
 TEST_CASE("modes: B = 0 and a solver that fails are said, with tables that have no rows") {
   const Session session;
-  Outcome outcome =
-      session.run(words("modes hexagonal --epsilon 0.3 --eta 0.3 --solver shift-invert --output a"));
+  Outcome outcome = session.run(words("modes hexagonal --epsilon 0.3 --eta 0.3 --solver shift-invert --output a"));
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.standard_error, "every eigenvalue is the same"));
   CHECK(read_table(session.read("a-impulses.csv")).rows.empty());
   // dense: any vector is a mode, and it is said that there are others
-  CHECK(contains(answer(session, "modes hexagonal --epsilon 0.3 --eta 0.3 --solver dense --output b"),
-                 "one of several"));
+  CHECK(
+      contains(answer(session, "modes hexagonal --epsilon 0.3 --eta 0.3 --solver dense --output b"), "one of several"));
   CHECK(!read_table(session.read("b-impulses.csv")).rows.empty());
 }
 
@@ -82,8 +81,7 @@ TEST_CASE("modes: usage that makes no sense") {
   session.file("mine.csv", row_of_three());
   check_refused(session, "modes disks4 --output a", {"--epsilon"});
   check_refused(session, "modes disks4 --epsilon 1", {"--output"});
-  check_refused(session, "modes disks4 --epsilon 1 --output a --end fastest",
-                {"--end", "slowest", "fastest"});
+  check_refused(session, "modes disks4 --epsilon 1 --output a --end fastest", {"--end", "slowest", "fastest"});
   check_refused(session, "modes disks4 --epsilon 0,1 --output a", {"--epsilon", "one number", "0,1"});
   check_refused(session, "modes disks4 --epsilon 1 --eta 1:10:3 --output a", {"--eta", "one number"});
   check_refused(session, "modes disks4 --epsilon -1 --output a", {"epsilon", ">= 0"});

@@ -49,8 +49,7 @@ TEST_CASE("output: a progress bar on standard error where that is a terminal") {
   CHECK(outcome.exit_code == 0);
   CHECK(outcome.standard_error.find("sweep [") != std::string::npos);
   CHECK(outcome.standard_error.find('%') != std::string::npos);
-  CHECK(outcome.standard_output ==
-        answer(session, line));  // no bar without a terminal, and none in the answer
+  CHECK(outcome.standard_output == answer(session, line));  // no bar without a terminal, and none in the answer
 }
 
 TEST_CASE("output: bytes of CSV are equal from run to run") {
@@ -58,8 +57,8 @@ TEST_CASE("output: bytes of CSV are equal from run to run") {
   for (const std::string& line : Texts{"sweep disks12 --epsilon 0,1e-4:1e4:33 --eta 0.1,inf --csv -",
                                        "sweep disks8 --epsilon 1 --gauss-seidel-sweeps 1,3,inf --csv -",
                                        "sweep hexagonal --epsilon 0.1 --eta 1,inf --solver arpack --csv -",
-                                       "sweep hexagonal --epsilon 1 --subdomains metis:4 --csv -",
-                                       "network hexagonal", "optimum disks8 --csv -"}) {
+                                       "sweep hexagonal --epsilon 1 --subdomains metis:4 --csv -", "network hexagonal",
+                                       "optimum disks8 --csv -"}) {
     CAPTURE(line);
     CHECK(answer(session, line) == answer(session, line));
   }
@@ -81,8 +80,8 @@ TEST_CASE("output: HDF5 says where it comes from") {
   answer(session, "sweep disks4 --epsilon 1 --csv a.csv --hdf5 a.h5");
   const std::string bytes = session.read("a.h5");
   for (const std::string& text :
-       Texts{"nscdd sweep disks4 --epsilon 1 --csv a.csv --hdf5 a.h5", "generator = \"strip\"",
-             "grid = [2, 1]", "1/kg", "Eigen ", "ARPACK-NG ", "HDF5 "}) {
+       Texts{"nscdd sweep disks4 --epsilon 1 --csv a.csv --hdf5 a.h5", "generator = \"strip\"", "grid = [2, 1]", "1/kg",
+             "Eigen ", "ARPACK-NG ", "HDF5 "}) {
     CAPTURE(text);
     CHECK(bytes.find(text) != std::string::npos);
   }
@@ -120,10 +119,9 @@ TEST_CASE("output: --force replaces no file that the work is made from") {
   for (const std::string line :
        {"sweep in.csv --epsilon 1 --csv ./in.csv", "sweep in.csv --epsilon 1 --csv linked.csv",
         "sweep in.h5 --epsilon 1 --csv - --hdf5 in.h5", "sweep grid.toml --epsilon 1 --csv grid.toml",
-        "sweep grid.toml --epsilon 1 --csv in.csv", "network in.csv --csv in.csv",
-        "network in.csv --grains in.csv", "optimum in.csv --contacts all --csv in.csv",
-        "inspect in.csv --histogram in.csv", "generate in.csv -o in.csv", "generate grid.toml -o in.csv",
-        "modes slow-impulses.csv --epsilon 1 --output slow", "run study --output ."}) {
+        "sweep grid.toml --epsilon 1 --csv in.csv", "network in.csv --csv in.csv", "network in.csv --grains in.csv",
+        "optimum in.csv --contacts all --csv in.csv", "inspect in.csv --histogram in.csv", "generate in.csv -o in.csv",
+        "generate grid.toml -o in.csv", "modes slow-impulses.csv --epsilon 1 --output slow", "run study --output ."}) {
     CAPTURE(line);
     check_refused(session, line + " --force", {"expected another file than the input", "would be lost"});
   }
@@ -198,8 +196,7 @@ TEST_CASE("output: an unwritable place is refused") {
     check_refused(session, "network disks4 --csv out.csv --grains " + name, {name});
     check_refused(session, "optimum disks4 --csv " + name, {name});
   }
-  check_refused(session, std::vector<std::string>{"sweep", "disks4", "--epsilon", "1", "--csv", ""},
-                {"output"});
+  check_refused(session, std::vector<std::string>{"sweep", "disks4", "--epsilon", "1", "--csv", ""}, {"output"});
   check_refused(session, "run figures-2-3-4 --output /proc/out", {"/proc/out"});
   session.file("file", "no folder");
   check_refused(session, "run figures-2-3-4 --output file", {"file"});
@@ -212,8 +209,7 @@ TEST_CASE("output: a folder without permission is refused") {
   fs::permissions(session.folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
   RunOptions options;
   options.obey_permissions = true;
-  check_refused(session, "sweep disks4 --epsilon 1 --csv locked/out", {"locked/out", "Permission denied"},
-                options);
+  check_refused(session, "sweep disks4 --epsilon 1 --csv locked/out", {"locked/out", "Permission denied"}, options);
   check_refused(session, "sweep disks4 --epsilon 1 --csv out.csv --hdf5 locked/out", {"locked/out"}, options);
   check_refused(session, "run figures-2-3-4 --output locked", {"locked"}, options);
   fs::permissions(session.folder / "locked", fs::perms::owner_all);

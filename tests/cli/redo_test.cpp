@@ -239,8 +239,7 @@ TEST_CASE("redo: an interrupted repair of a study leaves whole tables and an HDF
   RunOptions options;
   options.kill_signal = SIGTERM;
   options.kill_when = [&] {
-    return session.has("out/study/radius.csv.partial") &&
-           session.read("out/study/radius.csv.partial").size() > 2000;
+    return session.has("out/study/radius.csv.partial") && session.read("out/study/radius.csv.partial").size() > 2000;
   };
   const Outcome outcome = session.run(words(study_line + " --redo"), options);
   CHECK(outcome.exit_code == 130);

@@ -33,8 +33,7 @@ RunOptions stopped(const Session& session, const std::string& file, std::uintmax
 
 // The work killed after some rows.
 void kill_work(const Session& session, const std::string& line = work) {
-  REQUIRE(session.run(words(line), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code ==
-          128 + SIGKILL);
+  REQUIRE(session.run(words(line), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code == 128 + SIGKILL);
   REQUIRE(session.has("long.csv.partial"));
   REQUIRE(session.has("long.csv.record"));
   REQUIRE(!session.has("long.csv"));
@@ -70,10 +69,8 @@ TEST_CASE("resume: a killed sweep ends as one in one piece, byte for byte") {
   kill_work(session);
   const std::string before = session.read("long.csv.partial");
   // it is gone on with, not begun again: killed once more, the rows there were still lead
-  REQUIRE(
-      session
-          .run(words(work + " --resume"), stopped(session, "long.csv.partial", before.size() + 8000, SIGKILL))
-          .exit_code == 128 + SIGKILL);
+  REQUIRE(session.run(words(work + " --resume"), stopped(session, "long.csv.partial", before.size() + 8000, SIGKILL))
+              .exit_code == 128 + SIGKILL);
   CHECK(session.read("long.csv.partial").rfind(before.substr(0, before.rfind('\n') + 1), 0) == 0);
   answer(session, work + " --resume");
   CHECK(session.read("long.csv") == whole.read("long.csv"));
@@ -191,8 +188,7 @@ TEST_CASE("resume: rows that are not those of the sweep are refused") {
   const Session session;
   kill_work(session);
   const std::string rows = session.read("long.csv.partial");
-  const auto first = rows.find('\n') + 1, second = rows.find('\n', first) + 1,
-             third = rows.find('\n', second) + 1;
+  const auto first = rows.find('\n') + 1, second = rows.find('\n', first) + 1, third = rows.find('\n', second) + 1;
   session.file("long.csv.partial", rows.substr(0, first) + rows.substr(second));
   check_refused(session, work + " --resume", {"long.csv.partial:2", "eta", "0.1", "inf"});
   session.file("long.csv.partial", replaced(rows, "spectral_radius", "radius"));
@@ -205,9 +201,9 @@ TEST_CASE("resume: without --resume the rows of an interrupted run are safe") {
   const Session session;
   kill_work(session);
   const auto rows = read_table(session.read("long.csv.partial")).rows.size();
-  check_refused(session, work,
-                {"long.csv.partial", std::to_string(rows) + " row(s) of an interrupted run", "--resume",
-                 "--force starts again"});
+  check_refused(
+      session, work,
+      {"long.csv.partial", std::to_string(rows) + " row(s) of an interrupted run", "--resume", "--force starts again"});
   answer(session, "sweep disks4 --epsilon 1 --csv long.csv --force");
   CHECK(read_table(session.read("long.csv")).rows.size() == 1);
   CHECK(files(session) == 1);
@@ -230,9 +226,8 @@ TEST_CASE("resume: an older table is replaced only where --force says so, and on
   const Session whole, session;
   answer(whole, work);
   session.file("long.csv", "precious");
-  REQUIRE(
-      session.run(words(work + " --force"), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code ==
-      128 + SIGKILL);
+  REQUIRE(session.run(words(work + " --force"), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code ==
+          128 + SIGKILL);
   CHECK(session.read("long.csv") == "precious");
   check_refused(session, work + " --resume", {"long.csv: exists already", "--force"});
   answer(session, work + " --resume --force");
@@ -279,8 +274,8 @@ TEST_CASE("resume: a killed study ends as one in one piece") {
     CAPTURE(signal);
     const std::uintmax_t bytes =
         signal == SIGKILL ? 8000 : fs::file_size(session.folder / (folder + "second.csv.partial")) + 8000;
-    const Outcome outcome = session.run(words("run study --resume"),
-                                        stopped(session, folder + "second.csv.partial", bytes, signal));
+    const Outcome outcome =
+        session.run(words("run study --resume"), stopped(session, folder + "second.csv.partial", bytes, signal));
     CHECK(outcome.exit_code == (signal == SIGKILL ? 128 + SIGKILL : 130));
     CHECK(session.has(folder + "first.csv"));
     CHECK(session.has(folder + "first.csv.record"));

@@ -47,8 +47,7 @@ TEST_CASE("run: tables and HDF5 with their names on standard output") {
   const Session session;
   session.file("study/study.toml", small_study);
   session.file("study/mine.toml", small_case);
-  CHECK(answer(session, "run study") ==
-        "results/study/radius.csv\nresults/study/best.csv\nresults/study/study.h5\n");
+  CHECK(answer(session, "run study") == "results/study/radius.csv\nresults/study/best.csv\nresults/study/study.h5\n");
   const CsvTable radius = read_table(session.read("results/study/radius.csv"));
   REQUIRE(radius.rows.size() == 8);
   CHECK(radius.text(0, "case") == "disks4");
@@ -100,8 +99,7 @@ TEST_CASE("run --check: exit code 1 where the baseline differs") {
   const std::string radius = table.text(1, "spectral_radius");
   // a radius that is off, a text that is off, a row too few, a column too few
   const std::string off = radius.substr(0, 5) + (radius[5] == '9' ? '8' : '9') + radius.substr(6);
-  const std::vector<std::string> perturbed{replaced(baseline, radius, off),
-                                           replaced(baseline, "mine,", "yours,"),
+  const std::vector<std::string> perturbed{replaced(baseline, radius, off), replaced(baseline, "mine,", "yours,"),
                                            baseline.substr(0, baseline.rfind('\n', baseline.size() - 2) + 1),
                                            replaced(baseline, "subdomains,", "parts,")};
   for (const std::string& text : perturbed) {
@@ -130,8 +128,7 @@ TEST_CASE("run --check: tolerances of the study, for all columns or for one") {
   const std::string radius = read_table(baseline).text(1, "spectral_radius");
   session.file("study/baseline.csv", replaced(baseline, radius, radius.substr(0, 7)));
   const auto checked = [&](const std::string& line) {
-    session.file("study/study.toml",
-                 replaced(small_study, "eta = [0.3, inf]\n", "eta = [0.3, inf]\n" + line));
+    session.file("study/study.toml", replaced(small_study, "eta = [0.3, inf]\n", "eta = [0.3, inf]\n" + line));
     return session.run(words("run study --check --force --output second")).exit_code;
   };
   CHECK(checked("") == 1);

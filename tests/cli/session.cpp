@@ -35,9 +35,7 @@ std::vector<std::string> words(const std::string& line) {
   return all;
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 std::string answer(const Session& session, const std::vector<std::string>& arguments) {
   const Outcome outcome = session.run(arguments);

@@ -22,8 +22,7 @@ struct MovingSession : Session {
 
 }  // namespace
 
-TEST_CASE(
-    "simulate: through a symbolic link the trajectory it leads to is written, whole, and stays linked") {
+TEST_CASE("simulate: through a symbolic link the trajectory it leads to is written, whole, and stays linked") {
   const MovingSession session;
   fs::create_directory(session.folder / "store");
   answer(session, "simulate shear.toml --steps 2 -o store/real.h5");
@@ -36,8 +35,7 @@ TEST_CASE(
   CHECK(nscdd::read_last_step((session.folder / "store/real.h5").string()).state.x ==
         nscdd::read_last_step((session.folder / "plain.h5").string()).state.x);
   session.file("store/real.h5.next", "mine");
-  check_refused(session, "simulate shear.toml --steps 5 --restart -o link.h5",
-                {"store/real.h5.next", "move it away"});
+  check_refused(session, "simulate shear.toml --steps 5 --restart -o link.h5", {"store/real.h5.next", "move it away"});
 }
 
 TEST_CASE("simulate: a second name of a trajectory keeps the version it has") {
@@ -90,9 +88,8 @@ TEST_CASE("simulate: a restart does not go on with a table that lacks steps, or 
   const std::string restart = " --restart -o run.h5 --convergence ";
   answer(session, "simulate shear.toml --steps 2 -o run.h5 --convergence one.csv");
   answer(session, "simulate shear.toml --steps 4" + restart + "two.csv");
-  check_refused(
-      session, "simulate shear.toml --steps 5" + restart + "one.csv",
-      {"one.csv: expected rows of step 3 of the run in run.h5 up to its last iteration", "met none"});
+  check_refused(session, "simulate shear.toml --steps 5" + restart + "one.csv",
+                {"one.csv: expected rows of step 3 of the run in run.h5 up to its last iteration", "met none"});
   answer(session, "simulate shear.toml --steps 5" + restart + "two.csv");
   CHECK(read_table(session.read("two.csv")).text(0, "step") == "3");
   answer(session, "simulate shear.toml --steps 5 --iterations 3 -o other.h5 --convergence other.csv");
@@ -113,8 +110,7 @@ TEST_CASE("simulate: a run that replaces another and is killed goes on with its 
   CHECK_FALSE(fs::exists(session.folder / "run.csv.partial"));
   const CsvTable whole = read_table(session.read("whole.csv")), table = read_table(session.read("run.csv"));
   REQUIRE(table.rows.size() == whole.rows.size());
-  for (std::size_t row = 0; row < whole.rows.size(); ++row)
-    CHECK(table.text(row, "zeta") == whole.text(row, "zeta"));
+  for (std::size_t row = 0; row < whole.rows.size(); ++row) CHECK(table.text(row, "zeta") == whole.text(row, "zeta"));
 }
 
 TEST_CASE("simulate: names that the trajectory takes while it is written are no names for its table") {

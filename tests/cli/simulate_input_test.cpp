@@ -54,8 +54,7 @@ TEST_CASE("simulate: a value without effect is refused, not passed over") {
   refused("--set interaction.restitution=0.5 --set dynamics.maximum_push_speed=0.5",
           {"--set dynamics.maximum_push_speed: expected interaction.restitution 0 with it, met 0.5"});
   refused("--set contacts.tolerance=1e-3", {"--set contacts.tolerance", "linear study"});
-  refused("--steps 5 --set dynamics.steps=3",
-          {"--set dynamics.steps: expected dynamics.steps once, met --steps too"});
+  refused("--steps 5 --set dynamics.steps=3", {"--set dynamics.steps: expected dynamics.steps once, met --steps too"});
   refused("--subdomains 1x2 --set partition.grid=3,1", {"--set partition.grid", "met --subdomains too"});
   refused("--set solver.tolerance=1e-3 --set solver.tolerance=1e-2", {"--set solver.tolerance", "once"});
   // in any order, and beside what gives it an effect
@@ -171,8 +170,7 @@ TEST_CASE("simulate: files of others beside the trajectory are neither replaced 
   }
   answer(session, "simulate shear.toml --steps 2 -o run.h5");
   session.file("run.h5.next", "mine");
-  check_refused(session, "simulate shear.toml --steps 3 -o run.h5 --restart",
-                {"run.h5.next", "move it away"});
+  check_refused(session, "simulate shear.toml --steps 3 -o run.h5 --restart", {"run.h5.next", "move it away"});
   check_refused(session, "simulate shear.toml --steps 3 -o run.h5 --force", {"run.h5.next", "move it away"});
 }
 
@@ -180,9 +178,8 @@ TEST_CASE("simulate: what a killed run leaves beside the trajectory is its own")
   const MovingSession session;
   RunOptions options;
   options.kill_when = [&] { return session.has("run.h5") && session.has("run.h5.next"); };
-  REQUIRE(
-      session.run(words("simulate shear.toml --steps 4000 --save-every 1000 -o run.h5"), options).exit_code ==
-      128 + SIGKILL);
+  REQUIRE(session.run(words("simulate shear.toml --steps 4000 --save-every 1000 -o run.h5"), options).exit_code ==
+          128 + SIGKILL);
   REQUIRE(session.has("run.h5.lock"));
   session.file("run.h5.next", "damaged");
   session.file("run.h5.previous", "damaged");
@@ -209,8 +206,7 @@ TEST_CASE("simulate: errors of disks and walls name the file, and the boundary o
   refused("two.csv", drum, {"c.toml: disk 1 and disk 2 of boundary 'drum': expected an overlap"});
   refused("two.csv", "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
           {"c.toml: disk 0 and the wall of boundary 'floor': expected an overlap"});
-  refused("two.csv", piston + "2\n",
-          {"c.toml:12: boundary[0].first: expected grains", "of boundary 'piston'"});
+  refused("two.csv", piston + "2\n", {"c.toml:12: boundary[0].first: expected grains", "of boundary 'piston'"});
   refused("two.csv", piston + "1\n[[prescribed]]\ngrain = -1\nvelocity = [1, 0]\n",
           {"c.toml:15: prescribed[0].grain: expected a free grain, met disk 1 of boundary 'piston'"});
   refused("two.csv", "[[prescribed]]\ngrain = 7\nvelocity = [1, 0]\n",

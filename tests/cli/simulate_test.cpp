@@ -17,14 +17,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string path_of(const Session& session, const std::string& name) {
-  return (session.folder / name).string();
-}
+std::string path_of(const Session& session, const std::string& name) { return (session.folder / name).string(); }
 
 // Final states are the same to the last bit.
 void check_same_end(const Session& session, const std::string& one, const std::string& two) {
-  const auto a = nscdd::read_last_step(path_of(session, one)),
-             b = nscdd::read_last_step(path_of(session, two));
+  const auto a = nscdd::read_last_step(path_of(session, one)), b = nscdd::read_last_step(path_of(session, two));
   CHECK(a.state.step == b.state.step);
   CHECK(a.state.x == b.state.x);
   CHECK(a.state.y == b.state.y);
@@ -72,8 +69,7 @@ TEST_CASE("simulate: overlaps above a tenth of a radius are noticed, above a hal
                "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\nfrom = [1, 1]\nto = [0, 1]\n"
                "centre = [0, 1]\nvelocity = [0, -0.5]\n");
   CHECK_FALSE(contains(answer(session, "simulate press.toml --steps 5 -o little.h5"), "overlap by"));
-  CHECK(
-      contains(answer(session, "simulate press.toml -o some.h5"), "attention: bodies overlap by up to 0.1"));
+  CHECK(contains(answer(session, "simulate press.toml -o some.h5"), "attention: bodies overlap by up to 0.1"));
   const Outcome crushed = session.run(words("simulate press.toml --steps 400 -o crushed.h5"));
   CHECK(crushed.exit_code == 1);
   CHECK(contains(crushed.standard_error, "expected an overlap of at most 0.5 of the smaller radius"));
@@ -125,16 +121,14 @@ TEST_CASE("simulate: the rows of chosen iterations are those of all, and end wit
 TEST_CASE("simulate: says how the run went, one row per iteration") {
   const MovingSession session;
   const std::string text = answer(
-      session,
-      "simulate shear.toml --steps 5 --convergence rows.csv --convergence-every 1 -o run.h5 --iterations 7");
+      session, "simulate shear.toml --steps 5 --convergence rows.csv --convergence-every 1 -o run.h5 --iterations 7");
   CHECK(contains(text, "completed: 5 steps in this run, 5 of 5 in all, t = 0.025 s"));
   CHECK(contains(text, "disks: 120 free, "));
   CHECK(contains(text, "maximum_reached"));
   CHECK(contains(text, "ns per contact and sweep"));
   const CsvTable rows = read_table(session.read("rows.csv"));
-  CHECK(rows.columns == Texts{"step", "iteration", "sweeps", "zeta", "interface_change", "gluing",
-                              "natural_map", "quad_dv", "mean_dv_over_r", "active", "stick", "slide",
-                              "status_changes", "seconds"});
+  CHECK(rows.columns == Texts{"step", "iteration", "sweeps", "zeta", "interface_change", "gluing", "natural_map",
+                              "quad_dv", "mean_dv_over_r", "active", "stick", "slide", "status_changes", "seconds"});
   CHECK(rows.text(rows.rows.size() - 1, "step") == "5");
   for (std::size_t k = 0; k < rows.rows.size(); ++k) CHECK(rows.number(k, "iteration") <= 7);
   CHECK(nscdd::read_summary(path_of(session, "run.h5"), "iterations").size() == 5);
@@ -146,10 +140,9 @@ TEST_CASE("simulate: options reach the solver, threads leave every bit") {
   answer(session, "simulate shear.toml --steps 3 --threads 1 -o one.h5");
   answer(session, "simulate shear.toml --steps 3 --threads 2 -o two.h5");
   check_same_end(session, "one.h5", "two.h5");
-  for (const std::string& options :
-       Texts{"--algorithm nlgs", "--algorithm enriched --eta 1", "--gauss-seidel-sweeps 5",
-             "--subdomains 2x2", "--criterion interface_change --tolerance 0.1", "--tolerance 0.1",
-             "--iterations 5", "--set interaction.friction=0"}) {
+  for (const std::string& options : Texts{"--algorithm nlgs", "--algorithm enriched --eta 1", "--gauss-seidel-sweeps 5",
+                                          "--subdomains 2x2", "--criterion interface_change --tolerance 0.1",
+                                          "--tolerance 0.1", "--iterations 5", "--set interaction.friction=0"}) {
     CAPTURE(options);
     answer(session, "simulate shear.toml --steps 3 --force -o other.h5 " + options);
     CHECK(nscdd::read_last_step(path_of(session, "other.h5")).state.x !=
@@ -211,8 +204,7 @@ TEST_CASE("simulate: killed at any moment it can be read and goes on") {
     REQUIRE((outcome.exit_code == 128 + SIGKILL || outcome.exit_code == 0));
     kills += outcome.exit_code != 0;
     const auto last = nscdd::read_last_step(path_of(session, "run.h5"));
-    CHECK(nscdd::read_summary(path_of(session, "run.h5"), "step").size() ==
-          static_cast<std::size_t>(last.state.step));
+    CHECK(nscdd::read_summary(path_of(session, "run.h5"), "step").size() == static_cast<std::size_t>(last.state.step));
     restart = " --restart";
   }
   CHECK(kills > 3);
@@ -224,8 +216,7 @@ TEST_CASE("simulate: killed at any moment it can be read and goes on") {
 
 TEST_CASE("simulate: Ctrl-C keeps the steps done and says how to go on") {
   const MovingSession session;
-  const std::string line =
-      "simulate shear.toml --steps 2000 --save-every 1000 --convergence rows.csv -o run.h5";
+  const std::string line = "simulate shear.toml --steps 2000 --save-every 1000 --convergence rows.csv -o run.h5";
   RunOptions options;
   options.kill_signal = SIGINT;
   options.kill_when = [&] { return session.has("run.h5") && session.has("rows.csv.partial"); };
@@ -260,8 +251,7 @@ TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, 
   const auto end = nscdd::read_last_step(path_of(session, "run.h5")).state;
   for (const double speed : end.velocity_y) CHECK(std::abs(speed) < 10);
   session.file("light.csv", "x,y,radius,mass\n0,0,1,1\n2,0,1,1e-310\n4,0,1,1\n");
-  session.file("light.toml",
-               "[packing]\nfile = \"light.csv\"\n[dynamics]\nsteps = 3\n[partition]\ngrid = [1, 1]\n");
+  session.file("light.toml", "[packing]\nfile = \"light.csv\"\n[dynamics]\nsteps = 3\n[partition]\ngrid = [1, 1]\n");
   const Outcome none = session.run(words("simulate light.toml -o light.h5"));
   CHECK(none.exit_code == 1);
   CHECK(contains(none.standard_error, "no number"));
@@ -274,8 +264,7 @@ TEST_CASE("simulate: says what a reader of its numbers must know") {
                  "attention: 3 of 3 steps ended before zeta fell to 0.0001 and jumps to 0.01; "));
   CHECK(contains(answer(session, "simulate shear.toml --steps 3 --iterations 7 -o nlgs.h5 --algorithm nlgs"),
                  "attention: 3 of 3 steps ended before zeta fell to 0.0001; --iterations"));
-  CHECK_FALSE(
-      contains(answer(session, "simulate shear.toml --steps 3 --iterations 100000 -o all.h5"), "attention"));
+  CHECK_FALSE(contains(answer(session, "simulate shear.toml --steps 3 --iterations 100000 -o all.h5"), "attention"));
   session.file("inside.csv", "x,y,radius\n0,0,1\n1.9,0,1\n");
   session.file("inside.toml",
                "[packing]\nfile = \"inside.csv\"\n[masses]\nmodel = \"unit\"\n[partition]\ngrid = [1, 1]\n"
@@ -292,20 +281,16 @@ TEST_CASE("simulate: bad input is refused and nothing is written") {
   check_refused(session, "simulate shear.toml -o run.csv", {"run.csv", ".h5"});
   check_refused(session, "simulate shear.toml -o nowhere/run.h5", {"nowhere"});
   check_refused(session, "simulate shear.toml -o run.h5 --algorithm jacobi", {"solver.algorithm", "jacobi"});
-  check_refused(session, "simulate shear.toml -o run.h5 --algorithm enriched --eta best",
-                {"solver.eta", "best"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm enriched --eta best", {"solver.eta", "best"});
   check_refused(session, "simulate shear.toml -o run.h5 --eta 2", {"--eta", "enriched", "met generic"});
-  check_refused(session, "simulate shear.toml -o run.h5 --algorithm nlgs --subdomains 2x2",
-                {"--subdomains", "nlgs"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm nlgs --subdomains 2x2", {"--subdomains", "nlgs"});
   check_refused(session, "simulate shear.toml -o run.h5 --tolerance -1", {"solver.tolerance", "-1"});
   check_refused(session, "simulate shear.toml -o run.h5 --save-every 0", {"--save-every"});
   check_refused(session, "simulate shear.toml -o run.h5 --subdomains 2", {"--subdomains", "2x1"});
-  check_refused(session, "simulate shear.toml -o run.h5 --set solver.speed=1",
-                {"solver.speed", "solver.order"});
+  check_refused(session, "simulate shear.toml -o run.h5 --set solver.speed=1", {"solver.speed", "solver.order"});
   check_refused(session, "simulate shear.toml -o run.h5 --restart", {"run.h5", "no such file"});
   answer(session, "simulate shear.toml --steps 2 -o two.h5");
-  check_refused(session, "simulate shear.toml --steps 1 -o two.h5 --restart",
-                {"two.h5", "2 steps or more", "met 1"});
+  check_refused(session, "simulate shear.toml --steps 1 -o two.h5 --restart", {"two.h5", "2 steps or more", "met 1"});
   session.file("wide.toml", replaced(moving_case(), "radius = 0.198\n[[", "radius = 1e-9\n[["));
   check_refused(session, "simulate wide.toml -o run.h5", {"floor", "disks"});
   answer(session, "simulate shear.toml --steps 1 -o run.h5");
@@ -319,8 +304,7 @@ TEST_CASE("simulate: bad input is refused and nothing is written") {
   check_refused(session, "simulate shear.toml -o text.h5 --restart", {"text.h5", "trajectory"});
 }
 
-TEST_CASE(
-    "simulate: a full disk is an error and leaves the steps written before, which a restart goes on with") {
+TEST_CASE("simulate: a full disk is an error and leaves the steps written before, which a restart goes on with") {
   const MovingSession session;
   answer(session, "simulate shear.toml --steps 2 -o run.h5");
   RunOptions options;
@@ -339,10 +323,9 @@ TEST_CASE(
 TEST_CASE("simulate: a settled packing is made once, kept, and made again where the cache is damaged") {
   const MovingSession session;
   const OwnCache cache(session);
-  session.file(
-      "test.toml",
-      replaced(moving_case(), "generator = \"deposit\"\ngrains = 120\nwidth = 3.0\nradius_max = 0.198\n",
-               "settled = \"shear.toml\"\n"));
+  session.file("test.toml",
+               replaced(moving_case(), "generator = \"deposit\"\ngrains = 120\nwidth = 3.0\nradius_max = 0.198\n",
+                        "settled = \"shear.toml\"\n"));
   answer(session, "simulate test.toml --steps 2 -o first.h5");
   std::vector<fs::path> entries;
   for (const auto& entry : fs::directory_iterator(session.folder / "cache")) entries.push_back(entry.path());
@@ -438,10 +421,10 @@ TEST_CASE("simulate: a restart does not cut the finished table of another run") 
 
 TEST_CASE("simulate: says that a semi-implicit step leaves jumps") {
   const MovingSession session;
-  const std::string text = answer(
-      session,
-      "simulate shear.toml --steps 3 -o once.h5 --iterations 100000 --algorithm enriched --eta 1 --set "
-      "solver.enrichment=semi_implicit");
+  const std::string text =
+      answer(session,
+             "simulate shear.toml --steps 3 -o once.h5 --iterations 100000 --algorithm enriched --eta 1 --set "
+             "solver.enrichment=semi_implicit");
   CHECK(contains(text, "3 converged"));
   CHECK(contains(text, "attention: grains were left with jumps of "));
 }

@@ -36,14 +36,12 @@ TEST_CASE("solve: a report, the convergence and the solution, of a global and a 
   const Session session;
   session.file("global.hdf5", raw_global(box(), Storage::rows).bytes());
   session.file("local.hdf5", raw_local(reduce(box()), Storage::triplets).bytes());
-  const std::string report =
-      answer(session, "solve global.hdf5 --tolerance 1e-10 --convergence c.csv -o solved.hdf5");
+  const std::string report = answer(session, "solve global.hdf5 --tolerance 1e-10 --convergence c.csv -o solved.hdf5");
   CHECK(value(report, "status") == "converged");
   CHECK(value(report, "contacts") == "20");
   CHECK(value(report, "problem") == "global,");
   CHECK(std::stod(value(report, "residual")) <= 1e-10);
-  const Index open = std::stol(value(report, "open contacts")),
-              stick = std::stol(value(report, "sticking contacts")),
+  const Index open = std::stol(value(report, "open contacts")), stick = std::stol(value(report, "sticking contacts")),
               slide = std::stol(value(report, "sliding contacts"));
   CHECK(open + stick + slide == 20);
   CHECK(open < 20);
@@ -73,8 +71,7 @@ TEST_CASE("solve: a report, the convergence and the solution, of a global and a 
 TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
   const Session session;
   session.file("p.hdf5", raw_global(box()).bytes());
-  const Outcome short_run =
-      session.run(words("solve p.hdf5 --maximum-sweeps 3 -o some.hdf5 --tolerance 1e-12"));
+  const Outcome short_run = session.run(words("solve p.hdf5 --maximum-sweeps 3 -o some.hdf5 --tolerance 1e-12"));
   CHECK(short_run.exit_code == 1);
   CHECK(value(short_run.standard_output, "status") == "maximum_reached");
   CHECK(value(short_run.standard_output, "sweeps") == "3");
@@ -92,8 +89,7 @@ TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
   RawFclib raw = raw_global(box());
   raw.integers["guesses/number_of_guesses"] = {-5};
   session.file("less.hdf5", raw.bytes());
-  check_refused(session, "solve less.hdf5",
-                {"guesses/number_of_guesses", "expected a number from 0", "met -5"});
+  check_refused(session, "solve less.hdf5", {"guesses/number_of_guesses", "expected a number from 0", "met -5"});
 }
 
 TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
@@ -144,9 +140,8 @@ TEST_CASE("a global problem goes through sweep, optimum and inspect like any cas
   CHECK(rows.number(0, "spectral_radius") < 1);
   const CsvTable same = table(session, "sweep case.toml --epsilon 0.1,1");
   CHECK(same.text(0, "spectral_radius") == rows.text(0, "spectral_radius"));
-  CHECK(
-      answer(session, "optimum p.hdf5 --subdomains metis:3 --contacts all --epsilon 0.1").find("best_eta") !=
-      std::string::npos);
+  CHECK(answer(session, "optimum p.hdf5 --subdomains metis:3 --contacts all --epsilon 0.1").find("best_eta") !=
+        std::string::npos);
   const std::string report = answer(session, "inspect p.hdf5 --subdomains metis:3");
   CHECK(value(report, "contacts") == "20");
   CHECK(report.find("solid fraction") == std::string::npos);
@@ -161,8 +156,7 @@ TEST_CASE("a global problem goes through sweep, optimum and inspect like any cas
                 {"masses.density: this case is a contact problem"});
   CHECK(table(session, "network p.hdf5 --subdomains metis:3").text(0, "subdomain") == "0");
   check_refused(session, "inspect p.hdf5 --histogram h.csv", {"sizes of grains: expected a packing"});
-  check_refused(session, "modes p.hdf5 --subdomains metis:3 --epsilon 1 --output m",
-                {"modes: expected a packing"});
+  check_refused(session, "modes p.hdf5 --subdomains metis:3 --epsilon 1 --output m", {"modes: expected a packing"});
   check_refused(session, "generate p.hdf5 -o g.csv", {"p.hdf5: expected a packing"});
 }
 

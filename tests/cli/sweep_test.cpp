@@ -36,8 +36,8 @@ TEST_CASE("sweep: the columns of the table have their names") {
   const CsvTable result = table(session, "sweep disks4 --epsilon 1");
   for (const std::string& name :
        Texts{"case", "grains", "contacts", "subdomains", "interface_dofs", "contact_set", "epsilon", "eta",
-             "spectral_radius", "eigenvalue_min", "eigenvalue_max", "unit_multiplicity", "subdominant_radius",
-             "solver", "applications", "residual", "converged"}) {
+             "spectral_radius", "eigenvalue_min", "eigenvalue_max", "unit_multiplicity", "subdominant_radius", "solver",
+             "applications", "residual", "converged"}) {
     CAPTURE(name);
     CHECK(std::count(result.columns.begin(), result.columns.end(), name) == 1);
   }
@@ -67,8 +67,7 @@ TEST_CASE("sweep: closed form of 4 disks") {
   CHECK(std::abs(result.number(0, "spectral_radius") - (29 + std::sqrt(57.0)) / 56) < 1e-14);
   for (std::size_t row = 0; row < result.rows.size(); ++row) {
     CAPTURE(row);
-    CHECK(std::abs(result.number(row, "spectral_radius") - four_disks(result.number(row, "epsilon"))) <
-          1e-12);
+    CHECK(std::abs(result.number(row, "spectral_radius") - four_disks(result.number(row, "epsilon"))) < 1e-12);
     CHECK(result.number(row, "eigenvalue_max") == result.number(row, "spectral_radius"));
     CHECK(result.number(row, "residual") < 1e-12);
   }
@@ -202,12 +201,10 @@ TEST_CASE("sweep, optimum: relative flexibilities add columns at the end, and re
   CHECK(rows.number(0, "eta") == 0.5);
   answer(session, "sweep disks8 --epsilon 0.1W,1W --eta 0.5,inf --csv relative.csv --redo");
   answer(session, "sweep disks8 --epsilon 0.1W --eta 0.5W --csv both.csv");
-  CHECK(session.read("both.csv").find(",converged,mean_w_nn,epsilon_relative,eta_relative\n") !=
-        std::string::npos);
+  CHECK(session.read("both.csv").find(",converged,mean_w_nn,epsilon_relative,eta_relative\n") != std::string::npos);
   answer(session, "optimum disks8 --epsilon 0.1W --csv best.csv");
   const CsvTable best = read_table(session.read("best.csv"));
   CHECK(best.number(0, "best_eta_relative") ==
         doctest::Approx(best.number(0, "best_eta") / best.number(0, "mean_w_nn")).epsilon(1e-14));
-  check_refused(session, "sweep disks8 --epsilon 0.1W,1 --csv -",
-                {"epsilon: expected a W behind every number"});
+  check_refused(session, "sweep disks8 --epsilon 0.1W,1 --csv -", {"epsilon: expected a W behind every number"});
 }

@@ -181,13 +181,11 @@ TEST_CASE("network: impulses of the unilateral problem of 4 disks, which the pap
     CHECK(links.number(row, "impulse") >= 0);
     CHECK(links.text(row, "active") == (links.number(row, "impulse") > 1e-7 ? "true" : "false"));
     CHECK(links.text(row, "impulse_solution") == "unilateral_unique");
-    if (links.text(row, "grain_b") == "3")
-      pushed += links.number(row, "impulse") * links.number(row, "normal_x");
+    if (links.text(row, "grain_b") == "3") pushed += links.number(row, "impulse") * links.number(row, "normal_x");
   }
   CHECK(pushed > 0);
   CHECK(pushed < 1);  // grain 3 arrives with 1 kg m/s and goes on more slowly
-  const CsvTable compressed =
-      table(session, "network hexagonal --contacts unilateral --set loads.compression=1,1");
+  const CsvTable compressed = table(session, "network hexagonal --contacts unilateral --set loads.compression=1,1");
   CHECK(compressed.text(0, "impulse_solution") == "unilateral_maximal");
   CHECK(table(session, "network disks4").text(2, "active") == "false");
 }
@@ -210,8 +208,7 @@ TEST_CASE("sweep, optimum and run take the unilateral contacts") {
   answer(session, "run mine");
   CHECK(read_table(session.read("results/mine/radius.csv")).number(0, "spectral_radius") ==
         swept.number(0, "spectral_radius"));
-  CHECK(read_table(session.read("results/mine/links.csv")).text(0, "impulse_solution") ==
-        "unilateral_unique");
+  CHECK(read_table(session.read("results/mine/links.csv")).text(0, "impulse_solution") == "unilateral_unique");
 }
 
 TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
@@ -232,8 +229,7 @@ TEST_CASE("inspect: counts and interface and ranks of 12 disks") {
 TEST_CASE("inspect: a chain is made of rattlers, and no number is given without them") {
   const Session session;
   session.file("chain.csv", row_of_three());
-  CHECK(contains(answer(session, "inspect chain.csv"),
-                 "coordination number without them  - (every grain is one)"));
+  CHECK(contains(answer(session, "inspect chain.csv"), "coordination number without them  - (every grain is one)"));
 }
 
 TEST_CASE("inspect: hyperstaticity of a lattice") {
@@ -247,8 +243,7 @@ TEST_CASE("inspect: hyperstaticity of a lattice") {
 TEST_CASE("inspect and network: a case that moves may overlap as its simulation accepts") {
   const Session session;
   session.file("pair.csv", "x,y,radius,mass\n0,0,1,1\n1.93,0,1,1\n");
-  session.file("pair.toml",
-               "[packing]\nfile = \"pair.csv\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n");
+  session.file("pair.toml", "[packing]\nfile = \"pair.csv\"\n[partition]\ngrid = [1, 1]\n[dynamics]\nsteps = 1\n");
   answer(session, "simulate pair.toml -o run.h5");
   CHECK(std::stod(entry(answer(session, "inspect pair.toml"), "largest overlap")) == doctest::Approx(0.07));
   CHECK(table(session, "network pair.toml --prescribed 0:1:0").number(0, "gap") == doctest::Approx(-0.07));
@@ -260,8 +255,7 @@ TEST_CASE("inspect and network: a case that moves may overlap as its simulation 
 TEST_CASE("sweep, optimum and inspect say why an interface is empty") {
   const Session session;
   std::string pairs = "x,y,radius\n";  // six pairs of disks, far from each other
-  for (int x = 0; x < 60; x += 10)
-    pairs += std::to_string(x) + ",0,0.5\n" + std::to_string(x + 1) + ",0,0.5\n";
+  for (int x = 0; x < 60; x += 10) pairs += std::to_string(x) + ",0,0.5\n" + std::to_string(x + 1) + ",0,0.5\n";
   session.file("pairs.csv", pairs);
   const std::string why =
       "3 subdomain(s), no shared grain; the network has 6 separate pieces, and the partition cuts none of "
@@ -285,8 +279,7 @@ TEST_CASE("optimum: report and table agree") {
   CHECK(std::abs(row.number(0, "generic_radius") - 0.6) < 1e-12);
   CHECK(row.number(0, "best_radius") < 0.6);
   // the table of the sweep at that eta says the same, and its ends are equal and opposite
-  const CsvTable swept =
-      table(session, "sweep disks4 --contacts active --epsilon 0 --eta " + row.text(0, "best_eta"));
+  const CsvTable swept = table(session, "sweep disks4 --contacts active --epsilon 0 --eta " + row.text(0, "best_eta"));
   CHECK(std::abs(swept.number(0, "spectral_radius") - row.number(0, "best_radius")) < 1e-9);
   CHECK(std::abs(swept.number(0, "eigenvalue_min") + swept.number(0, "eigenvalue_max")) < 1e-9);
 }
@@ -299,10 +292,9 @@ TEST_CASE("optimum: one row per epsilon") {
 TEST_CASE("list: cases and studies and generators and partitioners and observables") {
   const Session session;
   const std::string text = answer(session, "list");
-  for (const std::string& name :
-       Texts{"disks4", "disks8", "disks12", "figure-5", "figure-6", "figure-7", "strip", "hexagonal", "grid",
-             "metis", "deposit", "packing.fraction_large = 0.5", "packing.vacancies = 0", "spectral_radius",
-             "contacts.tolerance"}) {
+  for (const std::string& name : Texts{"disks4", "disks8", "disks12", "figure-5", "figure-6", "figure-7", "strip",
+                                       "hexagonal", "grid", "metis", "deposit", "packing.fraction_large = 0.5",
+                                       "packing.vacancies = 0", "spectral_radius", "contacts.tolerance"}) {
     CAPTURE(name);
     CHECK(contains(text, name));
   }

@@ -53,9 +53,8 @@ struct Model {
 };
 
 Model strip_of(Index grains, Index rows) {
-  const Generator generator =
-      rows == 1 ? Generator(TriangularStrip{.grains = grains})
-                : Generator(HexagonalLattice{.columns = grains, .rows = rows, .radius = 0.5});
+  const Generator generator = rows == 1 ? Generator(TriangularStrip{.grains = grains})
+                                        : Generator(HexagonalLattice{.columns = grains, .rows = rows, .radius = 0.5});
   const Packing packing = with_masses(generate(generator), {MassModel::unit, 0});
   const ContactNetwork network = detect_contacts(packing);
   return {packing, network, assemble(packing, network)};
@@ -63,8 +62,7 @@ Model strip_of(Index grains, Index rows) {
 
 void check_the_paper() {
   const Model disks = strip_of(4, 1);
-  const auto parts =
-      decompose(disks.problem, partition(GridPartitioner{{2, 1}}, disks.packing, disks.network));
+  const auto parts = decompose(disks.problem, partition(GridPartitioner{{2, 1}}, disks.packing, disks.network));
   const auto b = contraction(parts, Generic{}, LinearViscous{.epsilon = 0});
   const auto rho = spectral_radius(b);  // value, ends of the spectrum, residual, applications, converged
   std::cout.precision(16);
@@ -75,12 +73,9 @@ void check_the_paper() {
 // Interface matrices of some hundred rows, on which OpenBLAS would use its threads.
 void check_the_process() {
   const Model lattice = strip_of(40, 40);
-  const auto cut = [&] {
-    return decompose(lattice.problem, partition(MetisPartitioner{.metis = 6}, lattice.problem));
-  };
+  const auto cut = [&] { return decompose(lattice.problem, partition(MetisPartitioner{.metis = 6}, lattice.problem)); };
   const auto radius = [](const Decomposition& parts, SpectralSolver solver) {
-    return spectral_radius(contraction(parts, Enriched{.eta = 0.5}, LinearViscous{.epsilon = 0.1}),
-                           {.solver = solver});
+    return spectral_radius(contraction(parts, Enriched{.eta = 0.5}, LinearViscous{.epsilon = 0.1}), {.solver = solver});
   };
   const auto unchanged = [](const char* after) {
     const std::string what = std::string(" of the program after ") + after;
@@ -104,8 +99,7 @@ void check_the_process() {
   unchanged("a dense spectrum");
   const SpectralRadius sparse_again = radius(parts, SpectralSolver::shift_invert);
   unchanged("a sparse spectrum");
-  const auto strips =
-      decompose(lattice.problem, partition(GridPartitioner{{3, 1}}, lattice.packing, lattice.network));
+  const auto strips = decompose(lattice.problem, partition(GridPartitioner{{3, 1}}, lattice.packing, lattice.network));
   const double eta = optimal_eta(strips, strips);
   unchanged("a search for the best eta");
   expect(eta > 0, "a best eta");

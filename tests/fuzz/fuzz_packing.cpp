@@ -37,8 +37,7 @@ std::optional<ContactNetwork> detect(const Packing& packing, const ContactDetect
 }
 
 // Every pair looked at; empty where two grains overlap.
-std::optional<std::vector<std::pair<Index, Index>>> brute_force(const Packing& p,
-                                                                const ContactDetection& detection) {
+std::optional<std::vector<std::pair<Index, Index>>> brute_force(const Packing& p, const ContactDetection& detection) {
   std::vector<std::pair<Index, Index>> pairs;
   for (Index i = 0; i < p.size(); ++i)
     for (Index j = i + 1; j < p.size(); ++j) {
@@ -61,8 +60,7 @@ void require_same(const Packing& packing, const ContactDetection& detection) {
   for (Index c = 0; c < network->size(); ++c) {
     const Contact& contact = network->contacts[at(c)];
     require(std::pair(contact.a, contact.b) == (*expected)[at(c)], "contacts are the pairs that touch");
-    require(std::abs(std::hypot(contact.normal[0], contact.normal[1]) - 1) < 1e-12,
-            "a normal is a unit vector");
+    require(std::abs(std::hypot(contact.normal[0], contact.normal[1]) - 1) < 1e-12, "a normal is a unit vector");
   }
 }
 
@@ -74,8 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check(*packing);  // throws, and so ends the program, for a packing that should not have passed
   require(count(packing->y) == packing->size() && count(packing->radius) == packing->size(),
           "every grain has a centre and a radius");
-  require(packing->mass.empty() || count(packing->mass) == packing->size(),
-          "every grain has a mass, or none");
+  require(packing->mass.empty() || count(packing->mass) == packing->size(), "every grain has a mass, or none");
   if (packing->size() > 200) return 0;
   require_same(*packing, {});
   require_same(*packing, {.tolerance = 1, .overlap_tolerance = 1});

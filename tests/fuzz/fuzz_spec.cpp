@@ -33,13 +33,11 @@ void require_range(std::string_view spec, const std::vector<double>& values) {
   const double from = parse_number(spec.substr(0, first), "from");
   const double to = parse_number(spec.substr(first + 1, second - first - 1), "to");
   const auto length = third == std::string_view::npos ? third : third - second - 1;
-  require(count(values) == parse_integer(spec.substr(second + 1, length), "count"),
-          "a range has COUNT values");
+  require(count(values) == parse_integer(spec.substr(second + 1, length), "count"), "a range has COUNT values");
   require(values.front() == from && values.back() == to, "both ends of a range are met exactly");
   for (const double value : values)
     require(value >= std::min(from, to) && value <= std::max(from, to), "a range stays between its ends");
-  require(from <= to ? std::is_sorted(values.begin(), values.end())
-                     : std::is_sorted(values.rbegin(), values.rend()),
+  require(from <= to ? std::is_sorted(values.begin(), values.end()) : std::is_sorted(values.rbegin(), values.rend()),
           "a range is monotone");
 }
 

@@ -138,8 +138,7 @@ TEST_CASE("without tangents a contact problem has the radii of the packing it wa
     for (const double eta : {0.2, infinity})
       CHECK(radius(problem, epsilon, eta) == doctest::Approx(radius(packing, epsilon, eta)).epsilon(1e-9));
   for (Index i = 0; i < packing.grains(); ++i)
-    CHECK((problem.problem.arriving_velocity.segment(3 * i, 2) -
-           packing.problem.arriving_velocity.segment(2 * i, 2))
+    CHECK((problem.problem.arriving_velocity.segment(3 * i, 2) - packing.problem.arriving_velocity.segment(2 * i, 2))
               .norm() < 1e-14);
 }
 
@@ -164,8 +163,7 @@ TEST_CASE("contacts of a problem: its bodies and subdomains are those of the pac
       const Row cells = row(problem_contact_columns(), one);
       const Contact& contact = packing.network.contacts[at(contacts)];
       const Index owner = problem.partition.subdomain_of_contact[at(2 * contacts)];
-      CHECK(cells ==
-            Row{problem.name, to_cell(contacts), to_cell(contact.a), to_cell(contact.b), to_cell(owner)});
+      CHECK(cells == Row{problem.name, to_cell(contacts), to_cell(contact.a), to_cell(contact.b), to_cell(owner)});
       if (with_tangents) CHECK(owner == packing.partition.subdomain_of_contact[at(contacts)]);
       ++contacts;
     });
@@ -176,17 +174,13 @@ TEST_CASE("contacts of a problem: its bodies and subdomains are those of the pac
 TEST_CASE("what a contact problem cannot do is refused") {
   Case one = as_problem(lattice(), true);
   const Model model = build(one);
-  CHECK_THROWS_WITH_AS(links(model, [](const Link&) {}), doctest::Contains("links: expected a packing"),
-                       Error);
-  CHECK_THROWS_WITH_AS(grains(model, [](const Grain&) {}), doctest::Contains("grains: expected a packing"),
-                       Error);
+  CHECK_THROWS_WITH_AS(links(model, [](const Link&) {}), doctest::Contains("links: expected a packing"), Error);
+  CHECK_THROWS_WITH_AS(grains(model, [](const Grain&) {}), doctest::Contains("grains: expected a packing"), Error);
   CHECK_THROWS_WITH_AS(packing_of(one), doctest::Contains("expected a packing"), Error);
   CHECK_THROWS_WITH_AS(choose_contacts(model, ContactSet::active),
-                       doctest::Contains("expected --contacts all for a problem with friction, met active"),
-                       Error);
+                       doctest::Contains("expected --contacts all for a problem with friction, met active"), Error);
   for (const char* key : {"packing.grains", "contacts.tolerance", "masses.density", "loads.shear"})
-    CHECK_THROWS_WITH_AS(override_case(one.spec, key, "1"), doctest::Contains("expected partition.* alone"),
-                         Error);
+    CHECK_THROWS_WITH_AS(override_case(one.spec, key, "1"), doctest::Contains("expected partition.* alone"), Error);
   override_case(one.spec, "partition.metis", "3");
   CHECK(build(one).partition.subdomains == 3);
   one.spec.prescribed = {{0, {1, 0}}};
@@ -199,8 +193,7 @@ TEST_CASE("what a contact problem cannot do is refused") {
   GlobalFrictionProblem& problem = one.problem;
   problem.mass.coeffRef(0, 1) = problem.mass.coeffRef(1, 0) = 0.1;
   CHECK_THROWS_WITH_AS(
-      build(one),
-      doctest::Contains("lattice.hdf5: M: expected a diagonal matrix, met 0.1 at row 1, column 0"), Error);
+      build(one), doctest::Contains("lattice.hdf5: M: expected a diagonal matrix, met 0.1 at row 1, column 0"), Error);
   problem.mass.coeffRef(0, 1) = problem.mass.coeffRef(1, 0) = 0;
   CHECK_NOTHROW(build(one));
   problem.mass.coeffRef(5, 5) = 0;
@@ -214,9 +207,8 @@ TEST_CASE("a case with a contact problem reads back from its text") {
   CHECK(std::get<ContactProblemFile>(back.packing).path == "lattice.hdf5");
   CHECK(to_toml(back) == to_toml(spec));
   CHECK_THROWS_WITH_AS(resolve(back), doctest::Contains("one.toml:4: problem.file: lattice.hdf5"), Error);
-  CHECK_THROWS_WITH_AS(
-      parse_case("[problem]\nfile = \"p\"\n[partition]\nmetis = 2\n[masses]\ndensity = 1\n", "c.toml"),
-      doctest::Contains("unknown key 'masses'"), Error);
+  CHECK_THROWS_WITH_AS(parse_case("[problem]\nfile = \"p\"\n[partition]\nmetis = 2\n[masses]\ndensity = 1\n", "c.toml"),
+                       doctest::Contains("unknown key 'masses'"), Error);
 }
 
 TEST_CASE("rows of a contact problem are gone on with for the same content alone, wherever the file lies") {

@@ -57,8 +57,7 @@ Vector scaled_velocities(const GranularDecomposition& parts) {
   return Eigen::Map<const Vector>(y.data(), count(y));
 }
 
-std::vector<ContactStatus> statuses_of(const GranularTwoStage& iteration, const ContactLaw& law,
-                                       std::size_t n) {
+std::vector<ContactStatus> statuses_of(const GranularTwoStage& iteration, const ContactLaw& law, std::size_t n) {
   std::vector<ContactStatus> result(n);
   for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
@@ -73,8 +72,8 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = "generic";
   const Simulation simulation = shaken_lattice(6, 5, dynamics, {2, 2});
-  const StepProblem problem = prepare_step(simulation.system, simulation.state,
-                                           simulation.dynamics.interaction, simulation.dynamics.time, false);
+  const StepProblem problem = prepare_step(simulation.system, simulation.state, simulation.dynamics.interaction,
+                                           simulation.dynamics.time, false);
   const Partition partition = partition_step(simulation, problem);
   const GranularDecomposition parts = decompose(problem, partition, "natural", 1);
   const Decomposition linear =
@@ -84,15 +83,14 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   const Matrix generic = dense(contraction(linear, Generic{}, LinearViscous{.epsilon = 0}));
   CHECK((frozen_contraction(parts, stick, {}) - generic).norm() < 1e-9 * generic.norm());
   const Matrix enriched = dense(contraction(linear, Enriched{.eta = 0.5}, LinearViscous{.epsilon = 0}));
-  CHECK((frozen_contraction(parts, stick, InterfaceFamily(linear).at(0.5)) - enriched).norm() <
-        1e-8 * enriched.norm());
+  CHECK((frozen_contraction(parts, stick, InterfaceFamily(linear).at(0.5)) - enriched).norm() < 1e-8 * enriched.norm());
 }
 
 TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding contacts too") {
   // Contacts of a deposit that touch are as many as it needs: no network is close to a dependent one.
   const Simulation simulation = sheared_box(30, {2, 1});
-  const StepProblem problem = prepare_step(simulation.system, simulation.state,
-                                           simulation.dynamics.interaction, simulation.dynamics.time, false);
+  const StepProblem problem = prepare_step(simulation.system, simulation.state, simulation.dynamics.interaction,
+                                           simulation.dynamics.time, false);
   const GranularDecomposition parts = decompose(problem, partition_step(simulation, problem), "natural", 1);
   for (const auto& sliding : {std::vector<ContactStatus>{ContactStatus::slide_forward},
                               {ContactStatus::slide_forward, ContactStatus::slide_backward},

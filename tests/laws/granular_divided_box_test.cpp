@@ -35,8 +35,7 @@ Simulation box_on_disks(const std::string& law, Index posts = 0) {
   deposit.width = 2.2;
   deposit.sizes.radius_min = 0.1;
   deposit.sizes.radius_max = 0.198;
-  const Packing packing =
-      with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
+  const Packing packing = with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
   Dynamics dynamics;
   dynamics.interaction.law = law;
   dynamics.solver.warm_start = true;
@@ -91,8 +90,7 @@ std::vector<char> columns_of_last_step(const Simulation& simulation, const StepP
 
 }  // namespace
 
-TEST_CASE(
-    "driven disks across the cuts: what is glued is free, each further copy once, and nothing else is") {
+TEST_CASE("driven disks across the cuts: what is glued is free, each further copy once, and nothing else is") {
   const Simulation whole = box_on_disks("coulomb", 4);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {1, 2}, {2, 2}, {3, 3}}) {
     CAPTURE(grid[0]);
@@ -108,14 +106,12 @@ TEST_CASE(
     }
     for (std::size_t i = 0; i < glued.size(); ++i) {
       const bool free = step.problem.free[i].inverse_mass > 0;
-      CHECK(glued[i] ==
-            (free ? std::max<Index>(0, parts.interface.multiplicity(static_cast<Index>(i)) - 1) : 0));
+      CHECK(glued[i] == (free ? std::max<Index>(0, parts.interface.multiplicity(static_cast<Index>(i)) - 1) : 0));
     }
   }
 }
 
-TEST_CASE(
-    "driven disks, gravity, several sizes, no friction: any division comes to the velocities of the whole") {
+TEST_CASE("driven disks, gravity, several sizes, no friction: any division comes to the velocities of the whole") {
   const Simulation whole = falling_box("frictionless");
   const Close reference = closely(whole);
   REQUIRE(reference.map < 1e-10);
@@ -136,8 +132,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "driven disks, gravity, several sizes, friction: any division meets the contact law as the whole does") {
+TEST_CASE("driven disks, gravity, several sizes, friction: any division meets the contact law as the whole does") {
   constexpr double law_tolerance = 1e-8;
   const Simulation whole = falling_box("coulomb");
   const auto residual = [](const Close& step) {
@@ -167,13 +162,12 @@ TEST_CASE("friction, network active: Stage 2 has the columns that open, sliding 
   const double eta = 0.2;
   const std::vector<char> columns = columns_of_last_step(simulation, step.problem);
   Index open = 0, slide = 0, stick = 0;
-  for (std::size_t k = 0; k < columns.size(); k += 2)
-    ++(columns[k] == 0 ? open : columns[k + 1] == 0 ? slide : stick);
+  for (std::size_t k = 0; k < columns.size(); k += 2) ++(columns[k] == 0 ? open : columns[k + 1] == 0 ? slide : stick);
   CHECK(open > 0);
   CHECK(slide > 0);
   CHECK(stick > 0);
-  const Decomposition linear = decompose(reference_problem(step.problem, simulation.system.disks()),
-                                         partition_of_columns(step.partition));
+  const Decomposition linear =
+      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition));
   const InterfaceOperator expected = InterfaceFamily(restrict_contacts(linear, columns)).at(eta);
   const InterfaceOperator met = enriched_operator(simulation, step.problem, step.partition, eta);
   const InterfaceOperator all = InterfaceFamily(linear).at(eta);

@@ -30,8 +30,8 @@ Simulation meeting(const Pair& p, const Dynamics& dynamics) {
   // Placed half a step back, so that they touch exactly where contacts are found.
   const double half = dynamics.time.step / 2, d = p.r0 + p.r1;
   return simulation_of({{-half * p.v0[0], -half * p.v0[1], p.r0, p.m0, p.v0[0], p.v0[1], p.v0[2]},
-                        {d * std::cos(p.angle) - half * p.v1[0], d * std::sin(p.angle) - half * p.v1[1], p.r1,
-                         p.m1, p.v1[0], p.v1[1], p.v1[2]}},
+                        {d * std::cos(p.angle) - half * p.v1[0], d * std::sin(p.angle) - half * p.v1[1], p.r1, p.m1,
+                         p.v1[0], p.v1[1], p.v1[2]}},
                        dynamics);
 }
 
@@ -50,8 +50,7 @@ TEST_CASE("central impact: velocities of the textbook for any masses and restitu
       advance(simulation);
       const double common = (2 - ratio) / (1 + ratio), reduced = ratio / (1 + ratio);
       CHECK(simulation.state.velocity_x[0] == doctest::Approx(common - e * 3 * reduced).epsilon(1e-8));
-      CHECK(simulation.state.velocity_x[1] ==
-            doctest::Approx(common + e * 3 * reduced / ratio).epsilon(1e-8));
+      CHECK(simulation.state.velocity_x[1] == doctest::Approx(common + e * 3 * reduced / ratio).epsilon(1e-8));
       CHECK(std::abs(simulation.state.spin[0]) < 1e-14);
       const double momentum = simulation.state.velocity_x[0] + ratio * simulation.state.velocity_x[1];
       CHECK(momentum == doctest::Approx(2 - ratio).epsilon(1e-13));
@@ -102,12 +101,11 @@ TEST_CASE("oblique impact: each impulse by hand, sticking or on the edge of the 
           // Angular momentum about the contact point, where all impulses act.
           const auto moment = [&](double vx0, double vy0, double s0, double vx1, double vy1, double s1) {
             const double x0 = -0.5 * c, y0 = -0.5 * s, x1 = 0.35 * c, y1 = 0.35 * s;
-            return 1.2 * (x0 * vy0 - y0 * vx0 + 0.125 * s0) +
-                   0.7 * (x1 * vy1 - y1 * vx1 + 0.35 * 0.35 / 2 * s1);
+            return 1.2 * (x0 * vy0 - y0 * vx0 + 0.125 * s0) + 0.7 * (x1 * vy1 - y1 * vx1 + 0.35 * 0.35 / 2 * s1);
           };
           CHECK(moment(state.velocity_x[0], state.velocity_y[0], state.spin[0], state.velocity_x[1],
-                       state.velocity_y[1], state.spin[1]) ==
-                near(moment(pair.v0[0], pair.v0[1], 1.1, pair.v1[0], pair.v1[1], -0.6)));
+                       state.velocity_y[1],
+                       state.spin[1]) == near(moment(pair.v0[0], pair.v0[1], 1.1, pair.v1[0], pair.v1[1], -0.6)));
         }
 }
 

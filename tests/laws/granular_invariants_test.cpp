@@ -15,12 +15,12 @@ namespace {
 double total_energy(const StepEnergy& e) { return e.kinetic + e.potential; }
 
 // Sum over disks of x cross m V + I spin at the given positions.
-double angular_momentum(const GranularSystem& system, const std::vector<double>& x,
-                        const std::vector<double>& y, const GranularState& s) {
+double angular_momentum(const GranularSystem& system, const std::vector<double>& x, const std::vector<double>& y,
+                        const GranularState& s) {
   double sum = 0;
   for (std::size_t i = 0; i < x.size(); ++i)
-    sum += system.mass[i] * (x[i] * s.velocity_y[i] - y[i] * s.velocity_x[i] +
-                             system.radius[i] * system.radius[i] / 2 * s.spin[i]);
+    sum += system.mass[i] *
+           (x[i] * s.velocity_y[i] - y[i] * s.velocity_x[i] + system.radius[i] * system.radius[i] / 2 * s.spin[i]);
   return sum;
 }
 
@@ -56,8 +56,7 @@ double least_dissipation(const SolvedStep& step, double e) {
 
 }  // namespace
 
-TEST_CASE(
-    "no gravity, no boundary: energy only falls, by what friction and impacts take, and momentum stays") {
+TEST_CASE("no gravity, no boundary: energy only falls, by what friction and impacts take, and momentum stays") {
   // Unequal coefficients (friction without a tangential one) have no bound: Newton's law may gain energy
   // there (Kane's paradox).
   struct Contact {
@@ -136,8 +135,7 @@ TEST_CASE("default settings: correcting overlaps brings no energy into a box at 
   }
 }
 
-TEST_CASE(
-    "default settings: a falling heap without friction gains at most what the turning of normals gives") {
+TEST_CASE("default settings: a falling heap without friction gains at most what the turning of normals gives") {
   // dE = r (v + v^-)/2 with v_n = -gap/h, and gap >= h v^-_n where normals keep their directions: no gain. As
   // the line of centres d turns by phi in a step, gap lags behind h v^-_n by |d| (1 - cos phi).
   Dynamics dynamics = tight();
@@ -200,15 +198,14 @@ TEST_CASE("a box with moving walls: work put in, dissipation and energy balance 
     CHECK(std::abs(report.energy.numerical) < 1e-11 * scale);
   }
   CHECK(work > 1);
-  CHECK(total_energy(report.energy) - total_energy(start) ==
-        doctest::Approx(work - dissipation).epsilon(1e-9));
+  CHECK(total_energy(report.energy) - total_energy(start) == doctest::Approx(work - dissipation).epsilon(1e-9));
 }
 
 TEST_CASE("work of a boundary: a wall that lifts a column puts in its weight times the height") {
   Dynamics dynamics = tight();
   dynamics.boundaries = {wall("lift", {0, 0}, {1, 0}, moving({0, 0.5, 0}))};
-  Simulation simulation = simulation_of(
-      {{.y = 0.5, .mass = 2, .velocity_y = 0.5}, {.y = 1.5, .mass = 3, .velocity_y = 0.5}}, dynamics);
+  Simulation simulation =
+      simulation_of({{.y = 0.5, .mass = 2, .velocity_y = 0.5}, {.y = 1.5, .mass = 3, .velocity_y = 0.5}}, dynamics);
   double work = 0, heat = 0;
   for (int k = 0; k < 100; ++k) {
     const StepReport report = advance(simulation);
@@ -228,8 +225,7 @@ TEST_CASE("without gravity and at rest, boundaries at rest do no work and nothin
   const StepReport report = take_step(simulation, solve_step(simulation));
   CHECK(report.energy.boundary_work == 0);
   CHECK(largest_speed(solve_step(simulation).velocities, 50) < 1e-9);
-  for (std::size_t i = 0; i < before.x.size(); ++i)
-    CHECK(std::abs(simulation.state.x[i] - before.x[i]) < 1e-11);
+  for (std::size_t i = 0; i < before.x.size(); ++i) CHECK(std::abs(simulation.state.x[i] - before.x[i]) < 1e-11);
 }
 
 TEST_CASE("numerical energy of free fall is -(theta - 1/2) m g^2 h^2 a step") {
@@ -244,8 +240,7 @@ TEST_CASE("numerical energy of free fall is -(theta - 1/2) m g^2 h^2 a step") {
     }
     // x(t): exact at theta = 1/2, behind or ahead by (theta - 1/2) g h t otherwise.
     const double t = 0.02;
-    CHECK(simulation.state.y[0] ==
-          doctest::Approx(100 - g * t * t / 2 - (theta - 0.5) * g * 0.005 * t).epsilon(1e-14));
+    CHECK(simulation.state.y[0] == doctest::Approx(100 - g * t * t / 2 - (theta - 0.5) * g * 0.005 * t).epsilon(1e-14));
     CHECK(simulation.state.angle[0] == doctest::Approx(2 * t).epsilon(1e-14));
   }
 }

@@ -38,8 +38,7 @@ Simulation grain_on_driven_disk(BoundaryShape shape, Orientation orientation) {
 
 }  // namespace
 
-TEST_CASE(
-    "a grain on a driven disk rolls as its surface moves: with its spin or, of fixed orientation, without") {
+TEST_CASE("a grain on a driven disk rolls as its surface moves: with its spin or, of fixed orientation, without") {
   for (const BoundaryShape shape : {BoundaryShape::disks, BoundaryShape::grains})
     for (const Orientation orientation : {Orientation::turning, Orientation::fixed}) {
       CAPTURE(to_string(shape));

@@ -43,8 +43,7 @@ struct LinearStep {
       solver.algorithm = "enriched";
       enriched = InterfaceFamily(parts).at(eta);
     }
-    GranularTwoStage result(decompose(problem, partition, "natural", 1), LinearViscous{epsilon}, solver,
-                            enriched);
+    GranularTwoStage result(decompose(problem, partition, "natural", 1), LinearViscous{epsilon}, solver, enriched);
     result.start({});
     return result;
   }
@@ -143,8 +142,8 @@ TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code'
       const LinearViscous law{.epsilon = 0.5};
       GranularTwoStage granular = step.iteration(law.epsilon, eta, sweeps);
       const TwoStageIteration linear(step.parts, law, InterfaceFamily(step.parts).at(eta), sweeps);
-      const auto loads = impact_loads(
-          step.parts, reference_problem(step.problem, step.simulation.system.disks()).arriving_velocity);
+      const auto loads =
+          impact_loads(step.parts, reference_problem(step.problem, step.simulation.system.disks()).arriving_velocity);
       TwoStageState state = linear.zero_state();
       for (int k = 0; k < 5; ++k) {
         granular.iterate();

@@ -81,16 +81,14 @@ TEST_CASE("frictionless: a partition kept for 10 steps gives the velocities of o
       }
       CHECK(moved_contacts(kept.state, before) == 0);
       moved += moved_contacts(kept.state, fresh.state);
-      for (const RememberedSubdomain& c : kept.state.subdomains)
-        appeared += subdomain_of(before, c.a, c.b) < 0;
+      for (const RememberedSubdomain& c : kept.state.subdomains) appeared += subdomain_of(before, c.a, c.b) < 0;
     }
     CHECK(moved > 10);
     CHECK(appeared > 10);
   }
 }
 
-TEST_CASE(
-    "a contact that appears between two decompositions is given to a neighbour's subdomain and solved") {
+TEST_CASE("a contact that appears between two decompositions is given to a neighbour's subdomain and solved") {
   // Two pairs fly at each other: 0, 1 to the right in the left strip, 2, 3 to the left in the right one;
   // above them two lone grains.
   const double gap = 0.06;
@@ -119,8 +117,7 @@ TEST_CASE(
     CHECK(subdomain_of(simulation.state, 4, 5) == 0);
     // Equal masses, no restitution: the pairs stop each other, the lone grains share their momentum.
     for (const std::size_t i : {0, 1, 2, 3}) CHECK(std::abs(simulation.state.velocity_x[i]) < 1e-9);
-    for (const std::size_t i : {4, 5})
-      CHECK(simulation.state.velocity_x[i] == doctest::Approx(1).epsilon(1e-9));
+    for (const std::size_t i : {4, 5}) CHECK(simulation.state.velocity_x[i] == doctest::Approx(1).epsilon(1e-9));
     CHECK(simulation.state.x[2] - simulation.state.x[1] == doctest::Approx(1).epsilon(1e-9));
   }
 }

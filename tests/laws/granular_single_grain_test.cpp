@@ -18,9 +18,8 @@ Simulation on_slope(double angle, double mu, double radius, double mass) {
   dynamics.interaction.friction = mu;
   dynamics.time.step = 0.002;
   dynamics.boundaries = {wall("slope", {0, 0}, {std::cos(angle), -std::sin(angle)})};
-  return simulation_of(
-      {{.x = radius * std::sin(angle), .y = radius * std::cos(angle), .radius = radius, .mass = mass}},
-      dynamics);
+  return simulation_of({{.x = radius * std::sin(angle), .y = radius * std::cos(angle), .radius = radius, .mass = mass}},
+                       dynamics);
 }
 
 }  // namespace
@@ -38,8 +37,7 @@ TEST_CASE("incline: a disk rolls at 2/3 g sin where tan <= 3 mu, slides at g (si
       advance(simulation, steps);
       const double t = 100 * 0.002;
       const bool rolls = share > 1;
-      const double acceleration =
-          rolls ? 2.0 / 3 * g * std::sin(angle) : g * (std::sin(angle) - mu * std::cos(angle));
+      const double acceleration = rolls ? 2.0 / 3 * g * std::sin(angle) : g * (std::sin(angle) - mu * std::cos(angle));
       // I alpha = R x friction, I = m R^2 / 2, clockwise: rolling a / R; sliding 2 mu g cos / R.
       const double spin = rolls ? acceleration / radius : 2 * mu * g * std::cos(angle) / radius;
       const GranularState& s = simulation.state;
@@ -47,8 +45,8 @@ TEST_CASE("incline: a disk rolls at 2/3 g sin where tan <= 3 mu, slides at g (si
       CHECK(s.velocity_y[0] == doctest::Approx(-acceleration * t * std::sin(angle)).epsilon(1e-11));
       CHECK(s.spin[0] == doctest::Approx(-spin * t).epsilon(1e-11));
       // theta = 1/2 integrates a constant acceleration exactly: a t^2 / 2 along the slope.
-      const double along = (s.x[0] - radius * std::sin(angle)) * std::cos(angle) -
-                           (s.y[0] - radius * std::cos(angle)) * std::sin(angle);
+      const double along =
+          (s.x[0] - radius * std::sin(angle)) * std::cos(angle) - (s.y[0] - radius * std::cos(angle)) * std::sin(angle);
       CHECK(along == doctest::Approx(acceleration * t * t / 2).epsilon(1e-11));
       CHECK(s.angle[0] == doctest::Approx(-spin * t * t / 2).epsilon(1e-11));
       const LocalVector r = impulse_between(s, 0, 1);
@@ -84,8 +82,7 @@ TEST_CASE("a disk thrown along a floor slides until v = 2/3 v0, then rolls for e
   const Index slide_steps = 200;
   dynamics.time.step = t_roll / static_cast<double>(slide_steps);
   dynamics.boundaries = {floor_wall()};
-  Simulation simulation =
-      simulation_of({{.y = radius, .radius = radius, .mass = 2, .velocity_x = v0}}, dynamics);
+  Simulation simulation = simulation_of({{.y = radius, .radius = radius, .mass = 2, .velocity_x = v0}}, dynamics);
   advance(simulation, slide_steps / 2);
   CHECK(simulation.state.velocity_x[0] == doctest::Approx(v0 - mu * g * t_roll / 2).epsilon(1e-12));
   CHECK(simulation.state.spin[0] == doctest::Approx(-2 * mu * g * t_roll / 2 / radius).epsilon(1e-12));
@@ -220,8 +217,7 @@ TEST_CASE("cohesion: a disk hangs from a ceiling iff its weight is at most the c
   }
 }
 
-TEST_CASE(
-    "cohesion: bodies that do not touch do not attract each other, whatever alert and restitution say") {
+TEST_CASE("cohesion: bodies that do not touch do not attract each other, whatever alert and restitution say") {
   for (const double gap : {0.02, 0.002, 0.0})
     for (const double alert : {0.0, 0.01, 0.05, 0.2})
       for (const double restitution : {0.0, 0.5}) {

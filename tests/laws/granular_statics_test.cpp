@@ -18,8 +18,7 @@ TEST_CASE("column of disks between walls: every reaction is the weight above it"
       Dynamics dynamics = tight();
       dynamics.interaction.law = law;
       dynamics.solver.order = order;
-      dynamics.boundaries = {floor_wall(), wall("left", {-0.5, 1}, {-0.5, 0}),
-                             wall("right", {0.5, 0}, {0.5, 1})};
+      dynamics.boundaries = {floor_wall(), wall("left", {-0.5, 1}, {-0.5, 0}), wall("right", {0.5, 0}, {0.5, 1})};
       std::vector<Grain> grains;
       const Index n = 8;
       for (Index i = 0; i < n; ++i)
@@ -52,13 +51,10 @@ TEST_CASE("a disk in a frictionless wedge: both reactions by the triangle of for
   // Normals (sin a, cos a) and (-sin b, cos b); distance 0.5 from both: with a + b = 90 degrees the centre is
   // the sum of both normals times 0.5.
   Simulation simulation = simulation_of(
-      {{.x = 0.5 * (std::sin(a) - std::sin(b)), .y = 0.5 * (std::cos(a) + std::cos(b)), .mass = 3}},
-      dynamics);
+      {{.x = 0.5 * (std::sin(a) - std::sin(b)), .y = 0.5 * (std::cos(a) + std::cos(b)), .mass = 3}}, dynamics);
   advance(simulation, 5);
-  CHECK(impulse_between(simulation.state, 0, 1).n ==
-        doctest::Approx(3 * g * 0.005 * std::sin(b)).epsilon(1e-11));
-  CHECK(impulse_between(simulation.state, 0, 2).n ==
-        doctest::Approx(3 * g * 0.005 * std::sin(a)).epsilon(1e-11));
+  CHECK(impulse_between(simulation.state, 0, 1).n == doctest::Approx(3 * g * 0.005 * std::sin(b)).epsilon(1e-11));
+  CHECK(impulse_between(simulation.state, 0, 2).n == doctest::Approx(3 * g * 0.005 * std::sin(a)).epsilon(1e-11));
   CHECK(std::abs(simulation.state.velocity_y[0]) < 1e-12);
 }
 
@@ -73,8 +69,8 @@ TEST_CASE("three-disk pile stands iff mu >= tan 15 deg between grains and >= tan
     dynamics.interaction.friction = grain_friction;
     dynamics.interaction.boundary_friction = floor_friction;
     dynamics.boundaries = {floor_wall()};
-    Simulation simulation = simulation_of(
-        {{.x = -0.5, .y = 0.5}, {.x = 0.5, .y = 0.5}, {.x = 0, .y = 0.5 + std::sqrt(0.75)}}, dynamics);
+    Simulation simulation =
+        simulation_of({{.x = -0.5, .y = 0.5}, {.x = 0.5, .y = 0.5}, {.x = 0, .y = 0.5 + std::sqrt(0.75)}}, dynamics);
     advance(simulation, 20);
     return std::hypot(simulation.state.velocity_x[0], simulation.state.velocity_y[2]);
   };
@@ -111,8 +107,7 @@ TEST_CASE("total vertical reaction of floor and walls equals the weight of a set
     }
     if (step >= steps - last_steps) mean += upward / last_steps;
     // Balance of momentum, every step: floor and walls are all that acts besides gravity.
-    CHECK(momentum - momentum_before ==
-          doctest::Approx(upward - weight * 0.005).epsilon(1e-9).scale(weight * 0.005));
+    CHECK(momentum - momentum_before == doctest::Approx(upward - weight * 0.005).epsilon(1e-9).scale(weight * 0.005));
   }
   // Settled: slow (mm/s on average), and over half a second the reaction is the weight.
   CHECK(last.energy.kinetic < weight / g / 2 * 1e-5);

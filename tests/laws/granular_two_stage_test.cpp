@@ -24,8 +24,7 @@ bool same_bits(const SolvedStep& a, const SolvedStep& b) {
         !same_bits(a.contacts[k].impulse_t, b.contacts[k].impulse_t))
       return false;
   for (std::size_t i = 0; i < a.velocities.size(); ++i)
-    if (!same_bits(a.velocities[i].x, b.velocities[i].x) ||
-        !same_bits(a.velocities[i].y, b.velocities[i].y) ||
+    if (!same_bits(a.velocities[i].x, b.velocities[i].x) || !same_bits(a.velocities[i].y, b.velocities[i].y) ||
         !same_bits(a.velocities[i].rim, b.velocities[i].rim))
       return false;
   return true;
@@ -78,24 +77,19 @@ void set(StepSolver& solver, const Variant& v) {
 // Flexibilities far below 1 / mass make Stage 2 too stiff and diverge, as the analysis of active contacts
 // says.
 std::vector<Variant> variants() {
-  return {
-      {.name = "generic"},
-      {.name = "generic, 10 sweeps", .sweeps = 10},
-      {.name = "generic, relaxed", .sweeps = 2, .omega = 0.6},
-      {.name = "generic, conjugate gradient", .sweeps = 10, .method = "conjugate_gradient"},
-      {.name = "enriched, eta 30", .algorithm = "enriched", .eta = "30"},
-      {.name = "enriched, eta 40", .algorithm = "enriched", .eta = "40", .sweeps = 10},
-      {.name = "enriched, eta 5, relaxed", .algorithm = "enriched", .eta = "5", .sweeps = 10, .omega = 0.4},
-      {.name = "enriched, conjugate gradient",
-       .algorithm = "enriched",
-       .eta = "20",
-       .sweeps = 10,
-       .method = "conjugate_gradient"},
-      {.name = "enriched once",
-       .algorithm = "enriched",
-       .eta = "3",
-       .sweeps = 3,
-       .enrichment = "first_iteration"}};
+  return {{.name = "generic"},
+          {.name = "generic, 10 sweeps", .sweeps = 10},
+          {.name = "generic, relaxed", .sweeps = 2, .omega = 0.6},
+          {.name = "generic, conjugate gradient", .sweeps = 10, .method = "conjugate_gradient"},
+          {.name = "enriched, eta 30", .algorithm = "enriched", .eta = "30"},
+          {.name = "enriched, eta 40", .algorithm = "enriched", .eta = "40", .sweeps = 10},
+          {.name = "enriched, eta 5, relaxed", .algorithm = "enriched", .eta = "5", .sweeps = 10, .omega = 0.4},
+          {.name = "enriched, conjugate gradient",
+           .algorithm = "enriched",
+           .eta = "20",
+           .sweeps = 10,
+           .method = "conjugate_gradient"},
+          {.name = "enriched once", .algorithm = "enriched", .eta = "3", .sweeps = 3, .enrichment = "first_iteration"}};
 }
 
 // One sweep as a textbook has it: contact by contact v = H^T V, the local solution, V += M^-1 H (change of
@@ -107,10 +101,9 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskCon
     const double dx = b.x - a.x, dy = b.y - a.y;
     const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias_n;
     const double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim) + c.bias_t;
-    const LocalVector stop{c.impulse_n - c.inverse_w.inverse_n * v_n,
-                           c.impulse_t - c.inverse_w.inverse_t * v_t};
-    LocalVector r = std::visit(
-        [&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
+    const LocalVector stop{c.impulse_n - c.inverse_w.inverse_n * v_n, c.impulse_t - c.inverse_w.inverse_t * v_t};
+    LocalVector r =
+        std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
     if (relaxation != 1)
       r = {c.impulse_n + relaxation * (r.n - c.impulse_n), c.impulse_t + relaxation * (r.t - c.impulse_t)};
     apply_impulse(c, {r.n - c.impulse_n, r.t - c.impulse_t}, v);
@@ -125,14 +118,12 @@ SolvedStep swept_by_hand(const SolvedStep& step, const Dynamics& dynamics, int s
   const ContactLaw law = contact_law(dynamics.interaction, problem.h);
   std::vector<std::array<double, 2>> points;
   for (const StepContact& c : problem.geometry) points.push_back(c.point);
-  const std::vector<Index> visit =
-      contact_order(dynamics.solver.order, problem.contacts, problem.free, 1, points);
+  const std::vector<Index> visit = contact_order(dynamics.solver.order, problem.contacts, problem.free, 1, points);
   std::vector<DiskContact> contacts;
   for (const Index c : visit) contacts.push_back(problem.contacts[at(c)]);
   SolvedStep by_hand = step;
   by_hand.velocities = problem.free;
-  for (int k = 0; k < sweeps; ++k)
-    sweep_by_hand(law, dynamics.solver.contact_relaxation, contacts, by_hand.velocities);
+  for (int k = 0; k < sweeps; ++k) sweep_by_hand(law, dynamics.solver.contact_relaxation, contacts, by_hand.velocities);
   for (std::size_t k = 0; k < visit.size(); ++k) by_hand.contacts[at(visit[k])] = contacts[k];
   return by_hand;
 }
@@ -220,8 +211,7 @@ TEST_CASE("frictionless: Stage 2 links no rims, so that a flexibility of 1 / mas
       CAPTURE(eta);
       Simulation divided = whole;
       divided.partitioner = GridPartitioner{{2, 1}};
-      set(divided.dynamics.solver,
-          {.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network});
+      set(divided.dynamics.solver, {.name = "", .algorithm = "enriched", .eta = eta, .sweeps = 10, .network = network});
       const Close step = closely(divided);
       CHECK(step.gluing < 1e-9);
       CHECK(largest_difference(step.velocities, reference.velocities, whole.system.disks()) < 1e-8);
@@ -232,8 +222,7 @@ TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law as cl
   constexpr double law_tolerance = 1e-8;
   const Simulation whole = shaken_lattice(6, 6, shaking("coulomb"));
   const Close reference = closely(whole);
-  CHECK(relative_natural_map(reference.contacts, velocities_of(reference.problem, reference.contacts)) <
-        law_tolerance);
+  CHECK(relative_natural_map(reference.contacts, velocities_of(reference.problem, reference.contacts)) < law_tolerance);
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {3, 3}})
     for (const Variant& variant : variants()) {
       CAPTURE(grid[0]);
@@ -280,8 +269,7 @@ TEST_CASE("METIS parts come to the velocities of the whole as well") {
 
 TEST_CASE("semi-implicit: the interface is solved once, then left alone") {
   Dynamics dynamics = shaking("frictionless");
-  set(dynamics.solver,
-      {.name = "", .algorithm = "enriched", .eta = "0.1", .sweeps = 3, .enrichment = "semi_implicit"});
+  set(dynamics.solver, {.name = "", .algorithm = "enriched", .eta = "0.1", .sweeps = 3, .enrichment = "semi_implicit"});
   dynamics.solver.criterion = "none";
   dynamics.solver.maximum_iterations = 1;
   Simulation simulation = shaken_lattice(6, 6, dynamics, {2, 2});

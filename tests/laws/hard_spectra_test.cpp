@@ -91,9 +91,8 @@ TEST_CASE("shift-invert: several eigenvalues at each end") {
   struct Flexibilities {
     double epsilon, eta;
   };
-  for (const Case& one :
-       {random_lattice(22, 12, 10, {4, 4}), deposit(150, {4, 3}), lattice_in_grid(200, {2, 1}),
-        with_unequal_masses(random_lattice(23, 10, 9, {3, 3}), 7)}) {
+  for (const Case& one : {random_lattice(22, 12, 10, {4, 4}), deposit(150, {4, 3}), lattice_in_grid(200, {2, 1}),
+                          with_unequal_masses(random_lattice(23, 10, 9, {3, 3}), 7)}) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     const InterfaceFamily family(model.parts);
@@ -145,9 +144,8 @@ TEST_CASE("rigid limit by shift-invert: eigenvalues of 8e-9 that are none of the
 }
 
 TEST_CASE("rigid limit by shift-invert: unit eigenvalues from ranks, the rest as dense") {
-  for (const Case& one :
-       {thin_strips(32), deposit(150, {4, 3}), deposit(600, {2, 2}), lattice_in_grid(200, {8, 1}),
-        lattice_in_grid(45 * 45, {2, 1}), lattice_in_grid(400, {4, 4})}) {
+  for (const Case& one : {thin_strips(32), deposit(150, {4, 3}), deposit(600, {2, 2}), lattice_in_grid(200, {8, 1}),
+                          lattice_in_grid(45 * 45, {2, 1}), lattice_in_grid(400, {4, 4})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     const Contraction b{family.at(infinity), family.at(0)};
@@ -183,8 +181,8 @@ TEST_CASE("certificates: a cluster at lambda = 1, stiff contacts and light grain
 TEST_CASE("certificates: a shift that must be moved stays on its side of the end") {
   const InterfaceFamily family(build(deposit(80, {3, 2})).parts);
   const Contraction b{family.at(0.4), family.at(1e-3)};
-  const PencilEnd found = find_end(ShiftedPencilFamily(b), b.preconditioner, {1e-3, 0.4},
-                                   SpectrumEnd::largest, {}, {}, {.tolerance = 4e-10, .certify = true});
+  const PencilEnd found = find_end(ShiftedPencilFamily(b), b.preconditioner, {1e-3, 0.4}, SpectrumEnd::largest, {}, {},
+                                   {.tolerance = 4e-10, .certify = true});
   REQUIRE(found.converged);
   CHECK(found.outside > found.values[0]);
   CHECK(found.inside < found.values[0]);
@@ -210,8 +208,7 @@ TEST_CASE("fifteen near-copies next to a bound known beforehand are told apart f
   Case one;
   one.spec.packing = Generator{HexagonalLattice{.columns = 40, .rows = 40, .radius = 0.5}};
   one.spec.partition = GridPartitioner{{16, 1}};
-  one.spec.masses = {.model = MassModel::density,
-                     .density = 2500};  // 1 963 kg each: eigenvalues of B are near 0
+  one.spec.masses = {.model = MassModel::density, .density = 2500};  // 1 963 kg each: eigenvalues of B are near 0
   const InterfaceFamily family(build(one).parts);
   for (const double epsilon : {1.0, 10.0}) {
     CAPTURE(epsilon);
@@ -231,8 +228,7 @@ TEST_CASE("certified intervals of the dense solver hold the eigenvalues of the e
   one.spec.partition = GridPartitioner{{2, 1}};
   const InterfaceFamily family(build(one).parts);
   const auto certified = [&](double epsilon, double eta) {
-    return spectral_radius({family.at(eta), family.at(epsilon)},
-                           {.solver = SpectralSolver::dense, .certify = true});
+    return spectral_radius({family.at(eta), family.at(epsilon)}, {.solver = SpectralSolver::dense, .certify = true});
   };
   const auto inside = [](const auto& interval, double value) {
     return interval.front() <= value && value <= interval.back();
@@ -256,8 +252,7 @@ TEST_CASE("equal flexibilities leave no error in a sweep, whichever the solver")
   parameters.epsilon = parameters.eta = {0.3};
   for (const SpectralSolver solver : {SpectralSolver::dense, SpectralSolver::shift_invert}) {
     parameters.spectral.solver = solver;
-    CHECK(sweep(model, parameters, [](const SweepResult& result) { CHECK(result.radius.value < 1e-12); }) ==
-          0);
+    CHECK(sweep(model, parameters, [](const SweepResult& result) { CHECK(result.radius.value < 1e-12); }) == 0);
   }
   // as many zeros as asked for
   const InterfaceFamily family(model.parts);

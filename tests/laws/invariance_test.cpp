@@ -18,8 +18,7 @@ using namespace nscdd::testing;
 namespace {
 
 // Both ends of four contraction operators: generic and enriched, linear and nonsmooth.
-std::vector<double> ends(const ReferenceProblem& problem, const Decomposition& parts,
-                         double mass_factor = 1) {
+std::vector<double> ends(const ReferenceProblem& problem, const Decomposition& parts, double mass_factor = 1) {
   const InterfaceFamily family(parts);
   const std::vector<char> active = active_contacts(problem, rigid_impulses(problem));
   const InterfaceOperator nonsmooth = InterfaceFamily(restrict_contacts(parts, active)).at(0);
@@ -30,8 +29,8 @@ std::vector<double> ends(const ReferenceProblem& problem, const Decomposition& p
         Contraction{family.at(eta), nonsmooth}, Contraction{family.at(infinity), family.at(0)}}) {
     const SpectralRadius radius = spectral_radius(b);
     REQUIRE(radius.converged);
-    values.insert(values.end(), {radius.value, radius.eigenvalue_min, radius.eigenvalue_max,
-                                 radius.subdominant, static_cast<double>(radius.unit_multiplicity)});
+    values.insert(values.end(), {radius.value, radius.eigenvalue_min, radius.eigenvalue_max, radius.subdominant,
+                                 static_cast<double>(radius.unit_multiplicity)});
   }
   return values;
 }
@@ -101,8 +100,7 @@ TEST_CASE("another full-rank gluing: star in place of chain, and any regular com
     CAPTURE(one.spec.name);
     const Model model = build(one);
     const std::vector<double> expected = ends(model.problem, model.parts);
-    require_equal(ends(model.problem, decompose(model.problem, model.partition, GluingShape::star)),
-                  expected);
+    require_equal(ends(model.problem, decompose(model.problem, model.partition, GluingShape::star)), expected);
 
     Decomposition mixed = model.parts;  // A_E <- T A_E with a random regular T
     const Index n = mixed.interface_size();

@@ -107,13 +107,12 @@ TEST_CASE("10^3 disks in 2 strips: known radii at both ends of epsilon") {
 
 TEST_CASE("800 to 2 000 interface unknowns: shift-invert and ARPACK against the dense solver") {
   Case lognormal = deposit(3000, {1, 1}, 40);
-  lognormal.spec.packing = Generator{
-      Deposit{.grains = 3000,
-              .sizes = {.distribution = "lognormal", .radius_min = 0.02, .radius_max = 0.4, .sigma = 0.6},
-              .seed = 5}};
-  for (const Case& one :
-       {random_lattice(31, 60, 50, {6, 6}), deposit(3000, {8, 8}), lognormal, lattice_in_grid(3000, {12, 1}),
-        with_unequal_masses(random_lattice(32, 50, 40, {8, 8}), 9)}) {
+  lognormal.spec.packing =
+      Generator{Deposit{.grains = 3000,
+                        .sizes = {.distribution = "lognormal", .radius_min = 0.02, .radius_max = 0.4, .sigma = 0.6},
+                        .seed = 5}};
+  for (const Case& one : {random_lattice(31, 60, 50, {6, 6}), deposit(3000, {8, 8}), lognormal,
+                          lattice_in_grid(3000, {12, 1}), with_unequal_masses(random_lattice(32, 50, 40, {8, 8}), 9)}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     Continuation memory;

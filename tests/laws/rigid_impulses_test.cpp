@@ -44,8 +44,7 @@ TEST_CASE("rigid impulses: the iterative solution tells how far it got (more tha
   CHECK(rigid.residual < 1e-8);
 }
 
-TEST_CASE(
-    "rigid impulses: a lattice of more than 4 000 contacts, no part of them a self-stress, some exactly 0") {
+TEST_CASE("rigid impulses: a lattice of more than 4 000 contacts, no part of them a self-stress, some exactly 0") {
   Case lattice;
   lattice.spec.packing = Generator{HexagonalLattice{.columns = 40, .rows = 37}};
   lattice.spec.masses.model = MassModel::unit;
@@ -56,8 +55,8 @@ TEST_CASE(
   CHECK_FALSE(rigid.unique);
   CHECK(rigid.residual < 1e-10);
   const double largest = rigid.impulses.cwiseAbs().maxCoeff();
-  CHECK((RangeProjector(model.problem.h.transpose()).apply(rigid.impulses) - rigid.impulses)
-            .lpNorm<Eigen::Infinity>() < 1e-9 * largest);
+  CHECK((RangeProjector(model.problem.h.transpose()).apply(rigid.impulses) - rigid.impulses).lpNorm<Eigen::Infinity>() <
+        1e-9 * largest);
   // Mirrored in a horizontal line, the contacts in it are pressed as much from above as from below; what is
   // left of an impulse that is 0 must stay far below 1e-10, from which on it counts as pressed.
   Index none = 0;

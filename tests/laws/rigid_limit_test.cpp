@@ -58,9 +58,8 @@ TEST_CASE("rank of a full strip of lattice is that of its dense matrix, and as m
 }
 
 TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense pencil finds") {
-  for (const Case& one :
-       {hexagons(40, 40, {8, 1}), hexagons(40, 40, {4, 4}), random_lattice(31, 36, 32, {4, 3}),
-        with_unequal_masses(hexagons(24, 30, {4, 2}), 3), deposit(900, {3, 3})}) {
+  for (const Case& one : {hexagons(40, 40, {8, 1}), hexagons(40, 40, {4, 4}), random_lattice(31, 36, 32, {4, 3}),
+                          with_unequal_masses(hexagons(24, 30, {4, 2}), 3), deposit(900, {3, 3})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     Continuation memory;
@@ -122,9 +121,9 @@ TEST_CASE("rigid limit at small eta: what ours cannot be relied on for, MUMPS in
   const InterfaceFamily family(build(hexagons(40, 40, {8, 1})).parts);
   const Contraction b{family.at(1e-4), family.at(0)};
   CHECK_FALSE(shift_inverted(b).converged);
-  const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::shift_invert,
-                                                   .certify = true,
-                                                   .inertia = first_reliable(multifrontal(), mumps(0.3))});
+  const SpectralRadius found = spectral_radius(
+      b,
+      {.solver = SpectralSolver::shift_invert, .certify = true, .inertia = first_reliable(multifrontal(), mumps(0.3))});
   CHECK(found.converged);
   CHECK(found.certified);
   const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});

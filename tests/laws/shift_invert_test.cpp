@@ -19,10 +19,8 @@ namespace {
 constexpr double tolerance = 1e-8;
 
 SpectralOptions shift_invert(Index eigenvalues = 1, bool certify = true) {
-  return {.solver = SpectralSolver::shift_invert,
-          .tolerance = tolerance,
-          .eigenvalues = eigenvalues,
-          .certify = certify};
+  return {
+      .solver = SpectralSolver::shift_invert, .tolerance = tolerance, .eigenvalues = eigenvalues, .certify = certify};
 }
 
 // What no residual can see: rounding of the dense answer and of 1 - lambda, and that of solves with M +
@@ -34,8 +32,7 @@ double rounding(const DenseSpectrum& dense, double epsilon) {
 // Eigenvalues from `lambda` outwards, if no eigenvalue is so near to it that rounding decides.
 std::optional<Index> countable(const DenseSpectrum& dense, double from, double to, double slack) {
   for (const double border : {from, to})
-    if (std::isfinite(border) && (dense.lambda.array() - border).abs().minCoeff() < slack)
-      return std::nullopt;
+    if (std::isfinite(border) && (dense.lambda.array() - border).abs().minCoeff() < slack) return std::nullopt;
   return dense.between(from, to);
 }
 
@@ -64,8 +61,7 @@ bool check_radius(const SpectralRadius& found, const Contraction& b) {
   CHECK(low <= found.interval_min[1] + slack);
   CHECK(found.interval_max[0] <= high + slack);
   CHECK(high <= found.interval_max[1] + slack);
-  const double lambda_from = (1 - found.interval_min[1]) / omega,
-               lambda_to = (1 - found.interval_max[0]) / omega;
+  const double lambda_from = (1 - found.interval_min[1]) / omega, lambda_to = (1 - found.interval_max[0]) / omega;
   const auto at_low = countable(dense, lambda_from, infinity, slack / omega);
   const auto at_high = countable(dense, -infinity, lambda_to, slack / omega);
   if (at_low) CHECK(found.within_min == *at_low);
@@ -78,11 +74,11 @@ struct Flexibilities {
 };
 
 const std::vector<Flexibilities>& every_pair() {
-  static const std::vector<Flexibilities> pairs{
-      {1e-6, infinity}, {1e-4, infinity}, {1e-2, infinity}, {1.0, infinity},
-      {1e2, infinity},  {1e-4, 1e-2},     {1e-2, 1.0},      {1.0, 30.0},  // eta > epsilon
-      {1e-2, 1e-3},     {1.0, 0.1},       {1e2, 5.0},                     // eta < epsilon
-      {0.1, 0.1001},    {1.0, 0.999}};                                    // near
+  static const std::vector<Flexibilities> pairs{{1e-6, infinity}, {1e-4, infinity}, {1e-2, infinity},
+                                                {1.0, infinity},  {1e2, infinity},  {1e-4, 1e-2},
+                                                {1e-2, 1.0},      {1.0, 30.0},                   // eta > epsilon
+                                                {1e-2, 1e-3},     {1.0, 0.1},       {1e2, 5.0},  // eta < epsilon
+                                                {0.1, 0.1001},    {1.0, 0.999}};                 // near
   return pairs;
 }
 
@@ -110,8 +106,7 @@ TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing"
 }
 
 TEST_CASE("shift-invert: contacts restricted in Stage 1") {
-  for (const Case& one :
-       {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(200, {4, 1})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(200, {4, 1})}) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     RandomStream random(4);

@@ -49,8 +49,7 @@ TEST_CASE("dense pencil against ARPACK, generic and enriched, linear and nonsmoo
     const Model model = build(cut);
     const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
     for (const Index limit : {Index{0}, EnrichedInertiaFamily::default_dense_limit}) {
-      const InterfaceFamily family(model.parts, limit),
-          nonsmooth(restrict_contacts(model.parts, active), limit);
+      const InterfaceFamily family(model.parts, limit), nonsmooth(restrict_contacts(model.parts, active), limit);
       for (const double epsilon : {0.0, 1e-4, 1.0, 50.0})
         for (const double eta : {0.3, 1.0, infinity})
           for (const InterfaceFamily* system : {&family, &nonsmooth}) {
@@ -76,8 +75,7 @@ TEST_CASE("dense pencil against ARPACK, generic and enriched, linear and nonsmoo
 TEST_CASE("ARPACK: B = 0 and few interface unknowns") {
   const Model model = build(random_lattice(2, 8, 6, {3, 2}));
   const InterfaceFamily family(model.parts);
-  const SpectralRadius zero =
-      spectral_radius({family.at(1.0), family.at(1.0)}, {.solver = SpectralSolver::arpack});
+  const SpectralRadius zero = spectral_radius({family.at(1.0), family.at(1.0)}, {.solver = SpectralSolver::arpack});
   CHECK(zero.converged);
   CHECK(zero.value < 1e-12);
   Case two = strip(2);  // one contact: nothing to share
@@ -101,8 +99,7 @@ TEST_CASE("ARPACK gives the same bits whatever was computed before") {
   CHECK(first.residual == second.residual);
 }
 
-TEST_CASE(
-    "not converged is data: ARPACK out of restarts says so and stays within its residual or gives none") {
+TEST_CASE("not converged is data: ARPACK out of restarts says so and stays within its residual or gives none") {
   const Model model = build(random_lattice(13, 10, 14, {2, 4}));
   const InterfaceFamily family(model.parts);
   SpectralOptions options{.solver = SpectralSolver::arpack, .tolerance = 1e-14};
@@ -119,16 +116,14 @@ TEST_CASE("J_n: dense against ARPACK's nonsymmetric driver, complex pairs includ
   for (const double epsilon : {0.05, 1.0})
     for (const double eta : {0.3, infinity})
       for (const Index sweeps : {1, 3, 20}) {
-        const InexactIteration j{
-            TwoStageIteration(model.parts, LinearViscous{epsilon}, family.at(eta), sweeps)};
+        const InexactIteration j{TwoStageIteration(model.parts, LinearViscous{epsilon}, family.at(eta), sweeps)};
         const MapRadius dense = inexact_radius(j, {.solver = SpectralSolver::dense});
         const MapRadius arpack = inexact_radius(j, {.solver = SpectralSolver::arpack});
         REQUIRE(dense.converged);
         REQUIRE(arpack.converged);
         CHECK(arpack.solver == "arpack");
         CHECK(arpack.value == doctest::Approx(dense.value).epsilon(1e-8));
-        CHECK(std::abs(arpack.dominant.imag()) ==
-              doctest::Approx(std::abs(dense.dominant.imag())).epsilon(1e-6));
+        CHECK(std::abs(arpack.dominant.imag()) == doctest::Approx(std::abs(dense.dominant.imag())).epsilon(1e-6));
         complex_pair_met = complex_pair_met || dense.dominant.imag() != 0;
       }
   CHECK(complex_pair_met);

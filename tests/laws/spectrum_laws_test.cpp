@@ -138,13 +138,11 @@ TEST_CASE("isostatic: rho(B_0,eta) goes to 0 linearly with eta (4 disks: 0.626 e
   const Model four = build(strip(4));
   const InterfaceFamily family(four.parts);
   for (const double eta : {1e-3, 1e-4, 1e-5, 1e-6})
-    CHECK(spectral_radius({family.at(eta), family.at(0)}).value / eta ==
-          doctest::Approx(0.626).epsilon(2e-3));
+    CHECK(spectral_radius({family.at(eta), family.at(0)}).value / eta == doctest::Approx(0.626).epsilon(2e-3));
   for (const Index n : {8, 12}) {
     const InterfaceFamily larger(build(strip(n)).parts);
     const double at_small = spectral_radius({larger.at(1e-5), larger.at(0)}).value / 1e-5;
-    CHECK(spectral_radius({larger.at(1e-6), larger.at(0)}).value / 1e-6 ==
-          doctest::Approx(at_small).epsilon(1e-3));
+    CHECK(spectral_radius({larger.at(1e-6), larger.at(0)}).value / 1e-6 == doctest::Approx(at_small).epsilon(1e-3));
   }
 }
 
@@ -228,8 +226,7 @@ TEST_CASE("residuals bound the errors of the ends") {
   }
 }
 
-TEST_CASE(
-    "rigid limit with masses over eight decades: multiplicity of the geometry, radii below 1, both solvers") {
+TEST_CASE("rigid limit with masses over eight decades: multiplicity of the geometry, radii below 1, both solvers") {
   Case one = random_lattice(6, 9, 8, {2, 2});
   const Index unit = inspect(build(one)).unit_multiplicity;
   REQUIRE(unit > 0);

@@ -18,8 +18,7 @@ namespace {
 
 // Largest eigenvalue of X_eta^-1 X_0, X_0 of some of the contacts, times omega.
 double largest(const Decomposition& parts, double eta, double relaxation, const std::vector<char>& kept) {
-  const Contraction b{InterfaceFamily(parts).at(eta),
-                      InterfaceFamily(restrict_contacts(parts, kept)).at(0.0)};
+  const Contraction b{InterfaceFamily(parts).at(eta), InterfaceFamily(restrict_contacts(parts, kept)).at(0.0)};
   const SpectralRadius radius = spectral_radius(b, {.solver = SpectralSolver::dense});
   REQUIRE(radius.converged);
   return relaxation * (1 - radius.eigenvalue_min);

@@ -21,8 +21,8 @@ using namespace nscdd::testing;
 namespace {
 
 // Stage 2 of the paper, (16), on the outcome of Stage 1: X_eta F' = sum A M_eta^-1 (F^d + H (r + v/eta)).
-Vector literal_stage_two(const Decomposition& parts, const std::vector<Vector>& loads, const Vector& f,
-                         double epsilon, double eta) {
+Vector literal_stage_two(const Decomposition& parts, const std::vector<Vector>& loads, const Vector& f, double epsilon,
+                         double eta) {
   Dense x = zero(f.size(), f.size());
   Vector right = Vector::Zero(f.size());
   for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
@@ -30,8 +30,7 @@ Vector literal_stage_two(const Decomposition& parts, const std::vector<Vector>& 
     const Dense mass = diagonal(s.inertia), h = s.h, a = s.a;
     const Dense w = h.transpose() * mass.inverse() * h;
     const Vector v_d = h.transpose() * mass.inverse() * loads[e];
-    const Vector r =
-        solve(w + epsilon * identity(w.rows()), -v_d + h.transpose() * mass.inverse() * a.transpose() * f);
+    const Vector r = solve(w + epsilon * identity(w.rows()), -v_d + h.transpose() * mass.inverse() * a.transpose() * f);
     const Vector v = -epsilon * r;
     const Dense m_eta = std::isinf(eta) ? mass : mass + h * h.transpose() / eta;
     const Vector r_plus = std::isinf(eta) ? r : Vector(r + v / eta);
@@ -87,14 +86,13 @@ TEST_CASE("at convergence the undivided problem is solved: same impulses, glued 
     const Model model = build(strip(n));
     const std::vector<Vector> loads = impact_loads(model.parts, model.problem.arriving_velocity);
     const double epsilon = 0.5;
-    const TwoStageIteration iteration(model.parts, LinearViscous{epsilon},
-                                      InterfaceFamily(model.parts).at(0.7), std::nullopt);
+    const TwoStageIteration iteration(model.parts, LinearViscous{epsilon}, InterfaceFamily(model.parts).at(0.7),
+                                      std::nullopt);
     TwoStageState state = iteration.zero_state();
     for (int i = 0; i < 200; ++i) state = iteration.iterate(state, &loads);
     const Dense h = model.problem.h;
     const Dense w = h.transpose() * diagonal(model.problem.inertia.cwiseInverse()) * h;
-    const Vector expected =
-        solve(w + epsilon * identity(w.rows()), -h.transpose() * model.problem.arriving_velocity);
+    const Vector expected = solve(w + epsilon * identity(w.rows()), -h.transpose() * model.problem.arriving_velocity);
     for (std::size_t e = 0; e < model.parts.subdomains.size(); ++e)
       for (Index c = 0; c < count(model.parts.subdomains[e].contacts); ++c)
         CHECK(state.impulses[e][c] ==
@@ -125,12 +123,11 @@ TEST_CASE("J_n: nonzero spectrum of T^n + (I - T^n) W_eps^-1 Ahat^T X^-1 Ahat") 
   for (const Index n : {1, 2, 7}) {
     Dense power = identity(contacts);
     for (Index k = 0; k < n; ++k) power = power * t;
-    const Dense j = power + (identity(contacts) - power) * w.inverse() * a_hat.transpose() *
-                                literal.x().inverse() * a_hat;
+    const Dense j =
+        power + (identity(contacts) - power) * w.inverse() * a_hat.transpose() * literal.x().inverse() * a_hat;
     const double expected = general_eigenvalues(j).cwiseAbs().maxCoeff();
     const InexactIteration ours{TwoStageIteration(model.parts, LinearViscous{epsilon}, generic, n)};
-    CHECK(inexact_radius(ours, {.solver = SpectralSolver::dense}).value ==
-          doctest::Approx(expected).epsilon(1e-9));
+    CHECK(inexact_radius(ours, {.solver = SpectralSolver::dense}).value == doctest::Approx(expected).epsilon(1e-9));
   }
 }
 

@@ -51,13 +51,11 @@ TEST_CASE("the generic algorithm on the contacts that carry never diverges; rela
   on_every_problem([](const Model& model, const Selection& selection) {
     const InterfaceFamily family(model.parts);
     const InterfaceOperator system = InterfaceFamily(selection.stage_one).at(0);
-    const SpectralRadius generic =
-        spectral_radius({family.at(infinity), system}, {.solver = SpectralSolver::dense});
+    const SpectralRadius generic = spectral_radius({family.at(infinity), system}, {.solver = SpectralSolver::dense});
     REQUIRE(generic.converged);
     CHECK(generic.subdominant < 1);
     CHECK(generic.eigenvalue_min > -1e-12);
-    const SpectralRadius enriched =
-        spectral_radius({family.at(0.05), system}, {.solver = SpectralSolver::dense});
+    const SpectralRadius enriched = spectral_radius({family.at(0.05), system}, {.solver = SpectralSolver::dense});
     const double low = 1 - enriched.subdominant_max, high = 1 - enriched.subdominant_min;
     CHECK(low > 0);
     CHECK((high - low) / (high + low) < 1);

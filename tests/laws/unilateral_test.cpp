@@ -47,18 +47,14 @@ Vector by_enumeration(const Dense& w, const Vector& b) {
 
 // The law of a frictionless contact without restitution, for sweeps that know nothing of the solver.
 struct Signorini {
-  double impulse(double free_velocity, double delassus) const {
-    return std::max(0.0, -free_velocity / delassus);
-  }
+  double impulse(double free_velocity, double delassus) const { return std::max(0.0, -free_velocity / delassus); }
 };
 
 void load_at_random(ReferenceProblem& problem, std::uint64_t seed) {
   problem.arriving_velocity = RandomStream(seed).normal_vector(problem.inertia.size());
 }
 
-double energy(const ReferenceProblem& problem, const Vector& v) {
-  return 0.5 * v.dot(problem.inertia.cwiseProduct(v));
-}
+double energy(const ReferenceProblem& problem, const Vector& v) { return 0.5 * v.dot(problem.inertia.cwiseProduct(v)); }
 
 constexpr UnilateralMethod both[] = {UnilateralMethod::interior_point, UnilateralMethod::projected_gradients};
 
@@ -95,14 +91,14 @@ std::vector<ReferenceProblem> loaded_problems() {
 TEST_CASE("unilateral: two disks share their momentum, or part") {
   const Packing packing{{0.0, 1.0}, {0.0, 0.0}, {0.5, 0.5}, {1.0, 3.0}};
   for (const UnilateralMethod method : both) {
-    const UnilateralImpulses hit = unilateral_impulses(
-        assemble(packing, detect_contacts(packing), {{1, {-1.0, 0.0}}}), {.method = method});
+    const UnilateralImpulses hit =
+        unilateral_impulses(assemble(packing, detect_contacts(packing), {{1, {-1.0, 0.0}}}), {.method = method});
     CHECK(hit.impulses[0] == doctest::Approx(0.75));
     CHECK(hit.velocities[0] == doctest::Approx(-0.75));
     CHECK(hit.velocities[2] == doctest::Approx(-0.75));
     CHECK(hit.count(UnilateralStatus::carrying) == 1);
-    const UnilateralImpulses leaving = unilateral_impulses(
-        assemble(packing, detect_contacts(packing), {{1, {1.0, 0.0}}}), {.method = method});
+    const UnilateralImpulses leaving =
+        unilateral_impulses(assemble(packing, detect_contacts(packing), {{1, {1.0, 0.0}}}), {.method = method});
     CHECK(leaving.impulses[0] == 0);
     CHECK(leaving.count(UnilateralStatus::open) == 1);
     CHECK(leaving.residual == 0);
@@ -129,8 +125,7 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
       CHECK((found.separation - expected).cwiseAbs().maxCoeff() < 1e-7);
       for (Index c = 0; c < problem.contacts(); ++c)
         if (found.status[at(c)] == UnilateralStatus::open) CHECK(expected[c] > 0);
-      if (found.count(UnilateralStatus::open) > 0 && found.count(UnilateralStatus::carrying) > 0)
-        ++partly_open;
+      if (found.count(UnilateralStatus::open) > 0 && found.count(UnilateralStatus::carrying) > 0) ++partly_open;
     }
     hyperstatic += rank(w) < problem.contacts();
     ++cases;
@@ -140,8 +135,7 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
   CHECK(hyperstatic >= 10);
 }
 
-TEST_CASE(
-    "unilateral: where no bilateral impulse pulls, it is the answer; least norm by projected gradients") {
+TEST_CASE("unilateral: where no bilateral impulse pulls, it is the answer; least norm by projected gradients") {
   // Isotropic compression of a whole lattice of equal disks loads every contact.
   Case one;
   one.spec.packing = Generator{HexagonalLattice{.columns = 7, .rows = 6}};
@@ -216,8 +210,7 @@ TEST_CASE("unilateral: velocities are the same from any start, by any method and
     const Vector b = problem.h.transpose() * problem.arriving_velocity;
     const LinearMap apply = [&](const Vector& x) -> Vector { return w * x; };
     const Vector start = 10 * RandomStream(5).normal_vector(b.size());
-    const NonnegativeMinimum other =
-        minimize_nonnegative(apply, b, w.entries().trace(), start, {.tolerance = 1e-9});
+    const NonnegativeMinimum other = minimize_nonnegative(apply, b, w.entries().trace(), start, {.tolerance = 1e-9});
     REQUIRE(other.converged);
     CHECK((other.gradient - interior.separation).cwiseAbs().maxCoeff() < 1e-5 * speed);
     // nonlinear Gauss-Seidel
@@ -301,8 +294,7 @@ TEST_CASE("unilateral: want of convergence is data, and a monitor stops the work
 
 TEST_CASE("unilateral: a packing without contacts, and one without a load") {
   const Packing apart{{0.0, 5.0}, {0.0, 0.0}, {0.5, 0.5}, {1, 1}};
-  const UnilateralImpulses none =
-      unilateral_impulses(assemble(apart, detect_contacts(apart), {{1, {-1.0, 0.0}}}));
+  const UnilateralImpulses none = unilateral_impulses(assemble(apart, detect_contacts(apart), {{1, {-1.0, 0.0}}}));
   CHECK(none.converged);
   CHECK(none.impulses.size() == 0);
   Case still = strip(4);

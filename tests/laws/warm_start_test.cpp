@@ -27,8 +27,7 @@ std::vector<std::vector<Point>> every_path() {
   std::vector<Point> along_epsilon, along_eta, grid;
   for (double exponent = -4; exponent <= 2; exponent += 0.5)
     along_epsilon.push_back({std::pow(10, exponent), infinity});
-  for (double exponent = -2; exponent <= 2; exponent += 0.4)
-    along_eta.push_back({0.1, 1.03 * std::pow(10, exponent)});
+  for (double exponent = -2; exponent <= 2; exponent += 0.4) along_eta.push_back({0.1, 1.03 * std::pow(10, exponent)});
   for (const double epsilon : {1e-3, 1e-2, 0.1})
     for (const double eta : {0.05, 0.5, 5.0, 50.0}) grid.push_back({epsilon, eta});
   const std::vector<Point> jumps{{1e-4, infinity},   {1e2, infinity}, {1e-4, infinity}, {1e-4, infinity},
@@ -53,8 +52,7 @@ std::vector<std::string> rows_of(const Model& model, const SweepParameters& para
 
 SweepParameters two_way_sweep() {
   SweepParameters parameters;
-  for (double exponent = -3; exponent <= 1; exponent += 1)
-    parameters.epsilon.push_back(std::pow(10, exponent));
+  for (double exponent = -3; exponent <= 1; exponent += 1) parameters.epsilon.push_back(std::pow(10, exponent));
   parameters.eta = {0.02, 0.5, infinity};
   parameters.relaxation = {1.0, std::nullopt};
   parameters.spectral = shift_invert;
@@ -65,8 +63,7 @@ SweepParameters two_way_sweep() {
 
 TEST_CASE("warm starts agree with cold ones within their residuals, whatever the path") {
   bool certified_before = false;
-  for (const Case& one :
-       {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     for (const std::vector<Point>& path : every_path()) {
@@ -79,14 +76,12 @@ TEST_CASE("warm starts agree with cold ones within their residuals, whatever the
         const Contraction b{family.at(eta), family.at(epsilon)};
         const SpectralRadius warm =
             spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = certify}, &memory);
-        const SpectralRadius matrix_free =
-            spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
+        const SpectralRadius matrix_free = spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
         const SpectralRadius cold = spectral_radius(b, shift_invert);
         REQUIRE(warm.converged);
         REQUIRE(cold.converged);
         CHECK(warm.certified == certify);
-        const double slack =
-            warm.residual + cold.residual + 1e-15 / epsilon + 1e-12 * std::max(1.0, cold.value);
+        const double slack = warm.residual + cold.residual + 1e-15 / epsilon + 1e-12 * std::max(1.0, cold.value);
         CHECK(std::abs(warm.value - cold.value) <= slack);
         CHECK(std::abs(warm.eigenvalue_min - cold.eigenvalue_min) <= slack);
         CHECK(std::abs(warm.eigenvalue_max - cold.eigenvalue_max) <= slack);
@@ -107,8 +102,7 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
   // Simple ends: where two modes meet there is a slope for each.
   const InterfaceFamily family(build(deposit(150, {2, 2})).parts);
   const auto dense = [&](double epsilon, double eta) {
-    return spectral_radius({family.at(eta), family.at(epsilon)},
-                           {.solver = SpectralSolver::dense, .tolerance = 1e-12});
+    return spectral_radius({family.at(eta), family.at(epsilon)}, {.solver = SpectralSolver::dense, .tolerance = 1e-12});
   };
   const double step = 1e-3;
   for (const auto& [epsilon, eta] :
@@ -118,26 +112,24 @@ TEST_CASE("slopes of the ends are those of the dense spectra on both sides") {
     Continuation memory;
     spectral_radius({family.at(eta), family.at(epsilon)}, shift_invert, &memory);
     const PencilMemory::Visited& met = memory.flexible.visited.back();
-    const auto check = [&](const SpectralRadius& before, const SpectralRadius& after, double smallest,
-                           double largest) {
+    const auto check = [&](const SpectralRadius& before, const SpectralRadius& after, double smallest, double largest) {
       const double rounding = 1e-11 / step;
       CHECK(std::abs((before.eigenvalue_max - after.eigenvalue_max) / (2 * step) - smallest) <
             1e-4 * std::abs(smallest) + rounding);
       CHECK(std::abs((before.eigenvalue_min - after.eigenvalue_min) / (2 * step) - largest) <
             1e-4 * std::abs(largest) + rounding);
     };
-    check(dense(epsilon * std::exp(-step), eta), dense(epsilon * std::exp(step), eta),
-          met.smallest.slope_epsilon, met.largest.slope_epsilon);
+    check(dense(epsilon * std::exp(-step), eta), dense(epsilon * std::exp(step), eta), met.smallest.slope_epsilon,
+          met.largest.slope_epsilon);
     if (std::isfinite(eta))
-      check(dense(epsilon, eta * std::exp(-step)), dense(epsilon, eta * std::exp(step)),
-            met.smallest.slope_eta, met.largest.slope_eta);
+      check(dense(epsilon, eta * std::exp(-step)), dense(epsilon, eta * std::exp(step)), met.smallest.slope_eta,
+            met.largest.slope_eta);
   }
 }
 
 TEST_CASE("ARPACK warm-started agrees with ARPACK from its fixed vector, with less work along a fine sweep") {
   Index warm_products = 0, cold_products = 0;
-  for (const Case& one :
-       {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     Continuation memory;
@@ -197,8 +189,7 @@ TEST_CASE("warm starts are not caught by a mode that is no longer the end, certi
     CHECK(warm.converged);
     REQUIRE(proved.certified);
     CHECK(std::abs(warm.value - proved.value) <= warm.residual + proved.residual);
-    const SpectralRadius matrix_free =
-        spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
+    const SpectralRadius matrix_free = spectral_radius(b, {.solver = SpectralSolver::arpack}, &matrix_free_memory);
     CHECK(matrix_free.converged);
     CHECK(std::abs(matrix_free.value - proved.value) <= matrix_free.residual + proved.residual);
   }
@@ -218,8 +209,7 @@ TEST_CASE("warm starts save work along a fine sweep") {
 
 TEST_CASE("a memory used for another packing, or another set of contacts, is not believed") {
   Continuation memory;
-  for (const Case& one :
-       {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), random_lattice(22, 9, 8, {3, 2})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), random_lattice(22, 9, 8, {3, 2})}) {
     const Model model = build(one);
     const InterfaceFamily all(model.parts);
     std::vector<char> active(at(model.problem.contacts()), 1);
@@ -234,8 +224,8 @@ TEST_CASE("a memory used for another packing, or another set of contacts, is not
     };
     // The last two: contacts of S that P does not have.
     for (const auto& [preconditioner, system, eta] :
-         {Pair{all, all, infinity}, Pair{all, some, infinity}, Pair{all, some, enriched},
-          Pair{all, all, infinity}, Pair{some, all, enriched}, Pair{some, other, enriched}})
+         {Pair{all, all, infinity}, Pair{all, some, infinity}, Pair{all, some, enriched}, Pair{all, all, infinity},
+          Pair{some, all, enriched}, Pair{some, other, enriched}})
       for (const double epsilon : {0.01, 0.02, 0.04, 100.0}) {
         const Contraction b{preconditioner.at(eta), system.at(epsilon)};
         const SpectralRadius found = spectral_radius(b, shift_invert, &memory);
@@ -284,12 +274,10 @@ TEST_CASE("sweep table: automatic, dense and shift-invert agree in every row") {
   const auto collect = [&](SpectralSolver solver) {
     parameters.spectral.solver = solver;
     radii.clear();
-    CHECK(sweep(model, parameters,
-                [&](const SweepResult& result) { radii.push_back(result.radius.value); }) == 0);
+    CHECK(sweep(model, parameters, [&](const SweepResult& result) { radii.push_back(result.radius.value); }) == 0);
     return radii;
   };
-  const std::vector<double> dense = collect(SpectralSolver::dense),
-                            automatic = collect(SpectralSolver::automatic),
+  const std::vector<double> dense = collect(SpectralSolver::dense), automatic = collect(SpectralSolver::automatic),
                             shifted = collect(SpectralSolver::shift_invert);
   CHECK(automatic == dense);
   REQUIRE(shifted.size() == dense.size());

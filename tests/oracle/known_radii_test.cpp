@@ -21,8 +21,7 @@ namespace {
 // Eigenvalues of B_eps for 4 disks: 3/(5+2 eps), 1/(5+2 eps) and the roots z of
 // (4 e^3 + 44 e^2 + 153 e + 168) z^2 - (16 e^2 + 108 e + 174) z + 15 e + 42 = 0.
 std::vector<double> four_disks(double e) {
-  const double a = 4 * e * e * e + 44 * e * e + 153 * e + 168, b = 16 * e * e + 108 * e + 174,
-               c = 15 * e + 42;
+  const double a = 4 * e * e * e + 44 * e * e + 153 * e + 168, b = 16 * e * e + 108 * e + 174, c = 15 * e + 42;
   const double root = std::sqrt(b * b - 4 * a * c), larger = (b + root) / (2 * a);
   return {3 / (5 + 2 * e), 1 / (5 + 2 * e), larger, c / (a * larger)};
 }
@@ -43,8 +42,7 @@ TEST_CASE("4 disks: closed form of both ends for all epsilon to 1e-12") {
     CAPTURE(epsilon);
     const std::vector<double> expected = four_disks(epsilon);
     for (const SpectralSolver solver : {SpectralSolver::dense, SpectralSolver::arpack}) {
-      const SpectralRadius radius =
-          spectral_radius({family.at(infinity), family.at(epsilon)}, {.solver = solver});
+      const SpectralRadius radius = spectral_radius({family.at(infinity), family.at(epsilon)}, {.solver = solver});
       REQUIRE(radius.converged);
       CHECK(std::abs(radius.value - *std::max_element(expected.begin(), expected.end())) < 1e-12);
       CHECK(std::abs(radius.eigenvalue_min - *std::min_element(expected.begin(), expected.end())) < 1e-12);
@@ -58,8 +56,7 @@ TEST_CASE("4 disks: rho(B_0) = (29 + sqrt 57)/56, rho(B-bar) = 3/5") {
   CHECK(std::abs(rigid.value - (29 + std::sqrt(57.0)) / 56) < 1e-14);
   const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
   CHECK(active == std::vector<char>{1, 1, 0, 1, 1});
-  const SpectralRadius nonsmooth =
-      spectral_radius(contraction(model.parts, Generic{}, LinearViscous{0}, active));
+  const SpectralRadius nonsmooth = spectral_radius(contraction(model.parts, Generic{}, LinearViscous{0}, active));
   CHECK(std::abs(nonsmooth.value - 0.6) < 1e-14);
 }
 

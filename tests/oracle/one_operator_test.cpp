@@ -28,8 +28,7 @@ void require_same(const Contraction& b, const Dense& x, const Dense& y, double t
   REQUIRE(radius.converged);
   CHECK(eigenvalues.imag().cwiseAbs().maxCoeff() < 1e-6);  // real, up to a nonsymmetric solver's rounding
   CHECK(radius.eigenvalue_max == doctest::Approx(eigenvalues.real().maxCoeff()).epsilon(tolerance));
-  CHECK(radius.eigenvalue_min ==
-        doctest::Approx(eigenvalues.real().minCoeff()).epsilon(tolerance).scale(scale));
+  CHECK(radius.eigenvalue_min == doctest::Approx(eigenvalues.real().minCoeff()).epsilon(tolerance).scale(scale));
   CHECK(radius.value == doctest::Approx(eigenvalues.cwiseAbs().maxCoeff()).epsilon(tolerance));
 }
 

@@ -23,10 +23,8 @@ constexpr double largest_packing = 1000;
 double largest_grains(const CsvText& baseline) {
   const Table table = untyped_table(baseline);
   double largest = 0;
-  if (std::find(baseline.columns.begin(), baseline.columns.end(), "grains") == baseline.columns.end())
-    return largest;
-  for (const Row& row : table.rows)
-    largest = std::max(largest, std::get<double>(row[table.column("grains")]));
+  if (std::find(baseline.columns.begin(), baseline.columns.end(), "grains") == baseline.columns.end()) return largest;
+  for (const Row& row : table.rows) largest = std::max(largest, std::get<double>(row[table.column("grains")]));
   return largest;
 }
 
@@ -142,8 +140,7 @@ TEST_CASE("studies: folder complete, small tables equal to their baselines, larg
         ++shaped;
         continue;
       }
-      CHECK(compare(run(work), baseline, work.check_tolerance, work.column_tolerance, work.check_relative) ==
-            "");
+      CHECK(compare(run(work), baseline, work.check_tolerance, work.column_tolerance, work.check_relative) == "");
       ++compared;
     }
     ++studies;

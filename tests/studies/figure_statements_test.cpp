@@ -22,8 +22,7 @@ std::map<double, double> curve(
   std::map<double, double> points;
   for (const Row& row : table.rows)
     if (std::get<std::string>(row[0]) == name && keep(row))
-      points[std::get<double>(row[table.column(abscissa)])] =
-          std::get<double>(row[table.column("spectral_radius")]);
+      points[std::get<double>(row[table.column(abscissa)])] = std::get<double>(row[table.column("spectral_radius")]);
   REQUIRE(points.size() > 5);
   return points;
 }
@@ -57,8 +56,7 @@ TEST_CASE("Figures 2-4: grains, links, halves, and both tension and compression"
     CHECK(by_subdomain.size() == 2);
     CHECK(shared == 2);  // two half-disks in each subdomain; for 4 disks one whole disk beside them
     CHECK(compressive > 0);
-    CHECK(compressive <
-          link_count);  // "some tensions ... because the loss of contact is not taken into account"
+    CHECK(compressive < link_count);  // "some tensions ... because the loss of contact is not taken into account"
   }
 }
 
@@ -83,13 +81,10 @@ TEST_CASE("Figure 5: the radius increases when epsilon tends to 0, up to the lim
   CHECK(one["disks8"] < one["disks12"]);
 }
 
-TEST_CASE(
-    "Figure 6: zero at eta = epsilon; for epsilon = 0 decreasing with eta, slower for larger examples") {
+TEST_CASE("Figure 6: zero at eta = epsilon; for epsilon = 0 decreasing with eta, slower for larger examples") {
   const Table table = run(read_study("figure-6").tables[0]);
   const auto with_epsilon = [&](double epsilon) {
-    return [&table, epsilon](const Row& row) {
-      return std::get<double>(row[table.column("epsilon")]) == epsilon;
-    };
+    return [&table, epsilon](const Row& row) { return std::get<double>(row[table.column("epsilon")]) == epsilon; };
   };
   std::map<std::string, double> at_tenth;
   for (const std::string& name : cases) {
@@ -106,8 +101,8 @@ TEST_CASE(
     for (auto next = std::next(rigid.begin()); next != rigid.end(); ++next)
       CHECK(next->second > std::prev(next)->second);
     CHECK(rigid.begin()->second > 0);
-    const auto tenth = std::find_if(rigid.begin(), rigid.end(),
-                                    [](const auto& p) { return std::abs(p.first - 0.1) < 1e-9; });
+    const auto tenth =
+        std::find_if(rigid.begin(), rigid.end(), [](const auto& p) { return std::abs(p.first - 0.1) < 1e-9; });
     REQUIRE(tenth != rigid.end());
     at_tenth[name] = tenth->second;
     // beyond the paper: zero is reached, linearly with eta
@@ -133,11 +128,9 @@ TEST_CASE("Figure 7: below the generic radius, closer to it as eta grows, above 
     best_eta[name] = best->first;
     CHECK(best->second < generic[name]);  // "may be smaller than that of the generic algorithm"
     CHECK(points.begin()->second > 1);    // "get larger than 1 when eta tends to zero"
-    CHECK(points.rbegin()->second ==
-          doctest::Approx(generic[name]).epsilon(1e-2));  // "closer ... when eta increases"
+    CHECK(points.rbegin()->second == doctest::Approx(generic[name]).epsilon(1e-2));  // "closer ... when eta increases"
     CHECK(points.rbegin()->second < generic[name]);
-    for (auto next = std::next(best); next != points.end(); ++next)
-      CHECK(next->second > std::prev(next)->second);
+    for (auto next = std::next(best); next != points.end(); ++next) CHECK(next->second > std::prev(next)->second);
     // width, in decades, of the range where the gain over the generic algorithm is at least half the best
     // gain
     const double threshold = 0.5 * (best->second + generic[name]);

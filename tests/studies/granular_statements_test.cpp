@@ -41,8 +41,7 @@ std::map<double, double> history(const Table& table, double sweeps, double eta,
 }
 
 // Largest distance of two histories between two iterations, as a factor.
-double factor_between(const std::map<double, double>& a, const std::map<double, double>& b, double from,
-                      double to) {
+double factor_between(const std::map<double, double>& a, const std::map<double, double>& b, double from, double to) {
   double factor = 1;
   int compared = 0;
   for (const auto& [iteration, value] : a) {
@@ -117,10 +116,8 @@ TEST_CASE("Figure 11: a gain of the enriched algorithm at first that vanishes; n
     const auto slow = history(generic, 1, infinity), fast = history(enriched, 1, eta);
     // n_GS = 1: "more marked during the first iterations" ...
     for (const double iteration : {2.0, 3.0, 5.0, 10.0}) CHECK(fast.at(iteration) < slow.at(iteration));
-    const double gain_at_first = slow.at(2) / fast.at(2) - 1,
-                 gain_at_last = slow.at(3000) / fast.at(3000) - 1;
-    CHECK(std::abs(gain_at_last) <
-          (eta < 1 ? 0.2 * gain_at_first : 0.01));  // "... and vanishes asymptotically"
+    const double gain_at_first = slow.at(2) / fast.at(2) - 1, gain_at_last = slow.at(3000) / fast.at(3000) - 1;
+    CHECK(std::abs(gain_at_last) < (eta < 1 ? 0.2 * gain_at_first : 0.01));  // "... and vanishes asymptotically"
     CHECK(std::abs(gain_at_last) < 0.02);
     // "a minor improvement": similar rates throughout
     CHECK(factor_between(fast, slow, 2, 3000) < 1.25);
@@ -145,8 +142,7 @@ TEST_CASE("predicted-observed: rates agree with few sweeps and small beds, and a
     CHECK(text(table, row, "converged") == "true");
     CHECK(predicted < 1);
     CHECK(number(table, row, "relative_gap") == doctest::Approx(gap).epsilon(1e-6));
-    const bool agree =
-        gap <= 0.01 || std::abs(observed - predicted) <= 3 * number(table, row, "observed_error");
+    const bool agree = gap <= 0.01 || std::abs(observed - predicted) <= 3 * number(table, row, "observed_error");
     CHECK(text(table, row, "agree") == (agree ? "true" : "false"));
     const double sweeps = number(table, row, "gauss_seidel_sweeps"), rate_z = number(table, row, "rate_z");
     const double gap_of_z = std::abs(rate_z - predicted) / (1 - predicted);
@@ -172,12 +168,11 @@ TEST_CASE("predicted-observed: rates agree with few sweeps and small beds, and a
   // An iteration with more sweeps contracts more, and the enriched one a little more than the generic one.
   std::map<std::string, std::map<double, double>> gaps;
   for (const Row& row : table.rows)
-    gaps[text(table, row, "case") + text(table, row, "algorithm")]
-        [number(table, row, "gauss_seidel_sweeps")] = 1 - number(table, row, "predicted");
+    gaps[text(table, row, "case") + text(table, row, "algorithm")][number(table, row, "gauss_seidel_sweeps")] =
+        1 - number(table, row, "predicted");
   for (const std::string name : {"shear-100", "shear-300", "shear-1k"})
     for (const double sweeps : {1.0, 10.0, 100.0}) {
-      const double generic = gaps.at(name + "generic").at(sweeps),
-                   more = gaps.at(name + "enriched").at(sweeps);
+      const double generic = gaps.at(name + "generic").at(sweeps), more = gaps.at(name + "enriched").at(sweeps);
       CHECK(more > generic);
       CHECK(more < 1.05 * generic);
       if (sweeps < 100) CHECK(generic < gaps.at(name + "generic").at(10 * sweeps));

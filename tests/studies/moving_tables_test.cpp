@@ -19,8 +19,7 @@ using namespace nscdd::testing;
 namespace {
 
 StudyTable table_of(const std::string& observable, const std::string& more) {
-  const std::string text =
-      "[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more;
+  const std::string text = "[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = [\"small\"]\n" + more;
   const auto read = [](const std::string&) { return parse_case(moving_case(), "small.toml"); };
   return parse_study(text, "s/study.toml", read).tables[0];
 }
@@ -108,8 +107,8 @@ TEST_CASE("lead_in: tables that share the way get the rows of tables that do not
 TEST_CASE("lead_in: refused where it is none, and where a run has no other") {
   CHECK_THROWS_WITH_AS(table_of("indicators", "lead_in = \"mine\"\n"),
                        doctest::Contains("lead_in: expected one of \"plain\", \"own\""), Error);
-  CHECK_THROWS_WITH_AS(table_of("runs", "lead_in = \"plain\"\n"),
-                       doctest::Contains("lead_in: expected \"own\""), Error);
+  CHECK_THROWS_WITH_AS(table_of("runs", "lead_in = \"plain\"\n"), doctest::Contains("lead_in: expected \"own\""),
+                       Error);
 }
 
 TEST_CASE("resume: other steps or another lead-in are other work") {

@@ -15,8 +15,8 @@ namespace {
 
 StudyTable table_of(const std::string& study, const std::string& name) {
   const Study found = read_study(study);
-  const auto table = std::find_if(found.tables.begin(), found.tables.end(),
-                                  [&](const StudyTable& one) { return one.name == name; });
+  const auto table =
+      std::find_if(found.tables.begin(), found.tables.end(), [&](const StudyTable& one) { return one.name == name; });
   REQUIRE(table != found.tables.end());
   return *table;
 }
@@ -65,8 +65,7 @@ TEST_CASE("any packing, any partition: rho(B_eps,eta) <= 1 - eps/eta, and a latt
       const double ratio = number(table, row, "epsilon") / number(table, row, "eta");
       const double gap = 1 - number(table, row, "spectral_radius");
       CHECK(gap >= ratio * (1 - 1e-9));
-      if (std::string(name).find("lattice") == 0 && number(table, row, "eta") == 0.1)
-        CHECK(gap <= 1.06 * ratio);
+      if (std::string(name).find("lattice") == 0 && number(table, row, "eta") == 0.1) CHECK(gap <= 1.06 * ratio);
     }
   }
 }
@@ -97,8 +96,7 @@ TEST_CASE("size: rigid contacts slow down with the size, faster in a deposit; fl
   }
 }
 
-TEST_CASE(
-    "scalability: rigid strips of lattice bend (1 - rho ~ n^-4), grids go like 1/n, eta gains a factor") {
+TEST_CASE("scalability: rigid strips of lattice bend (1 - rho ~ n^-4), grids go like 1/n, eta gains a factor") {
   StudyTable strips = begun(table_of("scalability", "lattice-strips"), 4);
   strips.sweep.epsilon = {0};
   const Table in_line = run(strips), in_grid = run(begun(table_of("scalability", "lattice-grids"), 3));
@@ -114,8 +112,7 @@ TEST_CASE(
 
 TEST_CASE("scalability: a small enough eta carries across any number of rigid strips") {
   const Table table = run(begun(table_of("scalability", "lattice-strips-eta"), 4));
-  const std::vector<double> smallest = gaps(table, 1e-6), middle = gaps(table, 1e-4),
-                            largest = gaps(table, 1e-2);
+  const std::vector<double> smallest = gaps(table, 1e-6), middle = gaps(table, 1e-4), largest = gaps(table, 1e-2);
   for (std::size_t i = 0; i < 3; ++i) CHECK(smallest[i] > 0.97);
   // where it does not reach it goes like n^-4 as well
   CHECK(exponent(8, 16, largest[2], largest[3]) == doctest::Approx(-4).epsilon(0.03));
@@ -138,8 +135,7 @@ TEST_CASE("scalability: the best eta of the nonsmooth strip buys a factor of two
   for (std::size_t i = 2; i < table.rows.size(); ++i) {
     const Row &row = table.rows[i], &before = table.rows[i - 1];
     const auto gap = [&](const Row& one, const char* column) { return 1 - number(table, one, column); };
-    for (const char* column :
-         {"generic_radius", "generic_relaxed_radius", "best_radius", "relaxed_best_radius"})
+    for (const char* column : {"generic_radius", "generic_relaxed_radius", "best_radius", "relaxed_best_radius"})
       CHECK(exponent(1, 2, gap(before, column), gap(row, column)) == doctest::Approx(-2).epsilon(0.05));
     CHECK(gap(row, "best_radius") / gap(row, "generic_radius") == doctest::Approx(2.06).epsilon(0.01));
     CHECK(number(table, row, "best_eta") / number(table, row, "convergent_from") < 1.03);

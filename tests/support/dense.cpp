@@ -60,13 +60,9 @@ Dense pseudo_inverse(const Dense& a, double threshold) {
   return Matrix(decomposition.pseudoInverse());
 }
 
-Vector least_norm_solution(const Dense& a, const Vector& b) {
-  return Matrix(CompleteQr(a.entries()).solve(Matrix(b)));
-}
+Vector least_norm_solution(const Dense& a, const Vector& b) { return Matrix(CompleteQr(a.entries()).solve(Matrix(b))); }
 
-Dense orthogonal_factor(const Dense& a) {
-  return Matrix(Eigen::HouseholderQR<Matrix>(a.entries()).householderQ());
-}
+Dense orthogonal_factor(const Dense& a) { return Matrix(Eigen::HouseholderQR<Matrix>(a.entries()).householderQ()); }
 
 Vector symmetric_eigenvalues(const Dense& a) {
   return Eigen::SelfAdjointEigenSolver<Matrix>(a.entries(), Eigen::EigenvaluesOnly).eigenvalues();

@@ -65,8 +65,7 @@ void write_all(hid_t file, const std::map<std::string, std::vector<Value>>& all,
 
 template <class Value>
 void remove_from(std::map<std::string, std::vector<Value>>& all, const std::string& path) {
-  std::erase_if(all,
-                [&](const auto& one) { return one.first == path || one.first.rfind(path + "/", 0) == 0; });
+  std::erase_if(all, [&](const auto& one) { return one.first == path || one.first.rfind(path + "/", 0) == 0; });
 }
 
 template <class Value>

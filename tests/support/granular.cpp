@@ -20,8 +20,7 @@ Dynamics tight() {
   return dynamics;
 }
 
-BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to,
-                  Motion motion) {
+BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion) {
   BoundarySpec spec;
   spec.name = name;
   spec.from = from;
@@ -36,8 +35,7 @@ Motion moving(RigidVelocity velocity, std::array<double, 2> centre) {
   return {.centre = centre, .time = {0}, .velocity = {velocity}};
 }
 
-Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics,
-                         std::array<Index, 2> grid) {
+Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics, std::array<Index, 2> grid) {
   Packing packing;
   for (const Grain& grain : grains) {
     packing.x.push_back(grain.x);
@@ -79,8 +77,7 @@ Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Inde
   deposit.sizes.radius_min = 0.1;
   deposit.sizes.radius_max = 0.198;
   deposit.seed = seed;
-  const Packing packing =
-      with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
+  const Packing packing = with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
   Dynamics own = dynamics;
   own.boundaries.push_back(floor_wall());
   own.boundaries.push_back(wall("left", {0, 1}, {0, 0}));
@@ -105,12 +102,10 @@ Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, s
   return {made.system, made.state, own, GridPartitioner{grid}};
 }
 
-double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b,
-                          Index disks) {
+double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b, Index disks) {
   double largest = 0;
   for (std::size_t i = 0; i < at(disks); ++i)
-    largest = std::max(
-        {largest, std::abs(a[i].x - b[i].x), std::abs(a[i].y - b[i].y), std::abs(a[i].rim - b[i].rim)});
+    largest = std::max({largest, std::abs(a[i].x - b[i].x), std::abs(a[i].y - b[i].y), std::abs(a[i].rim - b[i].rim)});
   return largest;
 }
 

@@ -22,8 +22,7 @@ struct Grain {
 Dynamics tight();
 
 /// The straight wall through `from` and `to`, grains on its left.
-BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to,
-                  Motion motion = {});
+BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion = {});
 
 /// Floor y = 0 at rest.
 BoundarySpec floor_wall();
@@ -42,17 +41,15 @@ StepReport advance(Simulation& simulation, Index steps);  ///< of the last step
 LocalVector impulse_between(const GranularState& state, Index a, Index b);
 
 /// Grains of radii 0.1 ... 0.198 m dropped into a box with a floor and two walls, density 2 500 kg/m^2.
-Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
-                         Index seed = 1);
+Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1}, Index seed = 1);
 
 /// Hexagonal lattice of touching unit disks, unit masses, every grain with its own random velocity. Overlaps
 /// are pushed apart at any speed.
-Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics,
-                          std::array<Index, 2> grid = {1, 1}, std::uint64_t seed = 1);
+Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1},
+                          std::uint64_t seed = 1);
 
 /// max |V_a - V_b| over disks and components, m/s.
-double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b,
-                          Index disks);
+double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b, Index disks);
 
 /// Largest speed of a velocity, m/s.
 double largest_speed(const std::vector<DiskVelocity>& v, Index disks);

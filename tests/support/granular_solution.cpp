@@ -23,8 +23,7 @@ double relative_natural_map(const std::vector<DiskContact>& contacts, const std:
   double map = 0, impulses = 0;
   for (const DiskContact& c : contacts) {
     const LocalVector w = relative_velocity(c, v), r{c.impulse_n, c.impulse_t};
-    const LocalVector one =
-        natural_map(r, {w.n + c.bias_n, w.t + c.bias_t}, c.friction, c.inverse_w.inverse_n);
+    const LocalVector one = natural_map(r, {w.n + c.bias_n, w.t + c.bias_t}, c.friction, c.inverse_w.inverse_n);
     map += one.n * one.n + one.t * one.t;
     impulses += r.n * r.n + r.t * r.t;
   }

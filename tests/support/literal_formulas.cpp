@@ -69,8 +69,8 @@ Dense LiteralFormulas::y(double epsilon, double eta) const {
     if (e.h.cols() == 0) continue;
     const Dense m_eta = e.mass + e.k / eta;
     const Dense w_epsilon = e.h.transpose() * e.inverse_mass * e.h + epsilon * identity(e.h.cols());
-    sum += e.a * m_eta.inverse() * e.h * (1 - epsilon / eta) * inverse(w_epsilon) * e.h.transpose() *
-           e.inverse_mass * e.a.transpose();
+    sum += e.a * m_eta.inverse() * e.h * (1 - epsilon / eta) * inverse(w_epsilon) * e.h.transpose() * e.inverse_mass *
+           e.a.transpose();
   }
   return sum;
 }

@@ -14,11 +14,11 @@ namespace nscdd::testing {
 struct LiteralFormulas {
   explicit LiteralFormulas(const Decomposition& parts);
 
-  Dense x() const;                                     ///< X = sum A M^-1 A^T, below (7)
-  Dense y(double epsilon) const;                       ///< Y_eps (11); pseudo-inverse of W for epsilon = 0
-  Dense x_eta(double eta) const;                       ///< X_eta (21), (23), (24)
-  Dense y(double epsilon, double eta) const;           ///< Y_eps,eta (22)
-  Dense y_bar(const std::vector<char>& active) const;  ///< Y-bar (31)
+  Dense x() const;                                                 ///< X = sum A M^-1 A^T, below (7)
+  Dense y(double epsilon) const;                                   ///< Y_eps (11); pseudo-inverse of W for epsilon = 0
+  Dense x_eta(double eta) const;                                   ///< X_eta (21), (23), (24)
+  Dense y(double epsilon, double eta) const;                       ///< Y_eps,eta (22)
+  Dense y_bar(const std::vector<char>& active) const;              ///< Y-bar (31)
   Dense y_bar(const std::vector<char>& active, double eta) const;  ///< Y-bar_eta (35), (36)
 
   Decomposition parts;

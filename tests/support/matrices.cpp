@@ -53,9 +53,7 @@ LinearMap map_of(const Dense& a) {
   return [a](const Vector& x) -> Vector { return a * x; };
 }
 
-LinearMap shifted_inverse(const KnownPencil& pencil, double sigma) {
-  return solver(pencil.a - sigma * pencil.p);
-}
+LinearMap shifted_inverse(const KnownPencil& pencil, double sigma) { return solver(pencil.a - sigma * pencil.p); }
 
 Matrix full(const SparseMatrix& lower) { return Matrix(lower).selfadjointView<Eigen::Lower>(); }
 

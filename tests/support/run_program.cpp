@@ -129,8 +129,7 @@ void follow(pid_t process, Stream& output, Stream& error, const RunOptions& opti
     if (clock::now() > deadline) ::kill(process, SIGKILL);
     state.si_pid = 0;
     const bool ended =
-        ::waitid(P_PID, static_cast<id_t>(process), &state, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-        state.si_pid != 0;
+        ::waitid(P_PID, static_cast<id_t>(process), &state, WEXITED | WNOHANG | WNOWAIT) == 0 && state.si_pid != 0;
     if (ended && !output.ours.open() && !error.ours.open()) return;
   }
 }
@@ -197,8 +196,7 @@ std::map<std::string, std::string> content_of(const fs::path& folder) {
   return content;
 }
 
-Outcome run_program(const fs::path& folder, const std::vector<std::string>& arguments,
-                    const RunOptions& options) {
+Outcome run_program(const fs::path& folder, const std::vector<std::string>& arguments, const RunOptions& options) {
   std::vector<std::string> words{environment("NSCDD_PROGRAM")};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;

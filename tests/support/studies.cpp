@@ -12,8 +12,7 @@ Study read_study(const std::string& name) {
   const std::string folder = source_folder().string() + "/studies/" + name, file = folder + "/study.toml";
   return parse_study(read_text(file), file, [&](const std::string& one) {
     const std::string own = folder + "/" + one;
-    return read_case(std::filesystem::exists(own) ? own
-                                                  : source_folder().string() + "/cases/" + one + ".toml");
+    return read_case(std::filesystem::exists(own) ? own : source_folder().string() + "/cases/" + one + ".toml");
   });
 }
 

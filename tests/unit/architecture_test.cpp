@@ -29,8 +29,7 @@ std::string top_folder(const fs::path& path, const fs::path& root) {
 std::vector<fs::path> sources(const fs::path& root) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(root))
-    if (entry.path().extension() == ".hpp" || entry.path().extension() == ".cpp")
-      files.push_back(entry.path());
+    if (entry.path().extension() == ".hpp" || entry.path().extension() == ".cpp") files.push_back(entry.path());
   return files;
 }
 

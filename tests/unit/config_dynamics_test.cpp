@@ -65,12 +65,10 @@ TEST_CASE("moving case: written and read back it is the same case") {
 
 TEST_CASE("moving case: every error names file, line and key") {
   const std::string good = moving_case();
-  require_error(replaced(good, "friction = 0.3", "frictions = 0.3"),
-                "c.toml:12: unknown key 'interaction.frictions'");
+  require_error(replaced(good, "friction = 0.3", "frictions = 0.3"), "c.toml:12: unknown key 'interaction.frictions'");
   require_error(replaced(good, "friction = 0.3", "friction = -1"), "c.toml:12: interaction.friction");
   require_error(replaced(good, "friction = 0.3", "law = \"glue\""), "c.toml:12: interaction.law");
-  require_error(replaced(good, "steps = 20", "steps = 2.5"),
-                "c.toml:15: dynamics.steps: expected an integer");
+  require_error(replaced(good, "steps = 20", "steps = 2.5"), "c.toml:15: dynamics.steps: expected an integer");
   require_error(replaced(good, "step = 0.005", "step = 0"), "c.toml:14: dynamics.step: expected");
   require_error(replaced(good, "step = 0.005", "theta = 0.4"), "c.toml:14: dynamics.theta");
   require_error(replaced(good, "\"generic\"", "\"gauss\""), "c.toml:17: solver.algorithm: expected one of");
@@ -86,13 +84,11 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   const std::string good = moving_case();
   require_error(replaced(good, "warm_start = true", "eta = \"3\""),
                 "c.toml:18: solver.eta: expected solver.algorithm enriched with it, met generic");
-  require_error(replaced(good, "warm_start = true", "enrichment = \"semi_implicit\""),
-                "c.toml:18: solver.enrichment");
+  require_error(replaced(good, "warm_start = true", "enrichment = \"semi_implicit\""), "c.toml:18: solver.enrichment");
   require_error(replaced(good, "warm_start = true", "seed = 7"),
                 "c.toml:18: solver.seed: expected solver.order random with it, met natural");
-  require_error(
-      replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
-      "c.toml:18: solver.redecompose: expected solver.algorithm generic or enriched with it, met nlgs");
+  require_error(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
+                "c.toml:18: solver.redecompose: expected solver.algorithm generic or enriched with it, met nlgs");
   require_error(replaced(good, "friction = 0.3", "cohesion = 3"),
                 "c.toml:12: interaction.cohesion: expected interaction.law cohesive with it, met coulomb");
   require_error(replaced(good, "friction = 0.3", "boundary_friction = -0.5"),
@@ -118,8 +114,7 @@ TEST_CASE("moving case: every error of a boundary names file, line and key") {
                 "boundary[2].first: expected a value, met none");
   require_error(replaced(good, "spin = -0.075\n", "orientation = \"free\"\n"),
                 "boundary[1].orientation: expected one of \"turning\", \"fixed\", met \"free\"");
-  require_error(replaced(good, "centre = [3, 0]", "orientation = \"fixed\""),
-                "unknown key 'boundary[2].orientation'");
+  require_error(replaced(good, "centre = [3, 0]", "orientation = \"fixed\""), "unknown key 'boundary[2].orientation'");
   require_error(replaced(good, "to = [3, 1]", "to = [3, 0]"), "boundary[2].to: expected another point");
   require_error(replaced(good, "radius = 0.198\n[[", "radius = -1\n[["), "boundary[0].radius");
   require_error(replaced(good, "centre = [3, 0]", "centre = [3, inf]"), "boundary[2].centre");
@@ -143,8 +138,7 @@ TEST_CASE("moving case: parameters are overridden by their path") {
   CHECK(one.dynamics->solver.eta == "0.25");
   CHECK(one.dynamics->interaction.friction == 0.5);
   CHECK_THROWS_WITH_AS(override_case(one, "solver.eta", "-1"), doctest::Contains("solver.eta"), Error);
-  CHECK_THROWS_WITH_AS(override_case(one, "dynamics.stepps", "7"), doctest::Contains("dynamics.step,"),
-                       Error);
+  CHECK_THROWS_WITH_AS(override_case(one, "dynamics.stepps", "7"), doctest::Contains("dynamics.step,"), Error);
   one.dynamics.reset();
   CHECK_THROWS_WITH_AS(override_case(one, "dynamics.steps", "7"),
                        doctest::Contains("expected a case with a section [dynamics]"), Error);
@@ -156,8 +150,8 @@ TEST_CASE("settled packing: read and written by the name of its case, not settle
   CHECK(std::get<SettledFrom>(spec.packing).name == "bed");
   CHECK(to_toml(parse(to_toml(spec))) == to_toml(spec));
   CHECK_THROWS_WITH_AS(override_case(spec, "packing.grains", "7"), doctest::Contains("is settled"), Error);
-  CHECK_THROWS_WITH_AS(resolve(spec),
-                       doctest::Contains("c.toml:2: packing.settled: expected a generator or a file"), Error);
+  CHECK_THROWS_WITH_AS(resolve(spec), doctest::Contains("c.toml:2: packing.settled: expected a generator or a file"),
+                       Error);
   const Case settled{spec, {{0.5}, {1}, {0.25}, {3}}};
   CHECK(packing_of(settled).mass == std::vector<double>{3});
   require_error("[packing]\nsettled = \"bed\"\nfile = \"a.csv\"\n[partition]\ngrid = [1, 1]\n", "met more");
@@ -173,8 +167,7 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
           "c.toml:43: prescribed[0].grain: expected a grain in 0..119");
   refused(good + "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 130\nlast = 3\n",
           "c.toml:45: boundary[3].first: expected grains first <= last in 0..119");
-  const std::string plain =
-      replaced(good, "\"generic\"\nwarm_start = true", "\"nlgs\"\ncriterion = \"gluing\"");
+  const std::string plain = replaced(good, "\"generic\"\nwarm_start = true", "\"nlgs\"\ncriterion = \"gluing\"");
   refused(plain, "c.toml:18: solver.criterion: expected solver.algorithm generic or enriched");
   CaseSpec one_subdomain = parse(good);  // where a loop over their numbers begins
   override_case(one_subdomain, "solver.criterion", "gluing");

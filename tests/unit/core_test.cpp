@@ -20,8 +20,7 @@ struct Example {
   std::array<Index, 2> grid{1, 2};
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("length", self.length,
-          Field{.description = "a length", .unit = "m", .minimum = 0, .minimum_excluded = true});
+    visit("length", self.length, Field{.description = "a length", .unit = "m", .minimum = 0, .minimum_excluded = true});
     visit("number", self.number, Field{.description = "a number", .minimum = 1, .maximum = 9});
     visit("grid", self.grid, Field{.description = "a grid", .minimum = 1});
   }
@@ -61,8 +60,7 @@ TEST_CASE("numbers: read in full or refused by name") {
   for (const char* text : {"", " ", "1x", "1 2", "--1", "0x10", "1,5", "+-1", "1e999"})
     CHECK_THROWS_AS(parse_number(text, "n"), Error);
   CHECK(parse_integer("-7", "n") == -7);
-  for (const char* text : {"1.0", "1e3", "", "99999999999999999999"})
-    CHECK_THROWS_AS(parse_integer(text, "n"), Error);
+  for (const char* text : {"1.0", "1e3", "", "99999999999999999999"}) CHECK_THROWS_AS(parse_integer(text, "n"), Error);
 }
 
 TEST_CASE("tables: cells as text, columns by name") {
@@ -117,9 +115,8 @@ TEST_CASE("columns with getters: members, functions, enumerations and parts, in 
   CHECK(names[1].unit == "m");
   CHECK(names[1].description == "its size");
 
-  const auto pair =
-      joined<Pair>({columns_of(&Pair::second, columns),
-                    {{"sum", "m", "", [](const Pair& p) { return p.first.size + p.second.size; }}}});
+  const auto pair = joined<Pair>({columns_of(&Pair::second, columns),
+                                  {{"sum", "m", "", [](const Pair& p) { return p.first.size + p.second.size; }}}});
   std::vector<Row> rows;
   const RowSink collect = [&](const Row& cells) { rows.push_back(cells); };
   as_rows(pair, collect)({{}, {4, 0.25, Colour::red, "b"}});

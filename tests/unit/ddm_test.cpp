@@ -34,14 +34,10 @@ TEST_CASE("grid: a midpoint on a line goes to the lower cell, outer points stay 
   const Packing packing{{0.0, 1.0, 2.0, 0.0}, {0.0, 0.0, 0.0, 1.0}, {0.5, 0.5, 0.5, 0.5}, {1, 1, 1, 1}};
   const ContactNetwork network = detect_contacts(packing);
   REQUIRE(network.size() == 3);  // (0,1) at x = 0.5, (0,3) at x = 0, (1,2) at x = 1.5
-  CHECK(partition(GridPartitioner{{2, 1}}, packing, network).subdomain_of_contact ==
-        std::vector<Index>{0, 0, 1});
-  CHECK(partition(GridPartitioner{{4, 1}}, packing, network).subdomain_of_contact ==
-        std::vector<Index>{0, 0, 2});
-  CHECK(partition(GridPartitioner{{1, 2}}, packing, network).subdomain_of_contact ==
-        std::vector<Index>{0, 0, 0});
-  CHECK(partition(GridPartitioner{{1, 4}}, packing, network).subdomain_of_contact ==
-        std::vector<Index>{0, 1, 0});
+  CHECK(partition(GridPartitioner{{2, 1}}, packing, network).subdomain_of_contact == std::vector<Index>{0, 0, 1});
+  CHECK(partition(GridPartitioner{{4, 1}}, packing, network).subdomain_of_contact == std::vector<Index>{0, 0, 2});
+  CHECK(partition(GridPartitioner{{1, 2}}, packing, network).subdomain_of_contact == std::vector<Index>{0, 0, 0});
+  CHECK(partition(GridPartitioner{{1, 4}}, packing, network).subdomain_of_contact == std::vector<Index>{0, 1, 0});
   CHECK_THROWS_AS(partition(GridPartitioner{{0, 1}}, packing, network), Error);
   CHECK_THROWS_AS(partition(GridPartitioner{{10000, 10000}}, packing, network), Error);
 }
@@ -90,15 +86,13 @@ TEST_CASE("METIS: few grains are shared, and the columns of a contact stay toget
 }
 
 TEST_CASE("partitioners: as --subdomains names them, and refused with the forms there are") {
-  CHECK(std::get<GridPartitioner>(parse_partitioner("3x2", "--subdomains")).grid ==
-        std::array<Index, 2>{3, 2});
+  CHECK(std::get<GridPartitioner>(parse_partitioner("3x2", "--subdomains")).grid == std::array<Index, 2>{3, 2});
   CHECK(subdomains(parse_partitioner("3x2", "--subdomains")) == 6);
   CHECK(std::get<MetisPartitioner>(parse_partitioner("metis:5", "--subdomains")).metis == 5);
   CHECK(subdomains(parse_partitioner("metis:5", "--subdomains")) == 5);
   for (const char* text : {"3", "", "metis", "3:2"})
     CHECK_THROWS_WITH_AS(parse_partitioner(text, "--subdomains"),
-                         doctest::Contains("--subdomains: expected NXxNY such as 2x1, or metis:N, met"),
-                         Error);
+                         doctest::Contains("--subdomains: expected NXxNY such as 2x1, or metis:N, met"), Error);
   for (const char* text : {"3x", "0x2", "metis:0", "metis:x", "2x1x3"})
     CHECK_THROWS_WITH_AS(parse_partitioner(text, "--subdomains"), doctest::Contains("--subdomains"), Error);
 }
@@ -203,8 +197,7 @@ TEST_CASE("singleton, no_contacts, one_subdomain: legal, with an empty interface
     CHECK(model.parts.interface_size() == 0);
     for (const double eta : {0.5, infinity})
       for (const double epsilon : {0.0, 1.0}) {
-        const SpectralRadius radius =
-            spectral_radius(contraction(model.parts, Enriched{eta}, LinearViscous{epsilon}));
+        const SpectralRadius radius = spectral_radius(contraction(model.parts, Enriched{eta}, LinearViscous{epsilon}));
         CHECK(radius.value == 0);
         CHECK(radius.converged);
         CHECK(radius.solver == "none");
@@ -230,17 +223,16 @@ TEST_CASE("operators outlive what they were made from") {
 
 TEST_CASE("two-stage iteration: sweeps below 1 are refused") {
   const Model model = build(strip(4));
-  CHECK_THROWS_AS(
-      TwoStageIteration(model.parts, LinearViscous{1}, InterfaceFamily(model.parts).at(1), Index{0}), Error);
+  CHECK_THROWS_AS(TwoStageIteration(model.parts, LinearViscous{1}, InterfaceFamily(model.parts).at(1), Index{0}),
+                  Error);
 }
 
 TEST_CASE("optimum: spectra that do not converge make no optimum") {
   const Decomposition parts = build(random_lattice(2, 8, 6, {3, 2})).parts;
   const auto singular = [](const InertiaPattern&) {
-    return InertiaFamily{[](const SparseMatrix&, const std::array<double, 2>&) { return InertiaFactor{}; },
-                         [] {}};
+    return InertiaFamily{[](const SparseMatrix&, const std::array<double, 2>&) { return InertiaFactor{}; }, [] {}};
   };
-  const Optimum found = optimum(parts, parts, 0.05,
-                                {.solver = SpectralSolver::shift_invert, .inertia = {"singular", singular}});
+  const Optimum found =
+      optimum(parts, parts, 0.05, {.solver = SpectralSolver::shift_invert, .inertia = {"singular", singular}});
   CHECK(found.status == OptimumStatus::not_converged);
 }

@@ -49,8 +49,8 @@ TEST_CASE("what is written reads back bit for bit, local and global") {
   const GlobalFrictionProblem global = random_bodies_problem(1, 6, 5);
   file.problem = global;
   file.info = {"a title", std::nullopt, "\xCF\x81 < 1"};
-  file.solution = FclibSolution{Vector::LinSpaced(18, -0.1, 1.0 / 3), Vector::Constant(10, -0.0),
-                                Vector::Constant(10, 5e-324)};
+  file.solution =
+      FclibSolution{Vector::LinSpaced(18, -0.1, 1.0 / 3), Vector::Constant(10, -0.0), Vector::Constant(10, 5e-324)};
   file.guesses = {*file.solution, *file.solution};
   file.guesses[1].r[3] = 1e300;
   SUBCASE("global") {
@@ -88,8 +88,7 @@ TEST_CASE("what is written reads back bit for bit, local and global") {
 
 TEST_CASE("matrices by columns, by rows and as triplets are the same problem") {
   const GlobalFrictionProblem global = random_bodies_problem(2, 5, 4);
-  for (const Storage storage :
-       {Storage::columns, Storage::rows, Storage::triplets, Storage::csparse_triplets}) {
+  for (const Storage storage : {Storage::columns, Storage::rows, Storage::triplets, Storage::csparse_triplets}) {
     const FclibFile file = fclib_from_hdf5(raw_global(global, storage).bytes(), "p.hdf5");
     const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
     CHECK(same_bits(problem.mass, global.mass));
@@ -98,9 +97,8 @@ TEST_CASE("matrices by columns, by rows and as triplets are the same problem") {
 }
 
 TEST_CASE("problems of another kind are named and refused") {
-  refused(
-      changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
-      "p.hdf5: fclib_global: not supported: a global problem in three dimensions (2 contacts, spacedim 3)");
+  refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
+          "p.hdf5: fclib_global: not supported: a global problem in three dimensions (2 contacts, spacedim 3)");
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {7}; }),
           "fclib_global/spacedim: expected 2, met 7");
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/G/m"] = {15}; }),
@@ -128,8 +126,7 @@ TEST_CASE("damaged files are refused, saying where") {
   };
   refused(without("M"), "p.hdf5: fclib_global/M: expected a group, met none");
   refused(without("vectors"), "fclib_global/vectors: expected a group, met none");
-  refused(without("vectors/mu"),
-          "fclib_global/vectors/mu: expected a one-dimensional dataset of numbers, met none");
+  refused(without("vectors/mu"), "fclib_global/vectors/mu: expected a one-dimensional dataset of numbers, met none");
   refused(without("spacedim"), "fclib_global/spacedim: expected one whole number, met none");
   refused(without("H/i"), "fclib_global/H/i: expected a one-dimensional dataset of whole numbers, met none");
 }
@@ -141,13 +138,11 @@ TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
   const auto integers = [](const std::string& name, const std::function<void(std::vector<int>&)>& change) {
     return changed([&](RawFclib& raw) { change(raw.integers.at("fclib_global/" + name)); });
   };
-  refused(numbers("vectors/f", [](auto& f) { f.pop_back(); }),
-          "fclib_global/vectors/f: expected 15 numbers, met 14");
+  refused(numbers("vectors/f", [](auto& f) { f.pop_back(); }), "fclib_global/vectors/f: expected 15 numbers, met 14");
   refused(numbers("vectors/mu", [](auto& mu) { mu.push_back(0); }),
           "fclib_global/vectors/mu: expected 4 numbers, met 5");
   refused(numbers("H/x", [](auto& x) { x.pop_back(); }), "fclib_global/H/x: expected");
-  refused(numbers("H/x", [](auto& x) { x[2] = not_a_number; }),
-          "fclib_global: H: expected finite numbers, met nan");
+  refused(numbers("H/x", [](auto& x) { x[2] = not_a_number; }), "fclib_global: H: expected finite numbers, met nan");
   refused(numbers("vectors/mu", [](auto& mu) { mu[1] = -1; }),
           "expected coefficients of friction >= 0, met -1 for contact 1");
   refused(integers("H/i", [](auto& i) { i[3] = 15; }),
@@ -158,8 +153,7 @@ TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
   refused(integers("H/p", [](auto& p) { p[0] = 1; }), "fclib_global/H/p: expected 0 at position 0, met 1");
   refused(integers("H/p", [](auto& p) { p.pop_back(); }), "fclib_global/H/p: expected 9 numbers, met 8");
   refused(integers("H/nz", [](auto& nz) { nz[0] = -3; }), "fclib_global/H/nz: expected -1 (by columns)");
-  refused(integers("H/n", [](auto& n) { n[0] = 7; }),
-          "fclib_global/H/n: expected two columns per contact, met 7");
+  refused(integers("H/n", [](auto& n) { n[0] = 7; }), "fclib_global/H/n: expected two columns per contact, met 7");
   refused(integers("M/m", [](auto& m) { m[0] = -15; }), "fclib_global/M/m: expected a number from 0");
   refused(integers("M/m", [](auto& m) { m[0] = 2'000'000'000; }),
           "fclib_global/vectors/f: expected 2000000000 numbers");

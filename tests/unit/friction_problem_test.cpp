@@ -82,26 +82,21 @@ TEST_CASE("problems that cannot be meant are refused, saying what was met") {
     return message([&] { reduce(bad, "file"); });
   };
   CHECK(refused([](auto&) {}) == "no error");
-  CHECK(refused([](auto& p) { p.f.conservativeResize(5); }) ==
-        "file: f: expected rows of M = 6 numbers, met 5");
-  CHECK(refused([](auto& p) { p.w.conservativeResize(3); }) ==
-        "file: w: expected 2 x contacts = 4 numbers, met 3");
+  CHECK(refused([](auto& p) { p.f.conservativeResize(5); }) == "file: f: expected rows of M = 6 numbers, met 5");
+  CHECK(refused([](auto& p) { p.w.conservativeResize(3); }) == "file: w: expected 2 x contacts = 4 numbers, met 3");
   CHECK(refused([](auto& p) { p.h = SparseMatrix(5, 4); }) == "file: H: expected a 6 x 4 matrix, met 5 x 4");
   CHECK(refused([](auto& p) { p.friction[1] = -0.5; }) ==
         "file: mu: expected coefficients of friction >= 0, met -0.5 for contact 1");
-  CHECK(refused([](auto& p) { p.f[2] = infinity; }) ==
-        "file: f: expected finite numbers, met inf at position 2");
-  CHECK(refused([](auto& p) { p.mass.coeffRef(1, 1) = not_a_number; }).find("row 1, column 1") !=
-        std::string::npos);
+  CHECK(refused([](auto& p) { p.f[2] = infinity; }) == "file: f: expected finite numbers, met inf at position 2");
+  CHECK(refused([](auto& p) { p.mass.coeffRef(1, 1) = not_a_number; }).find("row 1, column 1") != std::string::npos);
   CHECK(refused([](auto& p) {
           p.mass = SparseMatrix(p.mass.template triangularView<Eigen::Upper>());
         }).find("symmetric matrix stored in full") != std::string::npos);
   CHECK(refused([](auto& p) {
           p.mass = SparseMatrix(p.mass.template triangularView<Eigen::Upper>());
         }).find("the upper triangle alone") != std::string::npos);
-  CHECK(refused([](auto& p) {
-          p.mass.coeffRef(4, 4) = -1;
-        }).find("piece of 3 unknown(s) that begins at row 3") != std::string::npos);
+  CHECK(refused([](auto& p) { p.mass.coeffRef(4, 4) = -1; }).find("piece of 3 unknown(s) that begins at row 3") !=
+        std::string::npos);
   CHECK(refused([](auto& p) {
           for (Index i = 0; i < 6; ++i) p.h.coeffRef(i, 3) = 2 * p.h.coeff(i, 2);
         }).find("positive definite block for every contact") != std::string::npos);

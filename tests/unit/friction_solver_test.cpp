@@ -165,8 +165,7 @@ TEST_CASE("without friction it is the unilateral problem") {
   squeezed.spec.prescribed.clear();
   squeezed.spec.loads.compression = {1.0, 0.3};
   const ReferenceProblem reference = build(squeezed).problem;
-  const SparseMatrix w =
-      reference.h.transpose() * reference.inertia.cwiseInverse().asDiagonal() * reference.h;
+  const SparseMatrix w = reference.h.transpose() * reference.inertia.cwiseInverse().asDiagonal() * reference.h;
   const Index contacts = reference.contacts();
   std::vector<Eigen::Triplet<double>> entries;
   for (Index c = 0; c < contacts; ++c) {
@@ -255,8 +254,7 @@ TEST_CASE("what came of the sweeps is said") {
     CHECK(solve_friction(wild).status == FrictionStatus::diverged);
   }
   SUBCASE("not a number") {
-    CHECK(solve_friction(problem, {}, Vector::Constant(40, not_a_number)).status ==
-          FrictionStatus::not_finite);
+    CHECK(solve_friction(problem, {}, Vector::Constant(40, not_a_number)).status == FrictionStatus::not_finite);
   }
   SUBCASE("no contact at all") {
     const LocalFrictionProblem empty{SparseMatrix(0, 0), Vector(0), Vector(0)};

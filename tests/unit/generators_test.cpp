@@ -94,8 +94,7 @@ struct LiteralHeap {
       double height = radius;
       const Disk* support = nullptr;
       for (const Disk& disk : down)
-        if (const auto h = fall_onto(disk, x, radius); disk.y < y && h && *h > height)
-          height = *h, support = &disk;
+        if (const auto h = fall_onto(disk, x, radius); disk.y < y && h && *h > height) height = *h, support = &disk;
       y = std::min(y, height);
       if (support == nullptr) return {x, y, radius};
       const Side side = x >= support->x ? Side::right : Side::left;
@@ -132,8 +131,8 @@ double kolmogorov_distance(std::vector<double> sample, const std::function<doubl
   double distance = 0;
   for (std::size_t i = 0; i < sample.size(); ++i) {
     const double f = cumulative(sample[i]);
-    distance = std::max(
-        {distance, std::abs(f - static_cast<double>(i) / n), std::abs(f - static_cast<double>(i + 1) / n)});
+    distance =
+        std::max({distance, std::abs(f - static_cast<double>(i) / n), std::abs(f - static_cast<double>(i + 1) / n)});
   }
   return distance;
 }
@@ -364,15 +363,14 @@ TEST_CASE("sizes: mean and distribution are those of the closed forms") {
     CHECK(lower / all == doctest::Approx(0.5).epsilon(0.01));
   }
   SUBCASE("two sizes") {
-    const auto sample = sizes_of(
-        {.distribution = "two_sizes", .radius_min = a, .radius_max = b, .fraction_large = 0.3}, 5, n);
+    const auto sample =
+        sizes_of({.distribution = "two_sizes", .radius_min = a, .radius_max = b, .fraction_large = 0.3}, 5, n);
     const auto large = static_cast<double>(std::count(sample.begin(), sample.end(), b));
     CHECK(std::abs(large - 0.3 * n) < 4 * std::sqrt(0.3 * 0.7 * n));
     CHECK(std::count(sample.begin(), sample.end(), a) + static_cast<Index>(large) == n);
     for (const auto& [fraction, size] : {std::pair{0.0, a}, {1.0, b}}) {
-      const auto pure = sizes_of(
-          {.distribution = "two_sizes", .radius_min = a, .radius_max = b, .fraction_large = fraction}, 5,
-          100);
+      const auto pure =
+          sizes_of({.distribution = "two_sizes", .radius_min = a, .radius_max = b, .fraction_large = fraction}, 5, 100);
       CHECK(std::count(pure.begin(), pure.end(), size) == 100);
     }
   }
@@ -381,22 +379,19 @@ TEST_CASE("sizes: mean and distribution are those of the closed forms") {
       const double median = law.first, sigma = law.second;
       CAPTURE(median);
       const auto sample = sizes_of(
-          {.distribution = "lognormal", .radius_min = a, .radius_max = b, .median = median, .sigma = sigma},
-          6, n);
+          {.distribution = "lognormal", .radius_min = a, .radius_max = b, .median = median, .sigma = sigma}, 6, n);
       CHECK(*std::min_element(sample.begin(), sample.end()) >= a);
       CHECK(*std::max_element(sample.begin(), sample.end()) <= b);
       // mirrored so that the tail is the lower one, where erfc keeps its digits
       const double sign = median < a ? -1 : 1;
       const auto z = [&](double r) { return sign * std::log(r / median) / sigma; };
       const double low = normal_cumulative(z(a)), high = normal_cumulative(z(b));
-      CHECK(kolmogorov_distance(sample, [&](double r) {
-              return (normal_cumulative(z(r)) - low) / (high - low);
-            }) < kolmogorov_limit(n));
+      CHECK(kolmogorov_distance(sample, [&](double r) { return (normal_cumulative(z(r)) - low) / (high - low); }) <
+            kolmogorov_limit(n));
     }
     // E r = median exp(sigma^2/2) where nothing is cut off
     const auto whole = sizes_of(
-        {.distribution = "lognormal", .radius_min = 1e-9, .radius_max = 1e9, .median = 0.2, .sigma = 0.4}, 7,
-        n);
+        {.distribution = "lognormal", .radius_min = 1e-9, .radius_max = 1e9, .median = 0.2, .sigma = 0.4}, 7, n);
     const double expected = 0.2 * std::exp(0.08);
     CHECK(std::abs(mean(whole) - expected) < 4 * expected * std::sqrt(std::expm1(0.16) / n));
   }
@@ -428,8 +423,8 @@ TEST_CASE("sizes: what makes no distribution is refused") {
 TEST_CASE("hexagonal lattice: without defects as ever") {
   const Packing p = generate(HexagonalLattice{.columns = 3, .rows = 2, .radius = 0.5, .seed = 99});
   CHECK(p.x == std::vector<double>{0, 1, 2, 0.5, 1.5, 2.5});
-  CHECK(p.y == std::vector<double>{0, 0, 0, std::numbers::sqrt3 * 0.5, std::numbers::sqrt3 * 0.5,
-                                   std::numbers::sqrt3 * 0.5});
+  CHECK(p.y ==
+        std::vector<double>{0, 0, 0, std::numbers::sqrt3 * 0.5, std::numbers::sqrt3 * 0.5, std::numbers::sqrt3 * 0.5});
   CHECK(p.radius == std::vector<double>(6, 0.5));
 }
 

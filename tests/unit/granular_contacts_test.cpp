@@ -16,8 +16,7 @@ using namespace nscdd::testing;
 namespace {
 
 StepProblem prepared(const Simulation& s) {
-  return prepare_step(s.system, s.state, s.dynamics.interaction, s.dynamics.time,
-                      s.dynamics.solver.warm_start);
+  return prepare_step(s.system, s.state, s.dynamics.interaction, s.dynamics.time, s.dynamics.solver.warm_start);
 }
 
 std::set<std::pair<Index, Index>> pairs_of(const StepProblem& problem) {
@@ -57,10 +56,9 @@ TEST_CASE("contacts: every pair that is near or would be at the end of the step,
         if (gap <= alert || gap + h * closing <= alert) expected.insert({a, b});
       }
     CHECK(pairs_of(problem) == expected);
-    CHECK(std::is_sorted(problem.geometry.begin(), problem.geometry.end(),
-                         [](const StepContact& p, const StepContact& q) {
-                           return std::pair(p.a, p.b) < std::pair(q.a, q.b);
-                         }));
+    CHECK(std::is_sorted(
+        problem.geometry.begin(), problem.geometry.end(),
+        [](const StepContact& p, const StepContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); }));
   }
 }
 

@@ -42,8 +42,7 @@ SmallProblem written_down(const Simulation& s, const SolvedStep& step) {
   for (Index i = 0; i < n; ++i) {
     const double m = s.system.mass[at(i)], radius = s.system.radius[at(i)];
     p.inverse_mass.segment(3 * i, 3) << 1 / m, 1 / m, 2 / (m * radius * radius);
-    p.free.segment(3 * i, 3) << s.state.velocity_x[at(i)], s.state.velocity_y[at(i)] - h * g,
-        s.state.spin[at(i)];
+    p.free.segment(3 * i, 3) << s.state.velocity_x[at(i)], s.state.velocity_y[at(i)] - h * g, s.state.spin[at(i)];
     x.push_back(s.state.x[at(i)] + h / 2 * s.state.velocity_x[at(i)]);
     y.push_back(s.state.y[at(i)] + h / 2 * s.state.velocity_y[at(i)]);
   }
@@ -116,8 +115,7 @@ std::vector<Vector> every_solution(const SmallProblem& p, int statuses_per_conta
   for (;;) {
     std::vector<Status> statuses;
     for (const int digit : digits)  // without friction: open, or sliding at mu = 0
-      statuses.push_back(statuses_per_contact == 2 && digit == 1 ? Status::forward
-                                                                 : static_cast<Status>(digit));
+      statuses.push_back(statuses_per_contact == 2 && digit == 1 ? Status::forward : static_cast<Status>(digit));
     if (auto r = solution_of(p, statuses)) result.push_back(*r);
     std::size_t k = 0;
     while (k < contacts && ++digits[k] == statuses_per_contact) digits[k++] = 0;
@@ -173,8 +171,7 @@ Simulation shaken(const Cluster& cluster, const std::string& law, double frictio
 
 }  // namespace
 
-TEST_CASE(
-    "frictionless: velocities and impulses are those of the only solution of the complementarity problem") {
+TEST_CASE("frictionless: velocities and impulses are those of the only solution of the complementarity problem") {
   int solved = 0, with_impulse = 0;
   for (const Cluster& cluster : clusters())
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -203,8 +200,7 @@ TEST_CASE(
   CHECK(with_impulse > 140);
 }
 
-TEST_CASE(
-    "Coulomb friction: the result is a solution with one status per contact, and its status is reported") {
+TEST_CASE("Coulomb friction: the result is a solution with one status per contact, and its status is reported") {
   int sliding = 0, sticking = 0, several = 0;
   for (const Cluster& cluster : clusters())
     for (const double friction : {0.0, 0.15, 0.6, 2.0})
@@ -252,24 +248,22 @@ TEST_CASE("relaxation: a resting disk is given that part of what its weight stil
 TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide are slides") {
   ContactResidual sum{1, 2, 3, 4, 5, 6, 7, 8, 9};
   sum += ContactResidual{10, 20, 30, 40, 50, 60, 70, 80, 90};
-  CHECK(std::array{sum.natural_map, sum.impulses, sum.violation, sum.work, sum.scale_work,
-                   sum.scale_velocity} == std::array{11.0, 22.0, 33.0, 44.0, 55.0, 66.0});
+  CHECK(std::array{sum.natural_map, sum.impulses, sum.violation, sum.work, sum.scale_work, sum.scale_velocity} ==
+        std::array{11.0, 22.0, 33.0, 44.0, 55.0, 66.0});
   CHECK(std::array{sum.active, sum.stick, sum.slide} == std::array<Index, 3>{77, 88, 99});
 
   Dynamics dynamics = tight();
   dynamics.boundaries = {floor_wall()};
   dynamics.interaction.friction = 0.3;
   for (const double speed : {-3.0, 3.0}) {
-    const SolvedStep step =
-        solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
+    const SolvedStep step = solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
     CHECK(step.report.residual.slide == 1);
     CHECK(step.report.residual.stick == 0);
   }
 }
 
 TEST_CASE("glued copies: their masses add up, and in their speed rims count as much as centres") {
-  const Simulation simulation =
-      simulation_of({{.x = 0, .y = 0.5}, {.x = 1, .y = 0.5}, {.x = 2, .y = 0.5}}, tight());
+  const Simulation simulation = simulation_of({{.x = 0, .y = 0.5}, {.x = 1, .y = 0.5}, {.x = 2, .y = 0.5}}, tight());
   const SolvedStep step = solve_step(simulation);
   REQUIRE(step.contacts.size() == 2);
   GranularDecomposition parts =
@@ -312,8 +306,7 @@ TEST_CASE("residual: a resting disk whose reaction lacks d is off by d, by d / m
   const double whole = 2 * g * 0.005, d = 0.3 * whole;
   StepProblem lacking = step.problem;
   lacking.contacts[0].impulse_n = whole - d;
-  const GranularDecomposition parts =
-      decompose(lacking, {.subdomains = 1, .subdomain_of_contact = {0}}, "natural", 1);
+  const GranularDecomposition parts = decompose(lacking, {.subdomains = 1, .subdomain_of_contact = {0}}, "natural", 1);
   const std::vector<DiskVelocity> v = velocities_of(lacking, lacking.contacts);
   const ContactResidual off = contact_residual(Coulomb{}, parts.subdomains[0].contacts, v);
   CHECK(std::sqrt(off.natural_map) == doctest::Approx(d).epsilon(1e-12));

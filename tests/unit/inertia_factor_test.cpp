@@ -12,9 +12,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-Index negative_count(const SparseMatrix& lower) {
-  return (symmetric_eigenvalues(full(lower)).array() < 0).count();
-}
+Index negative_count(const SparseMatrix& lower) { return (symmetric_eigenvalues(full(lower)).array() < 0).count(); }
 
 InertiaPattern pattern_of(const SymmetricProblem& problem, Index border) {
   return {problem.lower, problem.group, border};
@@ -37,10 +35,10 @@ SymmetricProblem badly_grouped(Index pairs, double diagonal) {
 
 // Factors of our own that all look singular.
 InertiaMethod broken() {
-  return {"broken", [](const InertiaPattern&) {
-            return InertiaFamily{
-                [](const SparseMatrix&, const std::array<double, 2>&) { return InertiaFactor{}; }, [] {}};
-          }};
+  return {
+      "broken", [](const InertiaPattern&) {
+        return InertiaFamily{[](const SparseMatrix&, const std::array<double, 2>&) { return InertiaFactor{}; }, [] {}};
+      }};
 }
 
 InertiaFactor factorise(const InertiaMethod& method, const SymmetricProblem& problem, Index border) {

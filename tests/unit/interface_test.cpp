@@ -26,8 +26,7 @@ struct Example {
 std::vector<Vector> random_copies(const Interface& interface, const std::vector<std::vector<Index>>& held) {
   RandomStream stream(7);
   std::vector<Vector> v;
-  for (const auto& grains : held)
-    v.push_back(stream.normal_vector(interface.dofs_per_grain() * count(grains)));
+  for (const auto& grains : held) v.push_back(stream.normal_vector(interface.dofs_per_grain() * count(grains)));
   return v;
 }
 
@@ -88,8 +87,7 @@ TEST_CASE("interface: exchange and distribute are A_E and A_E^T; copies apart ha
     }
 }
 
-TEST_CASE(
-    "interface: X_infinity^-1 in closed form, for chains and stars, unequal masses, grains of many copies") {
+TEST_CASE("interface: X_infinity^-1 in closed form, for chains and stars, unequal masses, grains of many copies") {
   const Model model = build(random_lattice(3, 8, 7, {3, 3}));
   REQUIRE(cross_points(model.parts) > 0);
   for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {

@@ -68,15 +68,12 @@ TEST_CASE("case file: written and read back it is the same case") {
 }
 
 TEST_CASE("case file: every error names file, line and key") {
-  require_error(replaced(good, "grains = 6", "grains = -3"),
-                "c.toml:4: packing.grains: expected a finite number >= 1");
-  require_error(replaced(good, "grains = 6", "grains = 6.5"),
-                "c.toml:4: packing.grains: expected an integer");
+  require_error(replaced(good, "grains = 6", "grains = -3"), "c.toml:4: packing.grains: expected a finite number >= 1");
+  require_error(replaced(good, "grains = 6", "grains = 6.5"), "c.toml:4: packing.grains: expected an integer");
   require_error(replaced(good, "grains = 6", "grain = 6"), "c.toml:4: unknown key 'packing.grain'");
   require_error(replaced(good, "grains = 6", "grain = 6"), "; did you mean grains?");
   require_error(replaced(good, "\"strip\"", "\"stripe\""), "; did you mean strip?");
-  require_error(replaced(good, "\"strip\"", "\"lattice\""),
-                "c.toml:3: packing.generator: expected one of \"strip\"");
+  require_error(replaced(good, "\"strip\"", "\"lattice\""), "c.toml:3: packing.generator: expected one of \"strip\"");
   require_error(replaced(good, "[contacts]", "[contact]"), "c.toml:5: unknown key 'contact'");
   require_error(replaced(good, "tolerance = 1e-6", "tolerance = \"small\""),
                 "c.toml:6: contacts.tolerance: expected a number");
@@ -84,18 +81,13 @@ TEST_CASE("case file: every error names file, line and key") {
   require_error(replaced(good, "density = 2", "density = nan"), "c.toml:8: masses.density");
   require_error(replaced(good, "density = 2", "model = \"heavy\""), "c.toml:8: masses.model");
   require_error(replaced(good, "density = 2", "model = \"density\""), "masses.density: expected a number");
-  require_error(replaced(good, "density = 2", "model = \"unit\"\ndensity = 2"),
-                "masses.density: expected no density");
-  require_error(replaced(good, "grid = [3, 2]", "grid = [3]"),
-                "c.toml:10: partition.grid: expected two integers");
+  require_error(replaced(good, "density = 2", "model = \"unit\"\ndensity = 2"), "masses.density: expected no density");
+  require_error(replaced(good, "grid = [3, 2]", "grid = [3]"), "c.toml:10: partition.grid: expected two integers");
   require_error(replaced(good, "grid = [3, 2]", "grid = [3, 0]"), "c.toml:10: partition.grid");
-  require_error(replaced(good, "grid = [3, 2]", ""),
-                "expected either grid = [nx, ny] or metis = n, met neither");
+  require_error(replaced(good, "grid = [3, 2]", ""), "expected either grid = [nx, ny] or metis = n, met neither");
   require_error(replaced(good, "grid = [3, 2]", "grid = [3, 2]\nmetis = 2"), "met both");
-  require_error(replaced(good, "grain = 5", "grain = \"last\""),
-                "c.toml:12: prescribed[0].grain: expected an integer");
-  require_error(replaced(good, "velocity = [-1, 0.5]", ""),
-                "prescribed[0].velocity: expected a value, met none");
+  require_error(replaced(good, "grain = 5", "grain = \"last\""), "c.toml:12: prescribed[0].grain: expected an integer");
+  require_error(replaced(good, "velocity = [-1, 0.5]", ""), "prescribed[0].velocity: expected a value, met none");
   require_error(replaced(good, "[-1, 0.5]", "[-1, inf]"), "c.toml:13: prescribed[0].velocity");
   require_error(good + "[[prescribed]]\ngrain = 5\nvelocity = [0, 1]\n", "grain 5 again");
   require_error(replaced(good, "[packing]", "[packing"), "c.toml:2: not valid TOML");
@@ -116,9 +108,8 @@ TEST_CASE("study file: a key that its observable does not use is refused") {
     CAPTURE(text);
     CHECK_THROWS_WITH_AS(parse_study(text, "s/study.toml", known), doctest::Contains(part.c_str()), Error);
   };
-  refused(
-      "spectral_radius", "steps = 3",
-      "study.toml:5: table[0].steps: expected an observable with it that uses it, met \"spectral_radius\"");
+  refused("spectral_radius", "steps = 3",
+          "study.toml:5: table[0].steps: expected an observable with it that uses it, met \"spectral_radius\"");
   refused("optimum", "lead_in = \"own\"", "table[0].lead_in");
   refused("optimum", "eta = 1", "table[0].eta");
   refused("runs", "epsilon = 1", "table[0].epsilon");
@@ -130,15 +121,14 @@ TEST_CASE("study file: a key that its observable does not use is refused") {
 TEST_CASE("study file: cases that move are judged before anything is run") {
   const CaseFinder moving = [](const std::string&) { return parse_case(testing::moving_case(), "m.toml"); };
   const auto refused = [&](const std::string& observable, const std::string& vary, const std::string& part) {
-    const std::string text = "[[table]]\nname = \"t\"\nobservable = \"" + observable +
-                             "\"\ncases = \"m\"\nvary = { " + vary + " }\n";
+    const std::string text =
+        "[[table]]\nname = \"t\"\nobservable = \"" + observable + "\"\ncases = \"m\"\nvary = { " + vary + " }\n";
     CAPTURE(text);
     CHECK_THROWS_WITH_AS(parse_study(text, "s/study.toml", moving), doctest::Contains(part.c_str()), Error);
   };
-  refused(
-      "predicted_observed", "\"solver.algorithm\" = [\"generic\", \"nlgs\"]",
-      "study.toml:4: case 'm': solver.algorithm: expected generic or enriched for a rate that is predicted, "
-      "met nlgs");
+  refused("predicted_observed", "\"solver.algorithm\" = [\"generic\", \"nlgs\"]",
+          "study.toml:4: case 'm': solver.algorithm: expected generic or enriched for a rate that is predicted, "
+          "met nlgs");
   refused("predicted_observed", "\"partition.grid\" = [\"1,1\"]", "expected two subdomains or more");
   refused("runs", "\"solver.criterion\" = [\"gluing\"], \"solver.algorithm\" = [\"nlgs\"]",
           "study.toml:4: case 'm': solver.criterion: expected solver.algorithm generic or enriched");
@@ -170,8 +160,7 @@ TEST_CASE("study file: read, and refused with file, line and key") {
     CAPTURE(by);
     CHECK_THROWS_WITH_AS(parse_one(replaced(study, what, by)), doctest::Contains(part.c_str()), Error);
   };
-  refused("spectral_radius\"", "radius\"",
-          "study.toml:4: table[0].observable: expected one of spectral_radius");
+  refused("spectral_radius\"", "radius\"", "study.toml:4: table[0].observable: expected one of spectral_radius");
   refused("disks4", "disks5", "study.toml:5: case 'disks5': no such case");
   refused("0,1:10:3", "-1", "study.toml:6: epsilon: expected a finite number >= 0");
   refused("[0.5, inf]", "[0.5, true]", "study.toml:7: table[0].eta: expected a number or a text");

@@ -69,8 +69,7 @@ TEST_CASE("symmetric factor: inertia, solve and inverse blocks of every shape of
 
 TEST_CASE("symmetric factor: saddle points have the inertia of theory") {
   // K definite: n positive eigenvalues, and A K^-1 A^T + C definite: as many negative ones as multipliers.
-  for (const double c : {0.0, 1e-3, 2.0})
-    CHECK(factorise(saddle_point(60, 1.0, c, 4)).negative_eigenvalues() == 60);
+  for (const double c : {0.0, 1e-3, 2.0}) CHECK(factorise(saddle_point(60, 1.0, c, 4)).negative_eigenvalues() == 60);
 }
 
 TEST_CASE("symmetric factor: one analysis serves every matrix of its pattern") {
@@ -167,13 +166,11 @@ TEST_CASE("symmetric factor: solves from and to the border are refused without o
   const SymmetricFactor plain = factorise(problem);
   const Vector all = Vector::Ones(n), none, two = Vector::Ones(2);
   for (const Vector& g : {none, two, all}) {
-    CHECK_THROWS_WITH_AS(plain.solve_from_border(g), doctest::Contains("an analysis with border rows"),
-                         Error);
+    CHECK_THROWS_WITH_AS(plain.solve_from_border(g), doctest::Contains("an analysis with border rows"), Error);
     CHECK_THROWS_WITH_AS(plain.solve_on_border(g), doctest::Contains("an analysis with border rows"), Error);
   }
   CHECK_THROWS_WITH_AS(plain.solve_to_border(all), doctest::Contains("an analysis with border rows"), Error);
-  const SymmetricFactor bordered(SymmetricAnalysis(problem.lower, problem.group, {}, {n - 1, 0, 3}),
-                                 problem.lower);
+  const SymmetricFactor bordered(SymmetricAnalysis(problem.lower, problem.group, {}, {n - 1, 0, 3}), problem.lower);
   for (const Vector& g : {none, two, all}) {
     CHECK_THROWS_WITH_AS(bordered.solve_from_border(g), doctest::Contains("each of 3 border rows"), Error);
     CHECK_THROWS_WITH_AS(bordered.solve_on_border(g), doctest::Contains("each of 3 border rows"), Error);

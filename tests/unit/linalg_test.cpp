@@ -23,8 +23,7 @@ TEST_CASE("pencil: known ends, sizes small and large, with a residual that bound
   for (const Index n : {1, 2, 3, 24, 25, 60, 150}) {
     CAPTURE(n);
     Vector expected(n);
-    for (Index i = 0; i < n; ++i)
-      expected[i] = -0.5 + 1.7 * std::sqrt(static_cast<double>(i) / static_cast<double>(n));
+    for (Index i = 0; i < n; ++i) expected[i] = -0.5 + 1.7 * std::sqrt(static_cast<double>(i) / static_cast<double>(n));
     const KnownPencil pencil(expected, 3);
     const PencilEnds ends = pencil_ends(pencil.a, pencil.p);
     REQUIRE(ends.definite);
@@ -88,8 +87,7 @@ TEST_CASE("Lanczos: both ends of a known pencil, same bits twice, too small refu
     const LanczosResult result = lanczos(80, map_of(pencil.a), map_of(pencil.p), solve, end);
     CHECK(result.converged);
     CHECK(result.value == doctest::Approx(value).epsilon(1e-11));
-    CHECK((pencil.a * result.vector - result.value * pencil.p * result.vector).norm() <
-          1e-7 * result.vector.norm());
+    CHECK((pencil.a * result.vector - result.value * pencil.p * result.vector).norm() < 1e-7 * result.vector.norm());
     const LanczosResult again = lanczos(80, map_of(pencil.a), map_of(pencil.p), solve, end);
     CHECK(again.value == result.value);
     CHECK(again.vector == result.vector);
@@ -113,8 +111,7 @@ TEST_CASE("Arnoldi: real, negative and complex dominant eigenvalues, with their 
     t(i, i) = 0.5 * std::cos(static_cast<double>(i));
     for (Index j = i + 1; j < 50; ++j) t(i, j) = 0.02;
   }
-  for (const std::complex<double> value :
-       {std::complex<double>(0.9, 0), {-0.95, 0}, {0.4, 0.8}, {-0.3, 0.9}}) {
+  for (const std::complex<double> value : {std::complex<double>(0.9, 0), {-0.95, 0}, {0.4, 0.8}, {-0.3, 0.9}}) {
     Matrix block = t;
     block(0, 0) = block(1, 1) = value.real();
     if (value.imag() == 0) {
@@ -193,8 +190,7 @@ TEST_CASE("ranks: a column counts from the tolerance on, not from a few times th
   }
 }
 
-TEST_CASE(
-    "dense least squares: directions within rounding of none do not count, the solution has least norm") {
+TEST_CASE("dense least squares: directions within rounding of none do not count, the solution has least norm") {
   const Matrix product = random_matrix(30, 5, 5) * random_matrix(5, 12, 6);
   const Vector b = RandomStream(3).normal_vector(30);
   const LeastSquares found = minimum_norm_least_squares(product, b);
@@ -238,8 +234,7 @@ TEST_CASE("random streams repeat by seed") {
   }
 }
 
-TEST_CASE(
-    "sparse least squares: the solution of least norm, wide and tall, of any rank, with empty columns") {
+TEST_CASE("sparse least squares: the solution of least norm, wide and tall, of any rank, with empty columns") {
   RandomStream random(17);
   for (const auto& shape : {std::array<Index, 3>{60, 40, 40}, {40, 60, 40}, {60, 60, 25}, {30, 80, 11}}) {
     const Index rows = shape[0], columns = shape[1], rank = shape[2];
@@ -249,8 +244,7 @@ TEST_CASE(
     product.col(3).setZero();
     const SparseMatrix a = product.sparseView();
     for (const bool consistent : {true, false}) {
-      const Vector b =
-          consistent ? Vector(product * random.normal_vector(columns)) : random.normal_vector(rows);
+      const Vector b = consistent ? Vector(product * random.normal_vector(columns)) : random.normal_vector(rows);
       const Vector x = minimum_norm_least_squares(a, b);
       const Vector expected = pseudo_inverse(product, 1e-10).apply(b);
       CHECK((x - expected).norm() < 1e-9 * expected.norm());

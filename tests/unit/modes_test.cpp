@@ -164,11 +164,9 @@ TEST_CASE("mode: dense, ARPACK and shift-invert agree where the end is simple") 
 
 TEST_CASE("mode: equal bits from run to run, and the sign does not depend on that of the solver") {
   const Model model = build(random_lattice(2, 8, 6, {3, 2}));
-  const Mode first = interface_mode(model, {.epsilon = 0.01}),
-             second = interface_mode(model, {.epsilon = 0.01});
+  const Mode first = interface_mode(model, {.epsilon = 0.01}), second = interface_mode(model, {.epsilon = 0.01});
   CHECK(first.impulses == second.impulses);
-  for (std::size_t e = 0; e < first.velocities.size(); ++e)
-    CHECK(first.velocities[e] == second.velocities[e]);
+  for (std::size_t e = 0; e < first.velocities.size(); ++e) CHECK(first.velocities[e] == second.velocities[e]);
   const InterfaceOperator p = InterfaceFamily(model.parts).at(infinity);
   CHECK((normalised(-3.0 * first.impulses, p) - first.impulses).norm() < 1e-14 * first.impulses.norm());
   Vector even = Vector::Zero(p.rows());  // two components equal to rounding: the first decides

@@ -58,8 +58,7 @@ Packing read_back(const std::string& content, const std::string& name) {
 }
 
 // The bytes of an HDF5 file with these columns in the group.
-std::string file_of(const std::string& group,
-                    const std::vector<std::pair<std::string, std::vector<double>>>& columns) {
+std::string file_of(const std::string& group, const std::vector<std::pair<std::string, std::vector<double>>>& columns) {
   std::vector<NumberColumn> all;
   for (const auto& [name, values] : columns) all.push_back({{name, "m", "a column"}, values});
   return to_hdf5({}, group, all);
@@ -89,8 +88,9 @@ TEST_CASE("packing file: equal packings give equal bytes, and say where they com
   const Packing p = generate(Deposit{.grains = 300});
   const Provenance origin{{"program", "nscdd 1"}, {"cases", "[packing]\nseed = 7\n"}};
   for (const char* name : {"p.csv", "p.h5"}) CHECK(written(p, name, origin) == written(p, name, origin));
-  CHECK(written(p, "p.csv", origin)
-            .rfind("# program: nscdd 1\n# cases:\n#   [packing]\n#   seed = 7\nx,y,radius\n", 0) == 0);
+  CHECK(
+      written(p, "p.csv", origin).rfind("# program: nscdd 1\n# cases:\n#   [packing]\n#   seed = 7\nx,y,radius\n", 0) ==
+      0);
   CHECK(written(p, "p.h5", origin).find("seed = 7") != std::string::npos);
 }
 
@@ -109,8 +109,7 @@ TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
   CHECK(packing_from_hdf5(good, "p.h5").size() == 2);
   refused(good.substr(0, good.size() / 2), "p.h5: expected an HDF5 file");
   refused(file_of("sweep", {{"x", two}}), "p.h5: packing: expected a group, met none");
-  refused(file_of("packing", {{"x", two}, {"y", two}}),
-          "p.h5: packing: expected a dataset 'radius', met none");
+  refused(file_of("packing", {{"x", two}, {"y", two}}), "p.h5: packing: expected a dataset 'radius', met none");
   refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),
           "p.h5: packing/colour: expected datasets x, y, radius and optionally mass");
   refused(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}),
@@ -124,13 +123,11 @@ TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
   refused(file_of("packing", {{"x", {}}, {"y", {}}, {"radius", {}}}), "p.h5: expected at least one grain");
   // a table of texts under the right name
   const Table texts{{{"x", "", "texts"}}, {{std::string("one")}, {std::string("two")}}};
-  refused(to_hdf5({}, {{"packing", texts}}),
-          "p.h5: packing/x: expected a one-dimensional dataset of numbers");
+  refused(to_hdf5({}, {{"packing", texts}}), "p.h5: packing/x: expected a one-dimensional dataset of numbers");
 }
 
 TEST_CASE("packing file: integers of an HDF5 file are numbers") {
-  const Table table{{{"x", "m", ""}, {"y", "m", ""}, {"radius", "m", ""}},
-                    {{std::int64_t{3}, 0.5, std::int64_t{1}}}};
+  const Table table{{{"x", "m", ""}, {"y", "m", ""}, {"radius", "m", ""}}, {{std::int64_t{3}, 0.5, std::int64_t{1}}}};
   const Packing p = packing_from_hdf5(to_hdf5({}, {{"packing", table}}), "p.h5");
   CHECK(p.x == std::vector<double>{3});
   CHECK(p.radius == std::vector<double>{1});
@@ -145,7 +142,6 @@ TEST_CASE("choices take their names alone, and suggest the nearest") {
                          doctest::Contains("c.toml:3: packing.distribution: expected one of \"uniform\", "
                                            "\"uniform_volume\", \"two_sizes\", \"lognormal\""),
                          Error);
-  CHECK_THROWS_WITH_AS(parse_value("twosizes", value, "d"), doctest::Contains("; did you mean two_sizes?"),
-                       Error);
+  CHECK_THROWS_WITH_AS(parse_value("twosizes", value, "d"), doctest::Contains("; did you mean two_sizes?"), Error);
   CHECK(value == Distribution::lognormal);
 }

@@ -80,8 +80,7 @@ TEST_CASE("contacts: sizes 1 : 100, by number and by volume, as brute force find
     const Packing packing = generate(Deposit{.grains = 1500, .sizes = sizes, .seed = 3});
     for (const double tolerance : {1e-7, 0.5}) {
       const auto expected = brute_force(packing, tolerance);
-      const ContactNetwork found =
-          detect_contacts(packing, {.tolerance = tolerance, .overlap_tolerance = 1e-6});
+      const ContactNetwork found = detect_contacts(packing, {.tolerance = tolerance, .overlap_tolerance = 1e-6});
       REQUIRE(found.contacts.size() == expected.size());
       auto pair = expected.begin();  // ascending
       for (const Contact& contact : found.contacts) CHECK(std::pair(contact.a, contact.b) == *pair++);
@@ -136,8 +135,7 @@ TEST_CASE("contacts: normals, midpoints of centres, gaps, order") {
   CHECK(network.contacts[0].a == 0);
   CHECK(network.contacts[0].b == 1);
   CHECK(network.contacts[0].normal == std::array<double, 2>{1.0, 0.0});
-  CHECK(network.contacts[0].midpoint ==
-        std::array<double, 2>{1.5, 0.0});  // of the centres, not of the contact
+  CHECK(network.contacts[0].midpoint == std::array<double, 2>{1.5, 0.0});  // of the centres, not of the contact
   CHECK(network.contacts[1].normal == std::array<double, 2>{0.0, -1.0});
   CHECK(network.contacts[2].normal[0] == doctest::Approx(-0.6));
   CHECK(network.contacts[2].gap == doctest::Approx(0.0));
@@ -167,8 +165,7 @@ TEST_CASE("contacts: overlapping and coincident grains are named") {
 TEST_CASE("packings: values that are no grains are refused") {
   CHECK_THROWS_AS(check(Packing{}), Error);
   for (const double bad : {0.0, -1.0, not_a_number, infinity}) {
-    CHECK_THROWS_WITH_AS(check({{0.0, 1.0}, {0.0, 0.0}, {1.0, bad}, {}}), doctest::Contains("grain 1"),
-                         Error);
+    CHECK_THROWS_WITH_AS(check({{0.0, 1.0}, {0.0, 0.0}, {1.0, bad}, {}}), doctest::Contains("grain 1"), Error);
     CHECK_THROWS_AS(check({{0.0}, {0.0}, {1.0}, {bad}}), Error);
   }
   CHECK_THROWS_AS(check({{infinity}, {0.0}, {1.0}, {}}), Error);

@@ -19,11 +19,7 @@ namespace {
 
 struct Problem {
   Problem(const Case& one, double epsilon, double eta)
-      : family(build(one).parts),
-        b{family.at(eta), family.at(epsilon)},
-        dense(b),
-        pencils(b),
-        point{epsilon, eta} {}
+      : family(build(one).parts), b{family.at(eta), family.at(epsilon)}, dense(b), pencils(b), point{epsilon, eta} {}
   PencilEnd find(SpectrumEnd end, const EndOptions& options = {}, const std::optional<EndGuess>& guess = {},
                  const Vector& start = {}) const {
     return find_end(pencils, b.preconditioner, point, end, guess, start, options);
@@ -89,8 +85,7 @@ TEST_CASE("pencil end: a guess helps or does no harm, however wrong") {
         CHECK(std::abs(found.values[0] - truth) <= found.residual + 1e-12);
       }
       const PencilEnd cold = problem.find(end);
-      CHECK(problem.find(end, {}, EndGuess{truth, 1e-7}, cold.vectors.col(0)).factorisations <=
-            cold.factorisations);
+      CHECK(problem.find(end, {}, EndGuess{truth, 1e-7}, cold.vectors.col(0)).factorisations <= cold.factorisations);
     }
 }
 
@@ -99,9 +94,8 @@ TEST_CASE("pencil end: a start vector helps or does no harm, even an eigenvector
     for (const SpectrumEnd end : both_ends) {
       const SpectrumEnd other = end == SpectrumEnd::smallest ? SpectrumEnd::largest : SpectrumEnd::smallest;
       const Index n = problem.b.rows();
-      for (const Vector& start :
-           {Vector(problem.find(other).vectors.col(0)), Vector(RandomStream(3).normal_vector(n)),
-            Vector(Vector::Unit(n, 0)), Vector(Vector::Zero(n)), Vector(Vector::Ones(2))}) {
+      for (const Vector& start : {Vector(problem.find(other).vectors.col(0)), Vector(RandomStream(3).normal_vector(n)),
+                                  Vector(Vector::Unit(n, 0)), Vector(Vector::Zero(n)), Vector(Vector::Ones(2))}) {
         const PencilEnd found = problem.find(end, {.certify = true}, {}, start);
         REQUIRE(found.converged);
         CHECK(found.certified);
@@ -163,8 +157,7 @@ TEST_CASE("pencil end: a value that a false bound passes off as the end is not c
             const double truth = problem.expected(end);
             problem.point.low = end == SpectrumEnd::smallest ? truth * (1 + false_by) : 0;
             problem.point.high = end == SpectrumEnd::largest ? truth * (1 - false_by) : infinity;
-            const PencilEnd found =
-                problem.find(end, {.tolerance = tolerance, .certify = true, .steps = steps});
+            const PencilEnd found = problem.find(end, {.tolerance = tolerance, .certify = true, .steps = steps});
             const double away = std::abs(found.values[0] - truth);
             if (!found.converged || away <= 20 * tolerance * std::max(1.0, truth) + 1e-12) continue;
             CHECK_FALSE(found.certified);
@@ -197,8 +190,7 @@ TEST_CASE("pencil end: out of factorisations is marked, and what was found stays
 
 TEST_CASE("relaxed: the same spectrum under another omega as computed with it") {
   const InterfaceFamily family(build(random_lattice(2, 8, 6, {3, 2})).parts);
-  for (const SpectralSolver solver :
-       {SpectralSolver::dense, SpectralSolver::arpack, SpectralSolver::shift_invert})
+  for (const SpectralSolver solver : {SpectralSolver::dense, SpectralSolver::arpack, SpectralSolver::shift_invert})
     for (const double epsilon : {0.0, 0.05, 3.0})
       for (const double eta : {0.3, infinity})
         for (const double omega : {0.2, 1.0, 1.6, 4.0}) {
@@ -214,18 +206,15 @@ TEST_CASE("relaxed: the same spectrum under another omega as computed with it") 
           CHECK(after.converged == direct.converged);
           CHECK(after.residual == omega * plain.residual);
           CHECK(after.unit_multiplicity == plain.unit_multiplicity);
-          CHECK(after.subdominant_min ==
-                doctest::Approx(1 - omega * (1 - plain.subdominant_min)).epsilon(1e-14));
-          CHECK(after.subdominant_max ==
-                doctest::Approx(1 - omega * (1 - plain.subdominant_max)).epsilon(1e-14));
+          CHECK(after.subdominant_min == doctest::Approx(1 - omega * (1 - plain.subdominant_min)).epsilon(1e-14));
+          CHECK(after.subdominant_max == doctest::Approx(1 - omega * (1 - plain.subdominant_max)).epsilon(1e-14));
           if (plain.unit_multiplicity > 0) CHECK(after.eigenvalue_max >= 1);
           REQUIRE(after.low.size() == plain.low.size());
           for (std::size_t k = 0; k < plain.low.size(); ++k)
             CHECK(after.low[k] == doctest::Approx(1 - omega * (1 - plain.low[k])).epsilon(1e-14));
           CHECK(after.certified == plain.certified);
           if (plain.certified)
-            CHECK(after.interval_max[1] ==
-                  doctest::Approx(1 - omega * (1 - plain.interval_max[1])).epsilon(1e-14));
+            CHECK(after.interval_max[1] == doctest::Approx(1 - omega * (1 - plain.interval_max[1])).epsilon(1e-14));
         }
 }
 
@@ -247,8 +236,8 @@ TEST_CASE("matrix-free: the residual is that of the worse end") {
   const InterfaceFamily family(build(random_lattice(2, 8, 6, {3, 2})).parts);
   const Contraction b{family.at(0.3), family.at(0.05)};
   const Matrix s = b.system.dense(), p = b.preconditioner.dense();
-  const SpectralRadius found = spectral_radius(
-      b, {.solver = SpectralSolver::arpack, .tolerance = 1, .arpack = {.basis = 6, .tolerance = 1e-2}});
+  const SpectralRadius found =
+      spectral_radius(b, {.solver = SpectralSolver::arpack, .tolerance = 1, .arpack = {.basis = 6, .tolerance = 1e-2}});
   const auto residual = [&](const Vector& x, double mu) {
     const Vector r = s * x - (1 - mu) * (p * x);
     return std::sqrt(r.dot(p.llt().solve(r)) / x.dot(p * x));
@@ -290,13 +279,12 @@ TEST_CASE("shift-invert: an end without a proof leaves the radius uncertified, w
       return InertiaFamily{[=](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
                              const Index corner = lower.rows() - 1;
                              const double shift = lower.coeff(corner, corner) / unit;
-                             return shift > from && shift < to ? InertiaFactor{}
-                                                               : sighted.factorise(lower, parameters);
+                             return shift > from && shift < to ? InertiaFactor{} : sighted.factorise(lower, parameters);
                            },
                            sighted.release};
     };
-    const SpectralRadius found = spectral_radius(
-        b, {.solver = SpectralSolver::shift_invert, .certify = true, .inertia = {"blind", blind}});
+    const SpectralRadius found =
+        spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = true, .inertia = {"blind", blind}});
     CHECK(found.converged);
     CHECK_FALSE(found.certified);
   }

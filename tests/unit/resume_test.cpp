@@ -132,11 +132,10 @@ TEST_CASE("work records: equal for equal work, different for anything that rows 
     CAPTURE(found);
     CHECK(found.find("choice of options differs") != std::string::npos);
   }
-  for (const std::string& found :
-       {changed([](StudyTable& t) { t.sweep.spectral.solver = SpectralSolver::arpack; }),
-        changed([](StudyTable& t) { t.sweep.spectral.tolerance = 1e-7; }),
-        changed([](StudyTable& t) { t.sweep.spectral.dense_limit = 1; }),
-        changed([](StudyTable& t) { t.sweep.spectral.arpack.maximum_restarts = 1; })}) {
+  for (const std::string& found : {changed([](StudyTable& t) { t.sweep.spectral.solver = SpectralSolver::arpack; }),
+                                   changed([](StudyTable& t) { t.sweep.spectral.tolerance = 1e-7; }),
+                                   changed([](StudyTable& t) { t.sweep.spectral.dense_limit = 1; }),
+                                   changed([](StudyTable& t) { t.sweep.spectral.arpack.maximum_restarts = 1; })}) {
     CAPTURE(found);
     CHECK(found.find("solver options differs") != std::string::npos);
   }
@@ -146,8 +145,7 @@ TEST_CASE("work records: active and unilateral contacts are different work") {
   StudyTable active = two_variations(), unilateral = active;
   active.sweep.contacts = ContactSet::active;
   unilateral.sweep.contacts = ContactSet::unilateral;
-  CHECK(difference(work_identity(active), work_identity(unilateral)).find("choice of options") !=
-        std::string::npos);
+  CHECK(difference(work_identity(active), work_identity(unilateral)).find("choice of options") != std::string::npos);
 }
 
 TEST_CASE("work records: the last of many values counts, and the content of a packing rather than its path") {

@@ -29,8 +29,8 @@ struct Run {
   const KnownPencil& pencil;
   ShiftInvertResult operator()(double sigma, SpectrumEnd end, Index wanted, const Vector& start = {},
                                const ShiftInvertOptions& options = {}) const {
-    return shift_invert_lanczos(pencil.p.rows(), shifted_inverse(pencil, sigma), map_of(pencil.p), sigma, end,
-                                wanted, options, start);
+    return shift_invert_lanczos(pencil.p.rows(), shifted_inverse(pencil, sigma), map_of(pencil.p), sigma, end, wanted,
+                                options, start);
   }
 };
 
@@ -108,8 +108,7 @@ TEST_CASE("shift-invert Lanczos: the start vector changes values within the tole
   const double sigma = values[0] - 0.02;
   const ShiftInvertResult plain = run(sigma, SpectrumEnd::smallest, 3);
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const ShiftInvertResult other =
-        run(sigma, SpectrumEnd::smallest, 3, RandomStream(seed).normal_vector(90));
+    const ShiftInvertResult other = run(sigma, SpectrumEnd::smallest, 3, RandomStream(seed).normal_vector(90));
     REQUIRE(other.converged);
     CHECK((other.values - plain.values).cwiseAbs().maxCoeff() < 1e-10);
   }
@@ -148,13 +147,10 @@ TEST_CASE("shift-invert Lanczos: what is locked is not found again") {
   const Index n = 50;
   Vector values(n);
   for (Index i = 0; i < n; ++i) values[i] = 1 + static_cast<double>(i);
-  const LinearMap inverse = [=](const Vector& x) -> Vector {
-    return x.cwiseQuotient((values.array() - 0.5).matrix());
-  };
+  const LinearMap inverse = [=](const Vector& x) -> Vector { return x.cwiseQuotient((values.array() - 0.5).matrix()); };
   const LinearMap mass = [](const Vector& x) { return x; };
   const Matrix locked = Matrix::Identity(n, 2);
-  const ShiftInvertResult found =
-      shift_invert_lanczos(n, inverse, mass, 0.5, SpectrumEnd::smallest, 2, {}, {}, locked);
+  const ShiftInvertResult found = shift_invert_lanczos(n, inverse, mass, 0.5, SpectrumEnd::smallest, 2, {}, {}, locked);
   REQUIRE(found.values.size() == 2);
   CHECK(found.values[0] == doctest::Approx(3));
   CHECK(found.values[1] == doctest::Approx(4));

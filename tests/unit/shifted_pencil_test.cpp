@@ -88,8 +88,8 @@ TEST_CASE("shifted pencil: counts and solves on deposits, METIS parts, unequal m
   Case metis = random_lattice(25, 8, 7, {1, 1});
   metis.spec.partition = MetisPartitioner{.metis = 6, .seed = 1};
   bool crossed = false;
-  for (const Case& one : {deposit(60, {3, 2}), deposit(80, {1, 1}, 5), metis,
-                          with_unequal_masses(random_lattice(23, 7, 6, {3, 2}), 7)}) {
+  for (const Case& one :
+       {deposit(60, {3, 2}), deposit(80, {1, 1}, 5), metis, with_unequal_masses(random_lattice(23, 7, 6, {3, 2}), 7)}) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     REQUIRE(model.parts.interface_size() > 4);

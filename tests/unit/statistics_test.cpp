@@ -21,8 +21,7 @@ TEST_CASE("statistics: the part of a disk in a corner, against known parts and c
   CHECK(disk_corner_area(-1, 3) == 0);
   CHECK(disk_corner_area(-0.8, -0.7) == 0);
   RandomStream random(1);
-  for (const auto& [a, b] :
-       {std::pair{0.3, 0.4}, {-0.3, 0.4}, {-0.3, -0.6}, {0.9, 0.8}, {-0.8, 0.9}, {0.9, -0.8}}) {
+  for (const auto& [a, b] : {std::pair{0.3, 0.4}, {-0.3, 0.4}, {-0.3, -0.6}, {0.9, 0.8}, {-0.8, 0.9}, {0.9, -0.8}}) {
     constexpr int n = 200'000;
     int inside = 0;
     for (int i = 0; i < n; ++i) {

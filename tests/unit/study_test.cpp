@@ -26,9 +26,8 @@ TEST_CASE("SPEC: numbers, lists, ranges with exact ends, and mixtures") {
 }
 
 TEST_CASE("SPEC: nonsense is refused by name") {
-  for (const char* spec :
-       {"", ",", "1,", "a", "1:2", "1:2:3:4", "1:2:3:quadratic", "0:1:5", "-1:1:5", "1:2:0", "1:2:1",
-        "1:2:2.5", "1:2:-3", "1:inf:3", "nan:1:3", "1:2:1000000000", "1:2:3:linear:4", "1;2"}) {
+  for (const char* spec : {"", ",", "1,", "a", "1:2", "1:2:3:4", "1:2:3:quadratic", "0:1:5", "-1:1:5", "1:2:0", "1:2:1",
+                           "1:2:2.5", "1:2:-3", "1:inf:3", "nan:1:3", "1:2:1000000000", "1:2:3:linear:4", "1;2"}) {
     CAPTURE(spec);
     CHECK_THROWS_WITH_AS(parse_values(spec, "quantity"), doctest::Contains("quantity"), Error);
   }
@@ -49,8 +48,7 @@ TEST_CASE("SPEC: flexibilities relative to the packing have a W behind every num
   CHECK(parse_epsilon("0,2 W").relative);
   CHECK(parse_epsilon("1:3:3:linear W").values == std::vector<double>{1, 2, 3});
   CHECK_FALSE(parse_epsilon("0,2").relative);
-  CHECK_THROWS_WITH_AS(parse_epsilon("1,2W"), doctest::Contains("a W behind every number or behind none"),
-                       Error);
+  CHECK_THROWS_WITH_AS(parse_epsilon("1,2W"), doctest::Contains("a W behind every number or behind none"), Error);
   for (const char* spec : {"W", "1WW", "1w", "1:2W:3", "-1W", ",W"}) CHECK_THROWS_AS(parse_eta(spec), Error);
 }
 
@@ -100,8 +98,7 @@ TEST_CASE("sweep: one row per point, last list fastest, columns in place") {
   std::vector<Row> rows;
   Index reported = 0;
   const Index failed = sweep(
-      build(strip(8)), parameters,
-      [&](const SweepResult& result) { rows.push_back(row(sweep_columns(), result)); },
+      build(strip(8)), parameters, [&](const SweepResult& result) { rows.push_back(row(sweep_columns(), result)); },
       [&](Index done, Index total) {
         CHECK(total == 8);
         reported = done;
@@ -124,8 +121,7 @@ TEST_CASE("sweep: a monitor that says stop stops it; optimal relaxation needs an
   parameters.epsilon = {1, 2, 3, 4};
   Index rows = 0;
   sweep(
-      build(strip(4)), parameters, [&](const SweepResult&) { ++rows; },
-      [](Index done, Index) { return done < 2; });
+      build(strip(4)), parameters, [&](const SweepResult&) { ++rows; }, [](Index done, Index) { return done < 2; });
   CHECK(rows == 2);
   parameters.relaxation = {std::nullopt};
   parameters.gauss_seidel_sweeps = {3};
@@ -210,8 +206,7 @@ TEST_CASE("study: variations become columns, every combination a block of rows")
   CHECK(std::get<double>(rows[4][1]) == 1.0);
   // unit masses: the radius of the disks is a length and changes nothing
   const std::size_t radius = Table{columns, {}}.column("spectral_radius");
-  CHECK(std::get<double>(rows[0][radius]) ==
-        doctest::Approx(std::get<double>(rows[4][radius])).epsilon(1e-12));
+  CHECK(std::get<double>(rows[0][radius]) == doctest::Approx(std::get<double>(rows[4][radius])).epsilon(1e-12));
 }
 
 TEST_CASE("study: parameters that vary together run through their lists at once, outside the other ones") {

@@ -150,8 +150,7 @@ TEST_CASE("trajectory: steps reach the file together, in commits no more than a 
   const std::string one = folder / "one.h5", together = folder / "together.h5";
   Simulation simulation = small(4);
   TrajectoryWriter singly(one, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
-  TrajectoryWriter gathering(together, header_of(simulation), {simulation.state, {}},
-                             headings(step_columns()));
+  TrajectoryWriter gathering(together, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   RunSinks sinks;
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     for (TrajectoryWriter* writer : {&singly, &gathering})
@@ -199,14 +198,12 @@ TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was,
   const std::string path = folder / "run.h5";
   std::optional<TrajectoryWriter> writer;
   CHECK(nscdd::testing::keeps_error_handler([&] {
-    writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}},
-                   headings(step_columns()));
+    writer.emplace(path, header_of(simulation), TrajectoryStep{simulation.state, {}}, headings(step_columns()));
   }));
   CHECK(nscdd::testing::keeps_error_handler([&] { writer->end("completed"); }));
   CHECK(nscdd::testing::keeps_error_handler([&] { read_last_step(path); }));
   for (const std::string& bytes : {std::string("no HDF5"), to_hdf5({}, std::vector<NamedTable>{})})
-    CHECK(nscdd::testing::keeps_error_handler(
-        [&] { CHECK_THROWS_AS(numbers_from_hdf5(bytes, "x", "y"), Error); }));
+    CHECK(nscdd::testing::keeps_error_handler([&] { CHECK_THROWS_AS(numbers_from_hdf5(bytes, "x", "y"), Error); }));
 }
 
 TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
@@ -231,14 +228,11 @@ TEST_CASE("trajectory: a second writer is refused") {
   const TemporaryFolder folder;
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
-  const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}},
-                                headings(step_columns()));
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, headings(step_columns())), doctest::Contains("by another run"),
-                       Error);
+  const TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns()));
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(path, headings(step_columns())), doctest::Contains("by another run"), Error);
   const std::string link = folder / "link.h5";
   std::filesystem::create_symlink("run.h5", link);
-  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, headings(step_columns())), doctest::Contains("by another run"),
-                       Error);
+  CHECK_THROWS_WITH_AS(TrajectoryWriter(link, headings(step_columns())), doctest::Contains("by another run"), Error);
 }
 
 TEST_CASE("trajectory: what is none, or damaged, is refused") {
@@ -248,8 +242,7 @@ TEST_CASE("trajectory: what is none, or damaged, is refused") {
   nscdd::testing::write_file(other, "x,y\n");
   CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("met something else"), Error);
   nscdd::testing::write_file(other, to_hdf5({}, std::vector<NamedTable>{}));
-  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("other.h5: last: expected a group, met none"),
-                       Error);
+  CHECK_THROWS_WITH_AS(read_last_step(other), doctest::Contains("other.h5: last: expected a group, met none"), Error);
   const Simulation simulation = small(1);
   { TrajectoryWriter writer(path, header_of(simulation), {simulation.state, {}}, headings(step_columns())); }
   const std::string bytes = read_text(path);
@@ -266,8 +259,7 @@ TEST_CASE("trajectory: a state with arrays of different lengths is refused") {
   TrajectoryStep step{simulation.state, {}};
   step.state.spin.pop_back();
   { TrajectoryWriter writer(path, header_of(simulation), step, headings(step_columns())); }
-  CHECK_THROWS_WITH_AS(check(simulation.system, read_last_step(path).state), doctest::Contains("disks"),
-                       Error);
+  CHECK_THROWS_WITH_AS(check(simulation.system, read_last_step(path).state), doctest::Contains("disks"), Error);
 }
 
 TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are refused") {
@@ -275,8 +267,7 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
   const std::string path = folder / "run.h5";
   const Simulation simulation = small(1);
   const Index bodies = simulation.system.disks() + count(simulation.system.walls);
-  const auto require_refused = [&](const std::function<void(TrajectoryStep&)>& damage,
-                                   const std::string& part) {
+  const auto require_refused = [&](const std::function<void(TrajectoryStep&)>& damage, const std::string& part) {
     CAPTURE(part);
     TrajectoryStep step{simulation.state, {TrajectoryContact{}}};
     step.state.gluing.push_back({0, 1, 0, 0, 0});
@@ -299,6 +290,5 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
 TEST_CASE("trajectory: a state that is no number is refused with the file it is in") {
   Simulation simulation = small(1);
   simulation.state.velocity_x[3] = infinity;
-  CHECK_THROWS_WITH_AS(require_fit("run.h5", simulation),
-                       doctest::Contains("run.h5: disk 3: expected finite"), Error);
+  CHECK_THROWS_WITH_AS(require_fit("run.h5", simulation), doctest::Contains("run.h5: disk 3: expected finite"), Error);
 }

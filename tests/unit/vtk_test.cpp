@@ -24,10 +24,9 @@ using Arrays = std::map<std::string, std::vector<double>>;
 // Every array of a file as VTK has it; a test fails where VTK does not read it.
 std::string read_by_vtk(const std::filesystem::path& file) {
   const std::filesystem::path out = file.string() + ".txt";
-  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/unit/read_vtk.py").string() +
-                              "' '" + file.string() + "' > '" + out.string() + "'";
-  REQUIRE_MESSAGE(std::system(command.c_str()) == 0,
-                  "VTK (Debian package python3-vtk9) does not read the file");
+  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/unit/read_vtk.py").string() + "' '" +
+                              file.string() + "' > '" + out.string() + "'";
+  REQUIRE_MESSAGE(std::system(command.c_str()) == 0, "VTK (Debian package python3-vtk9) does not read the file");
   return read_file(out);
 }
 

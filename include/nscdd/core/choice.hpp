@@ -46,8 +46,7 @@ constexpr std::optional<Enum> named(std::string_view name) {
 
 /// Position of a name among others. Throws Error "what: expected one of ..., met ..." if it is not among
 /// them.
-std::size_t position_of(std::string_view name, std::span<const std::string_view> names,
-                        std::string_view what);
+std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what);
 
 /// A parameter with named values. It can be set to a value or to a name; an unknown name throws Error.
 template <Named Enum>

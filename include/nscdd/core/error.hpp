@@ -15,8 +15,7 @@ class Error : public std::runtime_error {
   explicit Error(const std::string& message) : std::runtime_error(message) {}
   /// About the value of a key of a case ("solver.criterion"): what() is "key: message", and whoever knows the
   /// file adds its name and line.
-  Error(std::string key, const std::string& message)
-      : std::runtime_error(key + ": " + message), key_(std::move(key)) {}
+  Error(std::string key, const std::string& message) : std::runtime_error(key + ": " + message), key_(std::move(key)) {}
   const std::string& key() const { return key_; }
 
  private:

@@ -88,8 +88,8 @@ template <class Parameters>
 std::vector<FieldDescription> describe_fields(const Parameters& parameters) {
   std::vector<FieldDescription> all;
   Parameters::fields(parameters, [&](std::string_view key, const auto& value, const Field& field) {
-    all.push_back({std::string(key), std::string(field_type(value)), field_text(value),
-                   std::string(field.unit), std::string(field.description)});
+    all.push_back({std::string(key), std::string(field_type(value)), field_text(value), std::string(field.unit),
+                   std::string(field.description)});
   });
   return all;
 }
@@ -98,16 +98,14 @@ std::vector<FieldDescription> describe_fields(const Parameters& parameters) {
 template <class Parameters>
 std::string field_lines(const Parameters& parameters) {
   std::string lines;
-  for (const FieldDescription& field : describe_fields(parameters))
-    lines += field.key + " = " + field.value + "\n";
+  for (const FieldDescription& field : describe_fields(parameters)) lines += field.key + " = " + field.value + "\n";
   return lines;
 }
 
 /// Sets the parameter `key` from text and checks its bounds. Returns false if the struct has no such key.
 /// `path` is the name for error messages, such as "packing.grains".
 template <class Parameters>
-bool override_field(Parameters& parameters, std::string_view key, std::string_view text,
-                    std::string_view path) {
+bool override_field(Parameters& parameters, std::string_view key, std::string_view text, std::string_view path) {
   bool found = false;
   Parameters::fields(parameters, [&](std::string_view name, auto& value, const Field& field) {
     if (name != key) return;

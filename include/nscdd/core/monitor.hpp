@@ -11,8 +11,6 @@ namespace nscdd {
 /// once and returns what it has. An empty Monitor is never called.
 using Monitor = std::function<bool(Index done, Index total)>;
 
-inline bool report(const Monitor& monitor, Index done, Index total) {
-  return !monitor || monitor(done, total);
-}
+inline bool report(const Monitor& monitor, Index done, Index total) { return !monitor || monitor(done, total); }
 
 }  // namespace nscdd

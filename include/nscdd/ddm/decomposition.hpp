@@ -14,9 +14,9 @@ namespace nscdd {
 struct Subdomain {
   std::vector<Index> grains;    ///< global numbers, ascending: n_E of them
   std::vector<Index> contacts;  ///< global numbers, ascending: c_E of them
-  Vector inertia;  ///< diagonal of M_E, d n_E: a grain shared by q subdomains has 1/q of its inertia
-  SparseMatrix h;  ///< H_E, d n_E x c_E
-  SparseMatrix a;  ///< A_E, n_Gamma x d n_E, signed boolean
+  Vector inertia;               ///< diagonal of M_E, d n_E: a grain shared by q subdomains has 1/q of its inertia
+  SparseMatrix h;               ///< H_E, d n_E x c_E
+  SparseMatrix a;               ///< A_E, n_Gamma x d n_E, signed boolean
 };
 
 /// A packing cut in the FETI way ([ADI12] section 2): contacts are distributed among the subdomains, and

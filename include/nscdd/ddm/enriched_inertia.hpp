@@ -36,8 +36,7 @@ class EnrichedInertia {
 /// Large subdomains keep the pattern of their sparse Cholesky factor; only its numbers are computed again.
 class EnrichedInertiaFamily {
  public:
-  static constexpr Index default_dense_limit =
-      300;  ///< unknowns d n_E up to which a subdomain is diagonalised
+  static constexpr Index default_dense_limit = 300;  ///< unknowns d n_E up to which a subdomain is diagonalised
 
   explicit EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit = default_dense_limit);
   EnrichedInertia at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise

@@ -33,8 +33,8 @@ struct GranularDecomposition {
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
 /// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.
-GranularDecomposition decompose(const StepProblem& problem, const Partition& partition,
-                                Choice<ContactOrder> order, std::uint64_t seed);
+GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
+                                std::uint64_t seed);
 
 /// M and H of a step for the linear analysis. A disk has three rows (x, y, rim; inertia m, m, m/2), empty
 /// ones in H if it is driven. Columns 2 c and 2 c + 1 are the normal and the tangential direction of contact

@@ -20,7 +20,7 @@ struct IterationRecord {
   /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. Impulses may drift within what the networks carry; that keeps Z
   /// from falling, but not this.
   double interface_second_change = 0;
-  double gluing = 0;  ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
+  double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
   double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
@@ -73,7 +73,7 @@ class GranularTwoStage {
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
   std::vector<std::vector<LocalVector>> before_;         // impulses before Stage 1, where n_GS > 1
   double free_speed_squared_ = 0;                        // |V_free|^2 over the copies of shared grains
-  double impulse_floor_squared_ = 0;  // impulses below it are rounding of those that grains bring
+  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
   Index iteration_ = 0, sweeps_ = 0;
 };
 

@@ -53,8 +53,7 @@ class InterfaceOperator {
 /// flexibility is computed once. Operators own what they need and outlive the family.
 class InterfaceFamily {
  public:
-  explicit InterfaceFamily(const Decomposition& parts,
-                           Index dense_limit = EnrichedInertiaFamily::default_dense_limit);
+  explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = EnrichedInertiaFamily::default_dense_limit);
   InterfaceOperator at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
   const Decomposition& parts() const;
 

@@ -35,11 +35,11 @@ constexpr auto names_of(OptimumStatus) {
 struct Optimum {
   OptimumStatus status = OptimumStatus::interior;
   Index unit_multiplicity = 0;
-  double generic_radius = not_a_number;   ///< at eta = infinity
-  double eta = not_a_number;              ///< best eta, 1/kg
-  double radius = not_a_number;           ///< radius there
-  double convergent_from = not_a_number;  ///< smallest eta with rho < 1; 0 if every eta converges
-  double better_from = not_a_number;      ///< smallest eta better than the generic algorithm; 0 for all
+  double generic_radius = not_a_number;          ///< at eta = infinity
+  double eta = not_a_number;                     ///< best eta, 1/kg
+  double radius = not_a_number;                  ///< radius there
+  double convergent_from = not_a_number;         ///< smallest eta with rho < 1; 0 if every eta converges
+  double better_from = not_a_number;             ///< smallest eta better than the generic algorithm; 0 for all
   double generic_relaxed_radius = not_a_number;  ///< generic with its optimal omega
   double generic_relaxation = not_a_number;      ///< that omega
   OptimumStatus relaxed_status = OptimumStatus::interior;

@@ -57,18 +57,17 @@ inline constexpr Index dense_kernel_limit = 4000;
 /// Spectral radius of a contraction operator with its certificate. Every eigenvalue of B is real, because it
 /// is 1 - omega lambda for an eigenvalue lambda of the symmetric pencil (S, P).
 struct SpectralRadius {
-  double value = 0;  ///< rho(B) = max(|eigenvalue_min|, |eigenvalue_max|); 0 for an empty interface
+  double value = 0;                      ///< rho(B) = max(|eigenvalue_min|, |eigenvalue_max|); 0 for an empty interface
   double eigenvalue_min = not_a_number;  ///< smallest eigenvalue of B (NaN for an empty interface)
   double eigenvalue_max = not_a_number;  ///< largest eigenvalue of B
-  Index unit_multiplicity =
-      0;  ///< of the eigenvalue 1 in the rigid limit, n_Gamma - rank X_0; 0 for epsilon > 0
+  Index unit_multiplicity = 0;  ///< of the eigenvalue 1 in the rigid limit, n_Gamma - rank X_0; 0 for epsilon > 0
   /// Largest modulus among the other eigenvalues, the rate at which the iteration converges on the
   /// complement of ker S; equals `value` where unit_multiplicity is 0, and is 0 where B = I.
   double subdominant = 0;
   double subdominant_min = not_a_number;  ///< ends of the spectrum without the unit eigenvalues
   double subdominant_max = not_a_number;
   std::string_view solver = "none";  ///< "dense", "arpack", "shift-invert", or "none" for an empty interface
-  Index applications = 0;  ///< products with interface operators or solves; 0 where they were assembled
+  Index applications = 0;            ///< products with interface operators or solves; 0 where they were assembled
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
   /// this distance of each end given. For shift-invert the distance of the end from a shift with no
   /// eigenvalue beyond it, times omega: the end itself lies within it.

@@ -9,9 +9,7 @@ namespace nscdd {
 
 /// Plain nonlinear Gauss-Seidel, or Algorithm 1 of [ADI12] in its generic or enriched form.
 enum class StepAlgorithm { nlgs, generic, enriched };
-constexpr auto names_of(StepAlgorithm) {
-  return std::to_array<std::string_view>({"nlgs", "generic", "enriched"});
-}
+constexpr auto names_of(StepAlgorithm) { return std::to_array<std::string_view>({"nlgs", "generic", "enriched"}); }
 
 /// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
 enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r, none };
@@ -87,20 +85,15 @@ struct StepSolver {
           Field{.description = "start from the impulses of the last step, not from zero"});
     visit("eta", self.eta,
           Field{.description = "flexibility of the enriched Stage 2: a number, or optimal", .unit = "1/kg"});
-    visit(
-        "network", self.network,
-        Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
-                             "last step"});
+    visit("network", self.network,
+          Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
+                               "last step"});
     visit("enrichment", self.enrichment,
-          Field{.description =
-                    "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
-                    "carried an impulse in the last step"});
+          Field{.description = "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
+                               "carried an impulse in the last step"});
     visit("interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
     visit("interface_relaxation", self.interface_relaxation,
-          Field{.description = "relaxation omega of Stage 2",
-                .minimum = 0,
-                .minimum_excluded = true,
-                .maximum = 1000});
+          Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
     visit("redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
   }

@@ -36,8 +36,7 @@ struct NumberColumn {
 std::string to_hdf5(const Provenance& provenance, const std::vector<NamedTable>& tables);
 
 /// The same for one group of numbers alone, without a cell for each of them.
-std::string to_hdf5(const Provenance& provenance, const std::string& group,
-                    const std::vector<NumberColumn>& columns);
+std::string to_hdf5(const Provenance& provenance, const std::string& group, const std::vector<NumberColumn>& columns);
 
 /// What an HDF5 file of tables holds.
 struct TablesFile {

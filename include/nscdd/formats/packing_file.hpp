@@ -34,7 +34,6 @@ std::string packing_csv(const Packing& packing);
 
 /// Writes a packing so that it reads back bit for bit: as `packing_csv`, or the numbers themselves.
 /// The provenance goes into the group of that name, or into remarks ('#') at the top of CSV.
-void write_packing(OutputFile& file, PackingFormat format, const Packing& packing,
-                   const Provenance& provenance);
+void write_packing(OutputFile& file, PackingFormat format, const Packing& packing, const Provenance& provenance);
 
 }  // namespace nscdd

@@ -33,15 +33,13 @@ enum class SpectrumEnd { smallest, largest };
 /// vector, a thousandth of which is added to any other, so that a wrong eigenvector is left. Equal calls give
 /// equal bits. One call runs at a time (ARPACK keeps state in static memory); others wait. Throws Error for a
 /// size ARPACK cannot take.
-LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse,
-                      SpectrumEnd end, const ArpackOptions& options = {}, const Vector& start = {});
+LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
+                      const ArpackOptions& options = {}, const Vector& start = {});
 
 /// Eigenvalue of largest modulus of a nonsymmetric operator.
 struct ArnoldiResult {
-  std::complex<double> value{not_a_number,
-                             not_a_number};  ///< of a complex pair, the one with positive imaginary part
-  double residual =
-      not_a_number;  ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
+  std::complex<double> value{not_a_number, not_a_number};  ///< of a complex pair, the one with positive imaginary part
+  double residual = not_a_number;  ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
   Index applications = 0;
   Index units = 0;  ///< eigenvalues passed over because they lie within `unit_tolerance` of 1
   bool converged = false;
@@ -50,7 +48,6 @@ struct ArnoldiResult {
 /// Implicitly restarted Arnoldi (ARPACK dnaupd, mode 1) for the eigenvalue of largest modulus, n >= 5.
 /// Several eigenvalues are asked for, so that a complex pair is never cut in two; those nearer to 1 than
 /// `unit_tolerance` are passed over (not converged where all of them are). Fixed start vector.
-ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {},
-                      double unit_tolerance = 0);
+ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {}, double unit_tolerance = 0);
 
 }  // namespace nscdd

@@ -15,7 +15,7 @@ namespace nscdd {
 /// are wanted on the last m rows only, the border; E = [0; I], n x m.
 struct InertiaFactor {
   using Solve = std::function<Vector(const Vector&)>;
-  bool regular = false;  ///< false where the factorisation broke down; nothing else may then be asked
+  bool regular = false;            ///< false where the factorisation broke down; nothing else may then be asked
   Index negative_eigenvalues = 0;  ///< of A, with multiplicity
   Solve solve;                     ///< b -> A^-1 b
   Solve solve_from_border;         ///< g -> A^-1 E g
@@ -51,8 +51,7 @@ struct InertiaMethod {
 InertiaMethod multifrontal();
 
 /// A factor that solves from, to and on the border by whole solves, for methods that know no better.
-InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve,
-                                const InertiaPattern& pattern);
+InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);
 
 /// ||d|| / ||x|| on the border, where x = A^-1 E 1 as the factor has it and d is the correction that one step
 /// of iterative refinement makes to it: how far the factor is from exact. Infinite if the ratio is

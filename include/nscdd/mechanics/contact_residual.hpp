@@ -29,8 +29,7 @@ struct ContactResidual {
 
 /// Sums over the given contacts at the velocities v, which stay as they are. With a cohesive law the natural
 /// map is that of the shifted impulses. With a viscous law it is r' - r.
-ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts,
-                                 std::span<const DiskVelocity> v);
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts, std::span<const DiskVelocity> v);
 
 /// The same over contacts as a step problem has them.
 ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,

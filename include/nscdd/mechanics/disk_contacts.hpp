@@ -55,8 +55,7 @@ inline LocalVector relative_velocity(const DiskContact& c, std::span<const DiskV
 }
 
 /// H_c r on one of its disks, (x, y, rim), N s; sign +1 for b, -1 for a. With r a unit vector, a column of H.
-inline std::array<double, 3> impulse_on_disk(const std::array<double, 2>& normal, double sign,
-                                             LocalVector r) {
+inline std::array<double, 3> impulse_on_disk(const std::array<double, 2>& normal, double sign, LocalVector r) {
   return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 

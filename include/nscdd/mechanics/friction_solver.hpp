@@ -77,8 +77,7 @@ struct FrictionSolution {
 /// blocks. `guess`: impulses to start from, 2c entries, or empty to start from zero. The problem must pass
 /// `check`. If friction is large, a solution need not exist nor be unique, and the sweeps need not converge;
 /// the status says how they ended. Throws Error for a guess of another length and options out of bounds.
-FrictionSolution solve_friction(const LocalFrictionProblem& problem,
-                                const FrictionSolverOptions& options = {}, const Vector& guess = {},
-                                const FrictionObserver& observer = {});
+FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
+                                const Vector& guess = {}, const FrictionObserver& observer = {});
 
 }  // namespace nscdd

@@ -55,7 +55,7 @@ struct GranularState {
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
   Index decomposed_at = -1;                     ///< step whose contacts were partitioned afresh last
-  double eta = 0;  ///< best flexibility found at that step, 1/kg; 0 if none was asked for
+  double eta = 0;                               ///< best flexibility found at that step, 1/kg; 0 if none was asked for
 };
 
 /// The state at time 0: grains are at rest at their places in the packing, boundaries at their centres.

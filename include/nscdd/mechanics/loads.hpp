@@ -20,11 +20,9 @@ struct Loads {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit(
-        "compression", self.compression,
-        Field{.description = "rates of compression along x and y of the arriving velocities", .unit = "1/s"});
-    visit("shear", self.shear,
-          Field{.description = "rate of shear of the arriving velocities", .unit = "1/s"});
+    visit("compression", self.compression,
+          Field{.description = "rates of compression along x and y of the arriving velocities", .unit = "1/s"});
+    visit("shear", self.shear, Field{.description = "rate of shear of the arriving velocities", .unit = "1/s"});
   }
 };
 

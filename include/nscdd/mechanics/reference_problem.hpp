@@ -24,8 +24,8 @@ struct ReferenceProblem {
   Index dofs_per_grain = 2;       ///< d: translations of a frictionless disk; 3 with its rotation
   Index columns_per_contact = 1;  ///< k: 1 normal only; 2 with friction, normal and tangent side by side
   Vector inertia;                 ///< diagonal of M, d n entries, kg
-  SparseMatrix h;            ///< H, d n x k c: column of contact (a, b) is -n on a, +n on b (zeros stored)
-  Vector arriving_velocity;  ///< V^-, d n entries, m/s
+  SparseMatrix h;                 ///< H, d n x k c: column of contact (a, b) is -n on a, +n on b (zeros stored)
+  Vector arriving_velocity;       ///< V^-, d n entries, m/s
 
   Index grains() const { return inertia.size() / dofs_per_grain; }
   Index contacts() const { return h.cols(); }  ///< links of the linear study: columns of H

@@ -27,22 +27,18 @@ struct TimeStepping {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("step", self.step,
-          Field{.description = "time step", .unit = "s", .minimum = 0, .minimum_excluded = true});
+    visit("step", self.step, Field{.description = "time step", .unit = "s", .minimum = 0, .minimum_excluded = true});
     visit("steps", self.steps, Field{.description = "number of time steps", .minimum = 0, .maximum = 1e9});
     visit("theta", self.theta,
           Field{.description = "weight of the velocity at the end of a step", .minimum = 0.5, .maximum = 1});
     visit("gravity", self.gravity, Field{.description = "acceleration of free grains", .unit = "m/s^2"});
-    visit(
-        "alert", self.alert,
-        Field{.description = "contacts are considered whose gap is below this, or comes below it within the "
-                             "step, times the smallest radius",
-              .minimum = 0,
-              .maximum = 10});
-    visit("penetration_correction", self.penetration_correction,
-          Field{.description = "part of an overlap removed per step (restitution 0)",
+    visit("alert", self.alert,
+          Field{.description = "contacts are considered whose gap is below this, or comes below it within the "
+                               "step, times the smallest radius",
                 .minimum = 0,
-                .maximum = 1});
+                .maximum = 10});
+    visit("penetration_correction", self.penetration_correction,
+          Field{.description = "part of an overlap removed per step (restitution 0)", .minimum = 0, .maximum = 1});
     visit("maximum_push_speed", self.maximum_push_speed,
           Field{.description = "largest speed at which an overlap is pushed apart (restitution 0); -1: 0.02 "
                                "(sqrt(g r) + w), r the smaller radius, w the speed of the fastest boundary",
@@ -75,19 +71,19 @@ struct StepContact {
 struct StepProblem {
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
   bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
-  bool pulls = false;                 ///< whether the law pulls; then contacts that touch have a pull
-  double h = 0;                       ///< s
-  std::vector<StepContact> geometry;  ///< ascending by (a, b)
-  std::vector<DiskContact> contacts;  ///< the same contacts for the solver, impulses to start from
-  std::vector<DiskVelocity> start;    ///< V^- of the bodies (of driven ones: in this step)
-  std::vector<DiskVelocity> free;     ///< V^- + h M^-1 F
+  bool pulls = false;                          ///< whether the law pulls; then contacts that touch have a pull
+  double h = 0;                                ///< s
+  std::vector<StepContact> geometry;           ///< ascending by (a, b)
+  std::vector<DiskContact> contacts;           ///< the same contacts for the solver, impulses to start from
+  std::vector<DiskVelocity> start;             ///< V^- of the bodies (of driven ones: in this step)
+  std::vector<DiskVelocity> free;              ///< V^- + h M^-1 F
 };
 
 /// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`,
 /// otherwise from zero. Throws Error naming the disk if one would move by more than ten of its radii in the
 /// step or has a velocity that is not finite, and naming both disks if two have the same centre.
-StepProblem prepare_step(const GranularSystem& system, const GranularState& state,
-                         const Interaction& interaction, const TimeStepping& scheme, bool warm_start);
+StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                         const TimeStepping& scheme, bool warm_start);
 
 /// Scale of flexibilities in a step: the mean of W_nn over its contacts, 1/kg (see ReferenceProblem). A body
 /// whose motion is prescribed adds nothing to W_nn. 0 without contacts.

@@ -13,10 +13,9 @@ namespace nscdd {
 /// A pair of touching grains a < b.
 struct Contact {
   Index a = 0, b = 0;
-  std::array<double, 2> normal{};  ///< unit vector from the centre of a to the centre of b
-  std::array<double, 2>
-      midpoint{};  ///< of the two centres, m: what partitions distribute ([ADI12] section 2)
-  double gap = 0;  ///< m, negative for an overlap
+  std::array<double, 2> normal{};    ///< unit vector from the centre of a to the centre of b
+  std::array<double, 2> midpoint{};  ///< of the two centres, m: what partitions distribute ([ADI12] section 2)
+  double gap = 0;                    ///< m, negative for an overlap
 };
 
 /// Contacts sorted by (a, b).
@@ -33,14 +32,10 @@ struct ContactDetection {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit(
-        "tolerance", self.tolerance,
-        Field{
-            .description = "largest gap of a contact, times the smaller radius", .minimum = 0, .maximum = 1});
-    visit(
-        "overlap_tolerance", self.overlap_tolerance,
-        Field{
-            .description = "largest overlap accepted, times the smaller radius", .minimum = 0, .maximum = 1});
+    visit("tolerance", self.tolerance,
+          Field{.description = "largest gap of a contact, times the smaller radius", .minimum = 0, .maximum = 1});
+    visit("overlap_tolerance", self.overlap_tolerance,
+          Field{.description = "largest overlap accepted, times the smaller radius", .minimum = 0, .maximum = 1});
   }
 };
 

@@ -20,9 +20,7 @@ enum class BoundaryShape {
   disks,   ///< a row of disks from `from` to `to`, both ends included
   grains,  ///< grains first ... last of the packing, driven as one rigid body
 };
-constexpr auto names_of(BoundaryShape) {
-  return std::to_array<std::string_view>({"wall", "disks", "grains"});
-}
+constexpr auto names_of(BoundaryShape) { return std::to_array<std::string_view>({"wall", "disks", "grains"}); }
 
 /// A boundary as a case file describes it ([[boundary]]).
 struct BoundarySpec {
@@ -30,7 +28,7 @@ struct BoundarySpec {
   Choice<BoundaryShape> shape = BoundaryShape::wall;
   std::array<double, 2> from{0, 0}, to{1, 0};  ///< m, wall and disks
   double radius = 0;                           ///< m, disks
-  double spacing = 0;  ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
+  double spacing = 0;          ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
   Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains

@@ -14,9 +14,9 @@ namespace nscdd {
 
 /// Why a run of a simulation ended.
 enum class RunEnd {
-  completed,  ///< TimeStepping::steps are done
-  at_rest,    ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, without always rising
-  stopped,    ///< the monitor asked for it
+  completed,   ///< TimeStepping::steps are done
+  at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, without always rising
+  stopped,     ///< the monitor asked for it
   broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values that are not
                ///< finite
 };
@@ -34,8 +34,7 @@ struct RunOutcome {
 };
 
 /// Called after each step taken, with the simulation behind it and the step as it was solved.
-using StepSink =
-    std::function<void(const Simulation& after, const SolvedStep& solved, const StepReport& report)>;
+using StepSink = std::function<void(const Simulation& after, const SolvedStep& solved, const StepReport& report)>;
 
 /// What may follow a run; each may be empty.
 struct RunSinks {
@@ -48,8 +47,7 @@ struct RunSinks {
 /// down. In the end the simulation is as the last good step left it. `speeds_before`: mean_speed after each
 /// step of the run that this one goes on with. Throws Error if the very first step cannot be prepared,
 /// because that is bad input.
-RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks,
-                          const std::vector<double>& speeds_before = {});
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, const std::vector<double>& speeds_before = {});
 
 /// Root mean square velocity of the free grains, weighted by mass and with their spin, m/s: sqrt(2 E / m)
 /// with their kinetic energy E and their mass m.

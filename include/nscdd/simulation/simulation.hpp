@@ -15,15 +15,14 @@ namespace nscdd {
 
 /// How the iterations of a step ended.
 enum class SolverStatus {
-  converged,  ///< the criterion fell to its tolerance
-  stalled,    ///< the criterion did not fall over the last 10 000 iterations, nor over four fifths of all
+  converged,        ///< the criterion fell to its tolerance
+  stalled,          ///< the criterion did not fall over the last 10 000 iterations, nor over four fifths of all
   maximum_reached,  ///< as many iterations as allowed were made
-  diverged,   ///< impulses grew to a million times their first size, or energy far beyond what there was
-  no_number,  ///< an impulse or velocity is not finite
+  diverged,         ///< impulses grew to a million times their first size, or energy far beyond what there was
+  no_number,        ///< an impulse or velocity is not finite
 };
 constexpr auto names_of(SolverStatus) {
-  return std::to_array<std::string_view>(
-      {"converged", "stalled", "maximum_reached", "diverged", "no_number"});
+  return std::to_array<std::string_view>({"converged", "stalled", "maximum_reached", "diverged", "no_number"});
 }
 
 /// One iteration with all its indicators.
@@ -43,8 +42,7 @@ bool begins_interval(Index iteration, Index per_decade);
 /// at all of them multiplies the time of a run.
 struct IterationSink {
   std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
-  Index every =
-      1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
+  Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
 
   bool looks_at(Index iteration) const;
 };

@@ -45,8 +45,7 @@ struct CaseSpec {
   std::string name;    ///< stem of the file; the `case` column of every table
   std::string source;  ///< the case file as it was named; empty for a case without one
   std::string title;
-  std::variant<Generator, PackingFile, SettledFrom, ContactProblemFile> packing =
-      Generator{TriangularStrip{}};
+  std::variant<Generator, PackingFile, SettledFrom, ContactProblemFile> packing = Generator{TriangularStrip{}};
   ContactDetection contacts;
   Masses masses;
   Partitioner partition = GridPartitioner{};

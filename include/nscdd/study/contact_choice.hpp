@@ -18,9 +18,7 @@ enum class ContactSet {
   unilateral,  ///< G_E: those that carry in the frictionless unilateral problem
 };
 
-constexpr auto names_of(ContactSet) {
-  return std::to_array<std::string_view>({"all", "active", "unilateral"});
-}
+constexpr auto names_of(ContactSet) { return std::to_array<std::string_view>({"all", "active", "unilateral"}); }
 
 /// The contacts of a set, and how they were found.
 struct ContactChoice {

@@ -48,13 +48,12 @@ struct Observable {
 };
 
 namespace observables {
-extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration,
-    force_chains, predicted_observed, runs;
+extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration, force_chains,
+    predicted_observed, runs;
 
 /// Every observable, in the order of `nscdd list`.
-inline constexpr std::array all{
-    &spectral_radius, &optimum,      &observed_rate,      &links, &grains, &indicators,
-    &configuration,   &force_chains, &predicted_observed, &runs};
+inline constexpr std::array all{&spectral_radius, &optimum,      &observed_rate,      &links, &grains, &indicators,
+                                &configuration,   &force_chains, &predicted_observed, &runs};
 }  // namespace observables
 
 /// A case parameter taken through a list of values, such as packing.grains.

@@ -27,8 +27,7 @@ Index subdomains(const GridPartitioner& partitioner) {
   return nx * ny;
 }
 
-Partition partition(const GridPartitioner& partitioner, const Packing& packing,
-                    const ContactNetwork& network) {
+Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network) {
   const auto [nx, ny] = partitioner.grid;
   Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
   if (packing.size() == 0) return result;

@@ -94,8 +94,7 @@ struct RowGroups {
 };
 
 SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern, std::vector<Index> group,
-                                                  const std::vector<char>& last,
-                                                  const std::vector<Index>& border_rows)
+                                                  const std::vector<char>& last, const std::vector<Index>& border_rows)
     : size(pattern.rows()), border(border_rows) {
   const Index groups = size == 0 ? 0 : *std::max_element(group.begin(), group.end()) + 1;
   std::vector<int> weight(at(groups), 0);
@@ -141,15 +140,13 @@ void SymmetricAnalysis::Implementation::lay_out_fronts(const Supernodes& nodes, 
 }
 
 // Each entry of the matrix belongs to the front that eliminates the earlier of its two rows.
-void SymmetricAnalysis::Implementation::share_out_entries(const SparseMatrix& pattern,
-                                                          const RowGroups& groups) {
+void SymmetricAnalysis::Implementation::share_out_entries(const SparseMatrix& pattern, const RowGroups& groups) {
   const auto for_entries = [&](auto&& visit) {
     int source = 0;
     for (Index j = 0; j < size; ++j)
       for (SparseMatrix::InnerIterator e(pattern, j); e; ++e, ++source) {
         const Index earlier = groups.position(e.row()) < groups.position(j) ? e.row() : j;
-        visit(fronts[at(groups.front(earlier))],
-              FrontEntry{source, static_cast<int>(e.row()), static_cast<int>(j)});
+        visit(fronts[at(groups.front(earlier))], FrontEntry{source, static_cast<int>(e.row()), static_cast<int>(j)});
       }
   };
   for_entries([](Front& front, const FrontEntry&) { ++front.last_entry; });  // counts them
@@ -193,8 +190,7 @@ void SymmetricAnalysis::Implementation::mark_border() {
       fronts[at(s)].on_border = true;
   for (Index s = 0; s < count(fronts); ++s) {
     const Front& front = fronts[at(s)];
-    if (!front.on_border && (front.parent < 0 || fronts[at(front.parent)].on_border))
-      interior_roots.push_back(s);
+    if (!front.on_border && (front.parent < 0 || fronts[at(front.parent)].on_border)) interior_roots.push_back(s);
   }
 }
 

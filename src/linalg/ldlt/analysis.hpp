@@ -14,10 +14,10 @@ struct Front {
   Index rows = 0, pivots = 0;
   Index parent = -1;
   Index first_entry = 0, last_entry = 0;  ///< its entries of the matrix: first_entry ... last_entry - 1
-  std::vector<Index> panels;    ///< ends of the panels of pivot columns, the last one being `pivots`
-  std::vector<Index> children;  ///< ascending
-  double subtree_flops = 0;     ///< of the front and all below it
-  bool on_border = false;       ///< lies on the way from a border row to the root
+  std::vector<Index> panels;              ///< ends of the panels of pivot columns, the last one being `pivots`
+  std::vector<Index> children;            ///< ascending
+  double subtree_flops = 0;               ///< of the front and all below it
+  bool on_border = false;                 ///< lies on the way from a border row to the root
   Index update_rows() const { return rows - pivots; }
 };
 

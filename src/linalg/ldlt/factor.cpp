@@ -46,8 +46,7 @@ void subtract_product(Block target, const Block& left, const Matrix& right) {
 class Elimination {
  public:
   // `below`: the fronts of the interior, which are eliminated already and keep their updates.
-  Elimination(const FrontTree& tree, const SparseMatrix& lower, EliminatedFronts& result,
-              const EliminatedFronts* below)
+  Elimination(const FrontTree& tree, const SparseMatrix& lower, EliminatedFronts& result, const EliminatedFronts* below)
       : tree_(tree), values_(lower.valuePtr()), result_(result), below_(below) {}
 
   void eliminate(Index s) const {
@@ -69,8 +68,7 @@ class Elimination {
       const auto n = static_cast<lapack_int>(width), stride = static_cast<lapack_int>(front.rows);
       lapack_int* swaps = own.swaps.data() + first;
       if (!factorise_panel(diagonal, n, stride, swaps, own.off.data() + first)) return;
-      Block left(columns.data() + first * front.rows + first + width, rest, width,
-                 Eigen::OuterStride<>(front.rows));
+      Block left(columns.data() + first * front.rows + first + width, rest, width, Eigen::OuterStride<>(front.rows));
       interchange(swaps, width, [&](Index i, Index j) {
         if (i != j) left.col(i).swap(left.col(j));
       });
@@ -81,8 +79,7 @@ class Elimination {
       left = transposed.transpose();  // L
       const Index columns_left = front.pivots - first - width;
       if (columns_left > 0) {
-        Block target(&columns(first + width, first + width), rest, columns_left,
-                     Eigen::OuterStride<>(front.rows));
+        Block target(&columns(first + width, first + width), rest, columns_left, Eigen::OuterStride<>(front.rows));
         subtract_product(target, left, multiples.topRows(columns_left));
       }
       below_multiples.middleCols(first, width) = multiples.bottomRows(below);
@@ -90,19 +87,17 @@ class Elimination {
     }
     if (below > 0) {
       const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
-      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left,
-                       below_multiples);
+      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, below_multiples);
     }
   }
 
  private:
-  bool factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps,
-                       double* off) const {
+  bool factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps, double* off) const {
     double query = 0;
     LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, &query, -1);
     Vector work(static_cast<Index>(query));
-    lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps,
-                                          work.data(), static_cast<lapack_int>(query));
+    lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, work.data(),
+                                          static_cast<lapack_int>(query));
     if (info != 0 || !std::isfinite(diagonal(n - 1, n - 1))) {
       result_.singular = true;
       return false;
@@ -127,9 +122,8 @@ class Elimination {
       const int* place = tree_.analysis->place_in_parent.data() + child.first_row + child.pivots;
       for (Index j = 0; j < from.cols(); ++j) {
         const Index column = place[j];
-        double* to = column < front.pivots
-                         ? &columns(0, column)
-                         : update.data() + (column - front.pivots) * update.rows() - front.pivots;
+        double* to = column < front.pivots ? &columns(0, column)
+                                           : update.data() + (column - front.pivots) * update.rows() - front.pivots;
         const double* source = from.data() + j * from.rows();
         for (Index i = j; i < from.rows(); ++i) to[place[i]] += source[i];
       }
@@ -150,9 +144,8 @@ SymmetricInterior::Implementation::Implementation(std::shared_ptr<const FrontTre
     : tree(std::move(analysis)), fronts(tree, false, LargeArray(tree.entries(false))) {
   const Elimination elimination(tree, lower, fronts, nullptr);
   const std::vector<Index>& roots = tree.analysis->interior_roots;
-  tbb::parallel_for(Index{0}, count(roots), [&](Index k) {
-    tree.up(roots[at(k)], false, [&](Index s) { elimination.eliminate(s); });
-  });
+  tbb::parallel_for(Index{0}, count(roots),
+                    [&](Index k) { tree.up(roots[at(k)], false, [&](Index s) { elimination.eliminate(s); }); });
 }
 
 LargeArray SymmetricInterior::Implementation::memory() const {
@@ -177,16 +170,14 @@ SymmetricFactor::Implementation::Implementation(
 }
 
 SymmetricInterior::SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
-  with_threads(
-      [&] { implementation_ = std::make_shared<const Implementation>(analysis.implementation_, lower); });
+  with_threads([&] { implementation_ = std::make_shared<const Implementation>(analysis.implementation_, lower); });
 }
 
 SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower)
     : SymmetricFactor(SymmetricInterior(analysis, lower), lower) {}
 
 SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower) {
-  with_threads(
-      [&] { implementation_ = std::make_shared<const Implementation>(interior.implementation_, lower); });
+  with_threads([&] { implementation_ = std::make_shared<const Implementation>(interior.implementation_, lower); });
 }
 
 bool SymmetricFactor::regular() const {

@@ -23,8 +23,8 @@ class SymmetricAnalysis {
   /// entries between two rows of groups of the border may differ. Fronts that lie on no way from a border row
   /// to the root then serve the whole family, see SymmetricInterior. Throws std::bad_alloc if the libraries
   /// run out of memory.
-  SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
-                    const std::vector<char>& last = {}, const std::vector<Index>& border = {});
+  SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last = {},
+                    const std::vector<Index>& border = {});
 
   Index rows() const;
   double entries() const;  ///< entries of the factor

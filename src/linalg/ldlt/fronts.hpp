@@ -162,8 +162,7 @@ class SymmetricInterior::Implementation {
 
 class SymmetricFactor::Implementation {
  public:
-  Implementation(std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts,
-                 const SparseMatrix& lower);
+  Implementation(std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts, const SparseMatrix& lower);
   ~Implementation() { interior->keep(std::move(border.columns)); }
   enum class Fronts { all, border };
   // L^-1 over the fronts `forward`, which are all where b is not zero; D^-1 and L^-T over the fronts

@@ -43,8 +43,7 @@ std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector
   GroupGraph inner;
   for (const int g : kept) {
     for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
-      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0)
-        inner.neighbours.push_back(other);
+      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0) inner.neighbours.push_back(other);
     inner.start.push_back(static_cast<int>(inner.neighbours.size()));
   }
   for (const int k : nested_dissection(inner, kept_weight)) order.push_back(kept[at(k)]);
@@ -54,8 +53,7 @@ std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector
 
 }  // namespace
 
-Supernodes ordered_supernodes(const GroupGraph& graph, const std::vector<int>& weight,
-                              const std::vector<char>& last) {
+Supernodes ordered_supernodes(const GroupGraph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
   if (weight.empty()) return {.group = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
   std::vector<int> order = dissection_with_last(graph, weight, last), start{0}, rows;
   for (int j = 0; j < static_cast<int>(order.size()); ++j) {  // lower triangle with its diagonal

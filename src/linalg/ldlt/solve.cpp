@@ -14,10 +14,8 @@ namespace nscdd {
 Vector SymmetricFactor::Implementation::solve(Vector x, Fronts forward, Fronts backward) const {
   std::vector<Vector> carried(at(tree.size()));  // updates on their way to the parent
   const bool up_border = forward == Fronts::border, down_border = backward == Fronts::border;
-  tree.for_roots(up_border,
-                 [&](Index root) { tree.up(root, up_border, [&](Index s) { go_forward(s, x, carried); }); });
-  tree.for_roots(down_border,
-                 [&](Index root) { tree.down(root, down_border, [&](Index s) { go_back(s, x); }); });
+  tree.for_roots(up_border, [&](Index root) { tree.up(root, up_border, [&](Index s) { go_forward(s, x, carried); }); });
+  tree.for_roots(down_border, [&](Index root) { tree.down(root, down_border, [&](Index s) { go_back(s, x); }); });
   return x;
 }
 
@@ -90,16 +88,14 @@ Matrix SymmetricFactor::Implementation::inverse_block(const std::vector<Index>& 
     if (!reached[at(s)]) continue;
     path.push_back(s);
     const Front& front = tree.front(s);
-    for (Index i = 0; i < front.pivots; ++i)
-      compact[at(analysis.row_of[at(front.first_row + i)])] = reached_rows++;
+    for (Index i = 0; i < front.pivots; ++i) compact[at(analysis.row_of[at(front.first_row + i)])] = reached_rows++;
   }
   Matrix x = Matrix::Zero(reached_rows, count(rows));
   for (Index k = 0; k < count(rows); ++k) x(compact[at(rows[at(k)])], k) = 1;
   const auto rows_of = [&](Index s) {
     const Front& front = tree.front(s);
     std::vector<Index> list;
-    for (Index i = 0; i < front.rows; ++i)
-      list.push_back(compact[at(analysis.row_of[at(front.first_row + i)])]);
+    for (Index i = 0; i < front.rows; ++i) list.push_back(compact[at(analysis.row_of[at(front.first_row + i)])]);
     return list;
   };
   for (const Index s : path) {  // L^-1
@@ -142,8 +138,7 @@ std::vector<Index> SymmetricFactor::Implementation::smallest_pivots(Index wanted
     for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock&) {
       std::vector<Index> place(at(width));
       std::iota(place.begin(), place.end(), first);
-      interchange(own.swaps.data() + first, width,
-                  [&](Index i, Index j) { std::swap(place[at(i)], place[at(j)]); });
+      interchange(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(place[at(i)], place[at(j)]); });
       for (Index k = 0; k < width; ++k) {
         if (k + 1 < width && own.off[first + k] != 0) {
           ++k;  // a 2 x 2 block
@@ -188,8 +183,7 @@ Vector SymmetricFactor::solve_to_border(const Vector& b) const {
 
 Vector SymmetricFactor::solve_on_border(const Vector& g) const {
   Vector x;
-  with_threads(
-      [&] { x = implementation_->solve(implementation_->spread(g), Fronts::border, Fronts::border); });
+  with_threads([&] { x = implementation_->solve(implementation_->spread(g), Fronts::border, Fronts::border); });
   return implementation_->on_border(x);
 }
 

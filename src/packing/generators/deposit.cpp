@@ -25,15 +25,15 @@ Packing generate(const Deposit& deposit, const Monitor& monitor) {
   const SizeDistribution& sizes = deposit.sizes;
   const auto radius_of = radius_quantile(sizes);
   if (deposit.width > 0 && deposit.width < 2 * sizes.radius_max)
-    throw Error(fmt::format("packing.width: expected 0, or at least 2 radius_max = {} m, met {}",
-                            2 * sizes.radius_max, deposit.width));
+    throw Error(fmt::format("packing.width: expected 0, or at least 2 radius_max = {} m, met {}", 2 * sizes.radius_max,
+                            deposit.width));
   RandomStream random(static_cast<std::uint64_t>(deposit.seed));
   std::vector<double> radii(at(deposit.grains));
   for (double& radius : radii) radius = radius_of(random.uniform());
   const double width = deposit.width > 0 ? deposit.width : square_width(radii);
   if (width > 1e7 * sizes.radius_min)
-    throw Error(fmt::format("packing.width: expected at most 10^7 radius_min = {} m, met {}",
-                            1e7 * sizes.radius_min, width));
+    throw Error(
+        fmt::format("packing.width: expected at most 10^7 radius_min = {} m, met {}", 1e7 * sizes.radius_min, width));
   Packing packing;
   packing.x.reserve(radii.size());
   packing.y.reserve(radii.size());

@@ -28,9 +28,8 @@ std::vector<char> vacant_sites(const std::vector<double>& numbers, double fracti
   const auto vacant = static_cast<std::ptrdiff_t>(std::min(std::round(fraction * sites), sites - 1));
   std::vector<std::size_t> order(numbers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::nth_element(order.begin(), order.begin() + vacant, order.end(), [&](std::size_t i, std::size_t j) {
-    return std::pair(numbers[i], i) < std::pair(numbers[j], j);
-  });
+  std::nth_element(order.begin(), order.begin() + vacant, order.end(),
+                   [&](std::size_t i, std::size_t j) { return std::pair(numbers[i], i) < std::pair(numbers[j], j); });
   std::vector<char> flags(numbers.size(), 0);
   std::for_each(order.begin(), order.begin() + vacant, [&](std::size_t site) { flags[site] = 1; });
   return flags;
@@ -41,8 +40,8 @@ std::vector<char> vacant_sites(const std::vector<double>& numbers, double fracti
 Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
   const Index sites = lattice.columns * lattice.rows;
   if (sites > 10'000'000)
-    throw Error(fmt::format("packing: expected at most 10000000 disks, met {} columns x {} rows",
-                            lattice.columns, lattice.rows));
+    throw Error(fmt::format("packing: expected at most 10000000 disks, met {} columns x {} rows", lattice.columns,
+                            lattice.rows));
   std::vector<double> shrinking;
   std::vector<char> vacant;
   if (lattice.vacancies > 0 || lattice.disorder > 0) {

@@ -24,8 +24,7 @@ struct GridPartitioner {
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
-    visit("grid", self.grid,
-          Field{.description = "cells along x and along y", .minimum = 1, .maximum = 100000});
+    visit("grid", self.grid, Field{.description = "cells along x and along y", .minimum = 1, .maximum = 100000});
   }
   static std::optional<std::string> value_of_option(std::string_view text) {
     const auto cross = text.find('x');
@@ -38,7 +37,6 @@ struct GridPartitioner {
 Index subdomains(const GridPartitioner& partitioner);
 
 /// A midpoint within 1e-9 of a cell size above a line counts as on it. Throws Error for over 10^6 cells.
-Partition partition(const GridPartitioner& partitioner, const Packing& packing,
-                    const ContactNetwork& network);
+Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network);
 
 }  // namespace nscdd

@@ -20,9 +20,7 @@ struct LinearViscous {
   double flexibility() const { return epsilon; }
 
   /// Impulse of one contact: solves v = free_velocity + delassus r together with the law; delassus > 0.
-  double impulse(double free_velocity, double delassus) const {
-    return -free_velocity / (delassus + epsilon);
-  }
+  double impulse(double free_velocity, double delassus) const { return -free_velocity / (delassus + epsilon); }
 
   /// The same of a contact with both components, as Coulomb::impulse.
   template <class Delassus>

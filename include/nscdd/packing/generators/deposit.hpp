@@ -29,13 +29,10 @@ struct Deposit {
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("grains", self.grains, Field{.description = "number of grains", .minimum = 1, .maximum = 1e7});
-    visit(
-        "width", self.width,
-        Field{
-            .description = "width of the box; 0 for a bed about as high as wide", .unit = "m", .minimum = 0});
+    visit("width", self.width,
+          Field{.description = "width of the box; 0 for a bed about as high as wide", .unit = "m", .minimum = 0});
     SizeDistribution::fields(self.sizes, visit);
-    visit("seed", self.seed,
-          Field{.description = "seed of sizes and places", .minimum = 0, .maximum = 4294967295.0});
+    visit("seed", self.seed, Field{.description = "seed of sizes and places", .minimum = 0, .maximum = 4294967295.0});
   }
 };
 
