@@ -19,6 +19,13 @@ const std::string work =
     "sweep hexagonal --set packing.columns=20 --set packing.rows=20 --epsilon 1e-3:1e3:750 --eta 0.1,inf "
     "--csv long.csv";
 
+// Killed as a file grows beyond some bytes.
+RunOptions killed_at(std::size_t bytes) {
+  RunOptions options;
+  options.fatal_size = bytes;
+  return options;
+}
+
 // Sends a signal once a file has some bytes.
 RunOptions stopped(const Session& session, const std::string& file, std::uintmax_t bytes, int signal) {
   RunOptions options;
@@ -33,7 +40,7 @@ RunOptions stopped(const Session& session, const std::string& file, std::uintmax
 
 // The work killed after some rows.
 void kill_work(const Session& session, const std::string& line = work) {
-  REQUIRE(session.run(words(line), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code == 128 + SIGKILL);
+  REQUIRE(session.run(words(line), killed_at(8000)).exit_code == killed_by_size);
   REQUIRE(session.has("long.csv.partial"));
   REQUIRE(session.has("long.csv.record"));
   REQUIRE(!session.has("long.csv"));
@@ -69,8 +76,7 @@ TEST_CASE("resume: a killed sweep ends as one in one piece, byte for byte") {
   kill_work(session);
   const std::string before = session.read("long.csv.partial");
   // it is gone on with, not begun again: killed once more, the rows there were still lead
-  REQUIRE(session.run(words(work + " --resume"), stopped(session, "long.csv.partial", before.size() + 8000, SIGKILL))
-              .exit_code == 128 + SIGKILL);
+  REQUIRE(session.run(words(work + " --resume"), killed_at(before.size() + 8000)).exit_code == killed_by_size);
   CHECK(session.read("long.csv.partial").rfind(before.substr(0, before.rfind('\n') + 1), 0) == 0);
   answer(session, work + " --resume");
   CHECK(session.read("long.csv") == whole.read("long.csv"));
@@ -226,8 +232,7 @@ TEST_CASE("resume: an older table is replaced only where --force says so, and on
   const Session whole, session;
   answer(whole, work);
   session.file("long.csv", "precious");
-  REQUIRE(session.run(words(work + " --force"), stopped(session, "long.csv.partial", 8000, SIGKILL)).exit_code ==
-          128 + SIGKILL);
+  REQUIRE(session.run(words(work + " --force"), killed_at(8000)).exit_code == killed_by_size);
   CHECK(session.read("long.csv") == "precious");
   check_refused(session, work + " --resume", {"long.csv: exists already", "--force"});
   answer(session, work + " --resume --force");

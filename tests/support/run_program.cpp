@@ -105,6 +105,12 @@ struct Stream {
     // The signal would end the program; without it a write fails, as on a full disk.
     if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) ::_exit(127);
   }
+  if (options.fatal_size) {
+    const rlimit limit{*options.fatal_size, *options.fatal_size}, no_dump{0, 0};
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::setrlimit(RLIMIT_CORE, &no_dump) != 0 ||
+        ::signal(SIGXFSZ, SIG_DFL) == SIG_ERR)
+      ::_exit(127);
+  }
   // Without this capability the superuser is held to permissions too; others are anyway, and may not drop it.
   if (options.obey_permissions) ::prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0);
   ::execv(arguments[0], arguments);

@@ -45,12 +45,18 @@ struct RunOptions {
   bool on_terminal = false;
   /// Bytes that a file may grow to, writing more being an error: a disk that fills up.
   std::optional<std::size_t> largest_file;
+  /// Bytes at which the kernel kills the program (SIGXFSZ, exit code `killed_by_size`) as it makes a file larger: a
+  /// kill at the same place on every machine.
+  std::optional<std::size_t> fatal_size;
   /// Permissions hold, even for the superuser.
   bool obey_permissions = false;
   /// Asked some hundred times a second; `kill_signal` is sent once it says true.
   std::function<bool()> kill_when;
   int kill_signal = SIGKILL;
 };
+
+/// Exit code of a run that `fatal_size` ended.
+inline constexpr int killed_by_size = 128 + SIGXFSZ;
 
 /// What a run came to.
 struct Outcome {
