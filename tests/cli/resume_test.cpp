@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 
@@ -206,7 +207,8 @@ TEST_CASE("resume: rows that are not those of the sweep are refused") {
 TEST_CASE("resume: without --resume the rows of an interrupted run are safe") {
   const Session session;
   kill_work(session);
-  const auto rows = read_table(session.read("long.csv.partial")).rows.size();
+  const std::string table = session.read("long.csv.partial");
+  const auto rows = std::count(table.begin(), table.end(), '\n') - 1;  // the last line is cut short
   check_refused(
       session, work,
       {"long.csv.partial", std::to_string(rows) + " row(s) of an interrupted run", "--resume", "--force starts again"});
