@@ -8,10 +8,10 @@
 // Prints the seconds of each, best and median over the shifts, and the ratio MUMPS / ours of the medians.
 // Ends with 1 if the two count differently.
 #include "../tests/support/mumps.hpp"
+#include "ddm/shifted_pencil.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/ddm/partitioners/grid.hpp>
-#include <nscdd/ddm/shifted_pencil.hpp>
 #include <nscdd/packing/generator.hpp>
 
 #include <algorithm>

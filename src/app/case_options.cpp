@@ -3,10 +3,10 @@
 
 #include "app/data_files.hpp"
 #include "app/settled_cases.hpp"
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/command.hpp"
-#include <nscdd/study/case.hpp>
+#include "study/case.hpp"
 
 #include <optional>
 #include <string>

@@ -2,9 +2,9 @@
 #include "app/provenance.hpp"
 #include "app/settled_cases.hpp"
 #include "app/trajectory_export.hpp"
+#include "files/output_file.hpp"
 #include "formats/step_fclib.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/output_file.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <fmt/format.h>

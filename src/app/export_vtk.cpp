@@ -2,11 +2,11 @@
 #include "app/interruption.hpp"
 #include "app/progress.hpp"
 #include "app/trajectory_export.hpp"
+#include "files/output_file.hpp"
+#include "formats/trajectory.hpp"
 #include "formats/vtk.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/files/output_file.hpp>
-#include <nscdd/formats/trajectory.hpp>
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/progress.hpp"
 #include "app/verbs.hpp"
+#include "files/hdf5.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/hdf5.hpp>
 
 #include <fmt/format.h>
 #ifdef __GLIBC__

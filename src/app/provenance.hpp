@@ -2,8 +2,8 @@
 #pragma once
 
 #include "app/verbs.hpp"
-#include <nscdd/files/hdf5.hpp>
-#include <nscdd/study/case.hpp>
+#include "files/hdf5.hpp"
+#include "study/case.hpp"
 
 #include <vector>
 

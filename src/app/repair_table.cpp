@@ -2,12 +2,12 @@
 #include "app/repair_table.hpp"
 
 #include "app/progress.hpp"
+#include "files/csv.hpp"
+#include "files/hdf5.hpp"
+#include "files/output_file.hpp"
 #include "files/table_record.hpp"
+#include "study/optimum.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/hdf5.hpp>
-#include <nscdd/files/output_file.hpp>
-#include <nscdd/study/optimum.hpp>
 
 #include <fmt/format.h>
 

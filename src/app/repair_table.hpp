@@ -3,7 +3,7 @@
 
 #include "app/command.hpp"
 #include "app/interruption.hpp"
-#include <nscdd/study/study.hpp>
+#include "study/study.hpp"
 
 #include <string>
 

@@ -4,13 +4,13 @@
 #include "app/data_files.hpp"
 #include "app/progress.hpp"
 #include "core/fingerprint.hpp"
+#include "files/csv.hpp"
+#include "files/output_file.hpp"
+#include "formats/case_file.hpp"
+#include "simulation/run_simulation.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/output_file.hpp>
-#include <nscdd/formats/case_file.hpp>
 #include <nscdd/formats/packing_file.hpp>
-#include <nscdd/simulation/run_simulation.hpp>
 
 #include <fmt/format.h>
 

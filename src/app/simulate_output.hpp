@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/trajectory.hpp>
-#include <nscdd/simulation/run_simulation.hpp>
+#include "files/csv.hpp"
+#include "formats/trajectory.hpp"
+#include "simulation/run_simulation.hpp"
 
 #include <map>
 #include <optional>

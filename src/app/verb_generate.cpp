@@ -3,6 +3,7 @@
 #include "app/progress.hpp"
 #include "app/provenance.hpp"
 #include "app/verbs.hpp"
+#include "files/output_file.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
@@ -58,7 +59,7 @@ int run(const Options& options, const Context& context) {
     Progress progress("generate");
     packing = packing_of(one, progress.monitor());
   }
-  write_packing(file, format, packing, provenance(context, {one}));
+  file.bytes(packing_bytes(format, packing, provenance(context, {one})));
   file.finish();
   return 0;
 }

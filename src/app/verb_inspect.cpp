@@ -3,10 +3,10 @@
 #include "app/memory_limit.hpp"
 #include "app/progress.hpp"
 #include "app/verbs.hpp"
+#include "files/csv.hpp"
+#include "study/inspection.hpp"
 #include "study/network_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/study/inspection.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>

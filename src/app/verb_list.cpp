@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/data_files.hpp"
 #include "app/verbs.hpp"
+#include "study/case.hpp"
+#include "study/study.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/study/case.hpp>
-#include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>
 

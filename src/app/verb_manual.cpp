@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/manual.hpp"
 #include "app/verbs.hpp"
-#include <nscdd/files/output_file.hpp>
+#include "files/output_file.hpp"
 
 #include <fmt/format.h>
 

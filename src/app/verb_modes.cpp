@@ -4,12 +4,12 @@
 #include "app/progress.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
+#include "files/csv.hpp"
 #include "linalg/threads.hpp"
 #include "study/mode_tables.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/files/csv.hpp>
 
 #include <fmt/format.h>
 

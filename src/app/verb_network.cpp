@@ -3,10 +3,10 @@
 #include "app/memory_limit.hpp"
 #include "app/progress.hpp"
 #include "app/verbs.hpp"
+#include "files/csv.hpp"
+#include "files/output_file.hpp"
+#include "study/inspection.hpp"
 #include "study/network_tables.hpp"
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/output_file.hpp>
-#include <nscdd/study/inspection.hpp>
 
 #include <fmt/format.h>
 

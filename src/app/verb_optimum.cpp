@@ -8,11 +8,11 @@
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
 #include "linalg/threads.hpp"
+#include "study/inspection.hpp"
+#include "study/optimum.hpp"
 #include "study/values.hpp"
 #include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/inspection.hpp>
-#include <nscdd/study/optimum.hpp>
 
 #include <fmt/format.h>
 

@@ -9,13 +9,13 @@
 #include "app/settled_cases.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
+#include "files/csv.hpp"
+#include "files/output_file.hpp"
+#include "formats/case_file.hpp"
 #include "linalg/threads.hpp"
+#include "study/study.hpp"
 #include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/output_file.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/study/study.hpp>
 
 #include <fmt/format.h>
 

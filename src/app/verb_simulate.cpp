@@ -6,11 +6,11 @@
 #include "app/simulate_output.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
+#include "files/output_file.hpp"
 #include "linalg/threads.hpp"
 #include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
-#include <nscdd/files/output_file.hpp>
 
 #include <fmt/format.h>
 

@@ -4,10 +4,10 @@
 #include "app/provenance.hpp"
 #include "app/settled_cases.hpp"
 #include "app/verbs.hpp"
+#include "files/csv.hpp"
+#include "files/output_file.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/output_file.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 

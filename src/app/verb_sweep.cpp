@@ -8,13 +8,13 @@
 #include "app/resume.hpp"
 #include "app/sweep_options.hpp"
 #include "app/verbs.hpp"
+#include "files/hdf5.hpp"
+#include "files/output_file.hpp"
 #include "linalg/threads.hpp"
+#include "study/inspection.hpp"
 #include "study/values.hpp"
 #include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/hdf5.hpp>
-#include <nscdd/files/output_file.hpp>
-#include <nscdd/study/inspection.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>

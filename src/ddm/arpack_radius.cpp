@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/spectrum_ends.hpp"
+#include "linalg/arpack.hpp"
+#include "linalg/pencil.hpp"
 
 #include <Eigen/Cholesky>
 

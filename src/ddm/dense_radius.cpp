@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/spectrum_ends.hpp"
-#include <nscdd/linalg/pencil.hpp>
+#include "linalg/pencil.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

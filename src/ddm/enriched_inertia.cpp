@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/enriched_inertia.hpp"
+
 #include "core/lazy.hpp"
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/range_projector.hpp"
@@ -6,7 +8,6 @@
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/enriched_inertia.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>

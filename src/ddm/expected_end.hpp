@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/continuation.hpp"
 #include "ddm/pencil_end.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/flexibility.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/flexibility.hpp>
 
 #include <fmt/format.h>
 

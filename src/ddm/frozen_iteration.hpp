@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/granular_decomposition.hpp"
 #include "ddm/map_radius.hpp"
+#include "linalg/arpack.hpp"
 #include "linalg/range_projector.hpp"
-#include <nscdd/ddm/granular_decomposition.hpp>
+#include "mechanics/contact_law.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/linalg/arpack.hpp>
-#include <nscdd/mechanics/contact_law.hpp>
 
 #include <memory>
 #include <optional>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/granular_decomposition.hpp"
+
 #include "mechanics/connectivity.hpp"
+#include "mechanics/contact_order.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/granular_decomposition.hpp>
-#include <nscdd/mechanics/contact_order.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/ddm/granular_decomposition.hpp>
+#include "ddm/granular_decomposition.hpp"
 
 namespace nscdd {
 

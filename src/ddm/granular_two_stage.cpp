@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/granular_two_stage.hpp"
+
 #include "ddm/granular_interface.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/granular_two_stage.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "ddm/map_radius.hpp"
+#include "ddm/two_stage.hpp"
 #include <nscdd/core/types.hpp>
-#include <nscdd/ddm/two_stage.hpp>
 
 namespace nscdd {
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/lazy.hpp"
+#include "ddm/enriched_inertia.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>

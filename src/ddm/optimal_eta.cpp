@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/continuation.hpp"
 #include "linalg/scalar_search.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 

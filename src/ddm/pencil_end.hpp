@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/shifted_pencil.hpp"
 #include "linalg/shift_invert_lanczos.hpp"
-#include <nscdd/ddm/shifted_pencil.hpp>
 
 #include <optional>
 

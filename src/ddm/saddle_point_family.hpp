@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/shifted_pencil.hpp"
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/ddm/shifted_pencil.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
 #include <vector>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/spectrum_ends.hpp"
+#include "linalg/arpack.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {

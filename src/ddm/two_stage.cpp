@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/two_stage.hpp"
+
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/two_stage.hpp>
 
 #include <Eigen/QR>
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/alternating_file.hpp"
 
+#include "files/output_file.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/output_file.hpp>
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/hdf5.hpp"
+
+#include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/hdf5.hpp>
 
 #include <fmt/format.h>
 

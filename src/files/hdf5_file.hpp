@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "files/hdf5.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/hdf5.hpp>
 
 #include <hdf5.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/output_file.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/output_file.hpp>
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "files/csv.hpp"
 #include "files/table_record.hpp"
 #include <nscdd/core/table.hpp>
 #include <nscdd/core/types.hpp>
-#include <nscdd/files/csv.hpp>
 
 #include <functional>
 #include <optional>

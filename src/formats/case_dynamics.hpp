@@ -2,7 +2,7 @@
 #pragma once
 
 #include "files/strict_toml.hpp"
-#include <nscdd/simulation/dynamics.hpp>
+#include "simulation/dynamics.hpp"
 
 #include <optional>
 

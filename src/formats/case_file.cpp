@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/case_file.hpp"
+
+#include "files/csv.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/case_dynamics.hpp"
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
+#include <nscdd/formats/read_model.hpp>
 
 #include <filesystem>
 
@@ -147,6 +149,12 @@ Case resolve(CaseSpec spec) {
   if (std::holds_alternative<SettledFrom>(one.spec.packing))
     throw Error(where(one.spec, "packing.settled") + ": expected a generator or a file: nothing can be settled here");
   return one;
+}
+
+Model read_model(const std::string& case_file, const std::vector<std::pair<std::string, std::string>>& overrides) {
+  CaseSpec spec = read_case(case_file);
+  for (const auto& [key, value] : overrides) override_case(spec, key, value);
+  return build(resolve(std::move(spec)));
 }
 
 }  // namespace nscdd

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
 #include <nscdd/formats/fclib.hpp>
 
 #include <fmt/format.h>

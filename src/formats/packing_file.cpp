@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/csv.hpp"
+#include "files/hdf5.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/files/csv.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <fmt/format.h>
@@ -160,14 +161,14 @@ std::string packing_csv(const Packing& packing) {
   return text;
 }
 
-void write_packing(OutputFile& file, PackingFormat format, const Packing& packing, const Provenance& provenance) {
-  if (format == PackingFormat::csv) return file.bytes(remarks(provenance) + packing_csv(packing));
+std::string packing_bytes(PackingFormat format, const Packing& packing, const Provenance& provenance) {
+  if (format == PackingFormat::csv) return remarks(provenance) + packing_csv(packing);
   std::vector<NumberColumn> columns;
   for (const PackingColumn* column : columns_of(packing))
     columns.push_back(
         {{std::string(column->name), std::string(column->field.unit), std::string(column->field.description)},
          packing.*(column->values)});
-  file.bytes(to_hdf5(provenance, "packing", columns));
+  return to_hdf5(provenance, "packing", columns);
 }
 
 }  // namespace nscdd

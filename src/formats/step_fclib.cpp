@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/step_fclib.hpp"
 
+#include "ddm/granular_decomposition.hpp"
 #include "mechanics/step_friction.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/granular_decomposition.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

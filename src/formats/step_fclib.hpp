@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "formats/trajectory.hpp"
 #include <nscdd/formats/fclib.hpp>
-#include <nscdd/formats/trajectory.hpp>
 
 namespace nscdd {
 

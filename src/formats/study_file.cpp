@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/strict_toml.hpp"
+#include "formats/case_file.hpp"
 #include "study/values.hpp"
-#include <nscdd/formats/case_file.hpp>
 
 #include <algorithm>
 #include <filesystem>

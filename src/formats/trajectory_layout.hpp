@@ -2,7 +2,7 @@
 #pragma once
 
 #include "files/hdf5_file.hpp"
-#include <nscdd/formats/trajectory.hpp>
+#include "formats/trajectory.hpp"
 
 #include <fmt/format.h>
 

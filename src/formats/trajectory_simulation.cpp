@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/case_file.hpp"
+#include "formats/trajectory.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/formats/trajectory.hpp>
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/alternating_file.hpp"
 #include "formats/trajectory_layout.hpp"
+#include "mechanics/contact_residual.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/contact_residual.hpp>
 
 #include <algorithm>
 #include <chrono>

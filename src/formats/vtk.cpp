@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/vtk.hpp"
 
+#include "formats/trajectory.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/formats/trajectory.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/arpack.hpp"
+
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/arpack.hpp>
 
 #include <arpack/arpack.hpp>
 #include <fmt/format.h>

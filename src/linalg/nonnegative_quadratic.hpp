@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/monitor.hpp>
+#include "linalg/linear_operator.hpp"
 #include <nscdd/core/types.hpp>
-#include <nscdd/linalg/linear_operator.hpp>
 
 namespace nscdd {
 

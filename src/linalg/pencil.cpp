@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/pencil.hpp"
+
 #include "linalg/threads.hpp"
-#include <nscdd/linalg/pencil.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <lapacke.h>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/active_set.hpp"
+
 #include "linalg/least_squares.hpp"
 #include "linalg/range_projector.hpp"
-#include <nscdd/mechanics/active_set.hpp>
 
 namespace nscdd {
 RigidImpulses rigid_impulses(const ReferenceProblem& problem) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/boundary.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/boundary.hpp>
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/mechanics/disk_contacts.hpp>
+#include "mechanics/disk_contacts.hpp"
 
 #include <array>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/mechanics/contact_law.hpp>
+#include "mechanics/contact_law.hpp"
 
 #include <cmath>
 

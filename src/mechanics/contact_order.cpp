@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/contact_order.hpp"
+
 #include "linalg/random.hpp"
-#include <nscdd/mechanics/contact_order.hpp>
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/mechanics/contact_residual.hpp>
+#include "mechanics/contact_residual.hpp"
 
 #include <cmath>
 

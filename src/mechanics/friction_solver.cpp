@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/contact_law.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include "mechanics/progress_watch.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/contact_law.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/granular_system.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/granular_system.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/mechanics/time_stepping.hpp>
+#include "mechanics/time_stepping.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/mechanics/disk_contacts.hpp>
+#include "mechanics/disk_contacts.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <span>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/time_stepping.hpp"
+
 #include "mechanics/step_contacts.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/time_stepping.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/unilateral.hpp"
+
 #include "linalg/cone_projection.hpp"
 #include "linalg/nonnegative_quadratic.hpp"
-#include <nscdd/mechanics/unilateral.hpp>
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #include "packing/contact_order.hpp"
 #include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/packing.hpp>
 
 #include <fmt/format.h>
 

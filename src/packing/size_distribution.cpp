@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/size_distribution.hpp>
+#include <nscdd/packing/generators/deposit.hpp>
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>

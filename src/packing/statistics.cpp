@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/packing/statistics.hpp>
+#include "packing/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>

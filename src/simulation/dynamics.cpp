@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/dynamics.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/simulation/dynamics.hpp>
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mechanics/progress_watch.hpp"
-#include <nscdd/simulation/simulation.hpp>
+#include "simulation/simulation.hpp"
 
 #include <optional>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/run_simulation.hpp"
+
 #include <nscdd/core/error.hpp>
-#include <nscdd/simulation/run_simulation.hpp>
 
 #include <fmt/format.h>
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/simulation.hpp"
+
 #include "simulation/iteration_watch.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "simulation/step_partition.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/simulation/simulation.hpp>
 
 #include <fmt/format.h>
 

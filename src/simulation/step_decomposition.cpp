@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/step_decomposition.hpp"
 
+#include "ddm/granular_decomposition.hpp"
+#include "mechanics/contact_residual.hpp"
 #include "simulation/step_partition.hpp"
-#include <nscdd/ddm/granular_decomposition.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
-#include <nscdd/mechanics/contact_residual.hpp>
 
 #include <algorithm>
 

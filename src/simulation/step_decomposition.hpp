@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "simulation/dynamics.hpp"
 #include "simulation/step_partition.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/simulation/dynamics.hpp>
 
 namespace nscdd {
 

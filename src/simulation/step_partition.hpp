@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/ddm/partition.hpp>
-#include <nscdd/simulation/dynamics.hpp>
+#include "simulation/dynamics.hpp"
+#include <nscdd/ddm/decomposition.hpp>
 
 namespace nscdd {
 

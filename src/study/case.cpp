@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/case.hpp"
+
+#include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/simulation/simulation.hpp>
-#include <nscdd/study/case.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

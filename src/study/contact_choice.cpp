@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "mechanics/active_set.hpp"
+#include "mechanics/unilateral.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/mechanics/unilateral.hpp>
-#include <nscdd/study/contact_choice.hpp>
+#include <nscdd/study/model.hpp>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/case.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/case.hpp>
 
 #include <fmt/format.h>
 

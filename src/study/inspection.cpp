@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/inspection.hpp"
+
 #include "core/disjoint_sets.hpp"
 #include "linalg/range_projector.hpp"
-#include <nscdd/mechanics/time_stepping.hpp>
-#include <nscdd/study/inspection.hpp>
+#include "mechanics/time_stepping.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/lead_in.hpp"
+
 #include "simulation/step_decomposition.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/lead_in.hpp>
 
 #include <fmt/format.h>
 

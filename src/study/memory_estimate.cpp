@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/memory_estimate.hpp"
 
+#include "ddm/enriched_inertia.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/enriched_inertia.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 
 #include <fmt/format.h>
 
@@ -65,7 +65,7 @@ double numbers_of(const Model& model) {
 double model_need(const Model& model) {
   double modes = 0;
   for (const Subdomain& subdomain : model.parts.subdomains)
-    if (subdomain.inertia.size() <= EnrichedInertiaFamily::default_dense_limit)
+    if (subdomain.inertia.size() <= InterfaceFamily::default_dense_limit)
       modes += square(static_cast<double>(subdomain.inertia.size()));
   return model_bytes * numbers_of(model) + bytes_per_number * modes;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "study/modes.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/study/modes.hpp>
 
 #include <array>
 

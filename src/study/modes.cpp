@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/modes.hpp"
+
+#include "ddm/enriched_inertia.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/ddm/enriched_inertia.hpp>
-#include <nscdd/study/modes.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <algorithm>
@@ -27,7 +28,9 @@ std::vector<Vector> stage_one_velocities(const Decomposition& parts, double epsi
   for_each_in_parallel(count(velocities), [&](Index e) {
     const Subdomain& subdomain = parts.subdomains[at(e)];
     if (subdomain.inertia.size() == 0) return;
-    velocities[at(e)] = EnrichedInertiaFamily(subdomain).at(epsilon).solve(-parts.interface.distribute(e, f));
+    velocities[at(e)] = EnrichedInertiaFamily(subdomain, InterfaceFamily::default_dense_limit)
+                            .at(epsilon)
+                            .solve(-parts.interface.distribute(e, f));
   });
   return velocities;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/network_tables.hpp"
 
-#include <nscdd/study/study.hpp>
+#include "study/study.hpp"
 
 #include <set>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "packing/statistics.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/packing/statistics.hpp>
-#include <nscdd/study/contact_choice.hpp>
+#include <nscdd/study/model.hpp>
 
 namespace nscdd {
 

@@ -3,7 +3,7 @@
 
 #include "linalg/linear_fit.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/study/study.hpp>
+#include "study/study.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/monitor.hpp>
-#include <nscdd/ddm/two_stage.hpp>
+#include "ddm/two_stage.hpp"
+#include <nscdd/core/types.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <cstdint>

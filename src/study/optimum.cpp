@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/study/optimum.hpp>
-#include <nscdd/study/study.hpp>
+#include "study/optimum.hpp"
+
+#include "study/study.hpp"
 
 namespace nscdd {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/monitor.hpp>
+#include "simulation/simulation.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/simulation/simulation.hpp>
+#include <nscdd/core/types.hpp>
 
 #include <vector>
 

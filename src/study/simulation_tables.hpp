@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "simulation/simulation.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/simulation/simulation.hpp>
 
 namespace nscdd {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/study/study.hpp>
+#include "study/study.hpp"
 
 namespace nscdd {
 

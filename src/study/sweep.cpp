@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/continuation.hpp"
 #include "ddm/inexact_stage_one.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/study/study.hpp>
+#include "study/study.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "files/resumable_table.hpp"
-#include <nscdd/study/study.hpp>
+#include "study/study.hpp"
 
 namespace nscdd {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Rows that were not proved are computed again, and only they.
+#include "files/csv.hpp"
+#include "files/hdf5.hpp"
 #include "session.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/files/hdf5.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Long work: what an interrupted run leaves, and that going on gives what a run in one piece gives.
+#include "files/csv.hpp"
 #include "session.hpp"
-#include <nscdd/files/csv.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: links to a trajectory, names beside it, the table that a restart goes on with.
 #include "../support/moving_case.hpp"
+#include "formats/trajectory.hpp"
 #include "session.hpp"
-#include <nscdd/formats/trajectory.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: what is refused, when, by which name; files of others; what a restart leaves to be read.
 #include "../support/moving_case.hpp"
+#include "formats/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/core/version.hpp>
-#include <nscdd/formats/trajectory.hpp>
 
 #include <doctest/doctest.h>
 

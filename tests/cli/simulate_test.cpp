@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd simulate: what it prints and writes, going on, breakdowns, bad input, settled packings.
 #include "../support/moving_case.hpp"
+#include "files/csv.hpp"
+#include "formats/trajectory.hpp"
 #include "session.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/trajectory.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,12 +2,7 @@
 // The paper in a few lines, against the installed library: rho(B_0) of the 4 disks is (29 + sqrt 57)/56. The
 // program around it has settings of its own: two BLAS threads, an error handler of GSL, a sequence of random
 // numbers. It finds them as they were, and results do not depend on them.
-#include <nscdd/ddm/contraction.hpp>
-#include <nscdd/ddm/optimal_eta.hpp>
-#include <nscdd/ddm/partitioners/grid.hpp>
-#include <nscdd/ddm/partitioners/metis.hpp>
-#include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/packing/generator.hpp>
+#include <nscdd/nscdd.hpp>
 
 #include <gsl/gsl_errno.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Any text is a case or an Error; a case survives being written and read back, and builds or is an Error.
+#include "formats/case_file.hpp"
 #include "require.hpp"
+#include "study/case.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/study/case.hpp>
 
 #include <cstddef>
 #include <cstdint>

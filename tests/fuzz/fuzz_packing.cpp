@@ -4,7 +4,7 @@
 #include "require.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
-#include <nscdd/packing/contact_network.hpp>
+#include <nscdd/packing/packing.hpp>
 
 #include <algorithm>
 #include <cmath>

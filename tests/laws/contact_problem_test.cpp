@@ -4,11 +4,11 @@
 #include "../support/fclib_files.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
+#include "formats/case_file.hpp"
+#include "study/inspection.hpp"
 #include "study/network_tables.hpp"
 #include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/study/inspection.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

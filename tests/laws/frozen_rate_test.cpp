@@ -4,11 +4,11 @@
 // contacts do.
 #include "../support/granular.hpp"
 #include "ddm/frozen_iteration.hpp"
+#include "linalg/linear_operator.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "study/predicted_observed.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/linalg/linear_operator.hpp>
 
 #include <doctest/doctest.h>
 

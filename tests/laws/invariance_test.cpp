@@ -3,8 +3,8 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

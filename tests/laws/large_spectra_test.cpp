@@ -3,6 +3,7 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "ddm/continuation.hpp"
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"

@@ -5,10 +5,10 @@
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
 #include "linalg/range_projector.hpp"
+#include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/mechanics/laws/linear_viscous.hpp>
+#include <nscdd/mechanics/law.hpp>
 
 #include <doctest/doctest.h>
 

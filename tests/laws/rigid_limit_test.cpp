@@ -6,6 +6,7 @@
 #include "../support/mumps.hpp"
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "ddm/continuation.hpp"
 #include "linalg/random.hpp"
 #include "linalg/range_projector.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>

@@ -2,10 +2,10 @@
 // Dense against sparse subdomains, dense pencils against ARPACK, matrices against applications.
 #include "../support/problems.hpp"
 #include "ddm/inexact_stage_one.hpp"
+#include "linalg/linear_operator.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/linalg/linear_operator.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>
 
@@ -48,7 +48,7 @@ TEST_CASE("dense pencil against ARPACK, generic and enriched, linear and nonsmoo
     if (one.spec.name == "strip40") cut.spec.partition = GridPartitioner{{4, 1}};
     const Model model = build(cut);
     const std::vector<char> active = active_contacts(model.problem, rigid_impulses(model.problem));
-    for (const Index limit : {Index{0}, EnrichedInertiaFamily::default_dense_limit}) {
+    for (const Index limit : {Index{0}, InterfaceFamily::default_dense_limit}) {
       const InterfaceFamily family(model.parts, limit), nonsmooth(restrict_contacts(model.parts, active), limit);
       for (const double epsilon : {0.0, 1e-4, 1.0, 50.0})
         for (const double eta : {0.3, 1.0, infinity})

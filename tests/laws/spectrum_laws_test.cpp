@@ -2,11 +2,12 @@
 // Laws of the contraction operator, stated once and run on every problem.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
+#include "study/inspection.hpp"
+#include "study/optimum.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/study/inspection.hpp>
-#include <nscdd/study/optimum.hpp>
 
 #include <doctest/doctest.h>
 

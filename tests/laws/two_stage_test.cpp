@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The algorithm itself against what the operators say of it.
+#include "ddm/two_stage.hpp"
+
 #include "../support/dense.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
 #include "ddm/inexact_stage_one.hpp"
+#include "linalg/linear_operator.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
 #include "study/observed_rate.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/ddm/two_stage.hpp>
-#include <nscdd/linalg/linear_operator.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,8 +2,8 @@
 // The nonsmooth laws with the contacts that carry in the frictionless unilateral problem.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "mechanics/unilateral.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/mechanics/unilateral.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

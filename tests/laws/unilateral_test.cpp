@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/unilateral.hpp"
+
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "linalg/cone_projection.hpp"
 #include "linalg/nonnegative_quadratic.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include "study/network_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/mechanics/unilateral.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

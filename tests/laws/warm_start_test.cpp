@@ -3,6 +3,7 @@
 // row a table starts from.
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
+#include "ddm/continuation.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/study/sweep.hpp>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Radii known in closed form (4 disks), and to 30 digits from exact arithmetic (exact_references.csv).
 #include "../support/problems.hpp"
+#include "files/csv.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,8 +2,8 @@
 // The paper's six contraction matrices, literally and densely, against the one operator of the program.
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/mechanics/active_set.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,9 +2,9 @@
 // Every study says what it is about and has the baselines of its tables; those that take seconds are run
 // again.
 #include "../support/studies.hpp"
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/simulation/run_simulation.hpp>
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
+#include "simulation/run_simulation.hpp"
 
 #include <doctest/doctest.h>
 

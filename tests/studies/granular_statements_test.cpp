@@ -2,7 +2,7 @@
 // Each statement of [ADI12] about Figures 8-11, and what predicted-observed claims, tested on the baselines:
 // their runs take minutes, and tools/reproduce compares them.
 #include "../support/studies.hpp"
-#include <nscdd/files/csv.hpp>
+#include "files/csv.hpp"
 
 #include <doctest/doctest.h>
 

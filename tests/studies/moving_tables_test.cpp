@@ -2,11 +2,11 @@
 // Tables of cases that move: how they get to the step they look at, whole runs, and what a comparison sees.
 #include "../support/moving_case.hpp"
 #include "../support/studies.hpp"
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
+#include "simulation/run_simulation.hpp"
 #include "study/work_identity.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/simulation/run_simulation.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "linalg/linear_operator.hpp"
 #include <nscdd/core/types.hpp>
-#include <nscdd/linalg/linear_operator.hpp>
 
 namespace nscdd::testing {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/simulation/simulation.hpp>
+#include "simulation/simulation.hpp"
 
 #include <cstdint>
 #include <string>

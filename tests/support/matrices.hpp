@@ -2,9 +2,9 @@
 #pragma once
 
 #include "dense.hpp"
+#include "linalg/linear_operator.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/types.hpp>
-#include <nscdd/linalg/linear_operator.hpp>
 
 #include <cstdint>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "study/case.hpp"
 #include <nscdd/ddm/decomposition.hpp>
-#include <nscdd/study/case.hpp>
 
 #include <cstdint>
 #include <string>

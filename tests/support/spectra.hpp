@@ -2,8 +2,8 @@
 #pragma once
 
 #include "dense.hpp"
+#include "study/case.hpp"
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/study/case.hpp>
 
 #include <vector>
 

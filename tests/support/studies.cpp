@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies.hpp"
 
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
 
 #include <filesystem>
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "run_program.hpp"
+#include "study/study.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/study/study.hpp>
 
 #include <string>
 

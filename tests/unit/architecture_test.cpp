@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The layers of the library: a file includes its own layer or a lower one, never a higher one.
-#include <nscdd/files/csv.hpp>
+#include "files/csv.hpp"
 
 #include <doctest/doctest.h>
 
@@ -42,6 +42,7 @@ TEST_CASE("no file includes a higher layer, and below app nothing prints") {
   for (const fs::path& root : {fs::path(source) / "include" / "nscdd", fs::path(source) / "src"})
     for (const fs::path& file : sources(root)) {
       CAPTURE(file.string());
+      if (file.filename() == "nscdd.hpp") continue;
       const auto own = layer_of(top_folder(file, root));
       REQUIRE(own < static_cast<std::ptrdiff_t>(layers.size()));
       const std::string text = nscdd::read_text(file.string());
@@ -58,4 +59,20 @@ TEST_CASE("no file includes a higher layer, and below app nothing prints") {
           CHECK(text.find(printing) == std::string::npos);
     }
   CHECK(includes > 100);
+}
+
+TEST_CASE("the public face is whole: it includes nothing but itself, and nscdd.hpp names every header") {
+  const char* source = std::getenv("NSCDD_SOURCE");
+  REQUIRE(source != nullptr);
+  const fs::path include = fs::path(source) / "include";
+  const std::string face = nscdd::read_text((include / "nscdd" / "nscdd.hpp").string());
+  int headers = 0;
+  for (const fs::path& file : sources(include)) {
+    CAPTURE(file.string());
+    CHECK(nscdd::read_text(file.string()).find("#include \"") == std::string::npos);
+    if (file.filename() == "nscdd.hpp") continue;
+    CHECK(face.find("#include <" + fs::relative(file, include).string() + ">\n") != std::string::npos);
+    ++headers;
+  }
+  CHECK(headers == std::count(face.begin(), face.end(), '<'));
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The sections of a case file that make it move.
 #include "../support/moving_case.hpp"
+#include "formats/case_file.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/formats/case_file.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "ddm/two_stage.hpp"
 #include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/ddm/two_stage.hpp>
 
 #include <doctest/doctest.h>
 

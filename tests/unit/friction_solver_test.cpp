@@ -2,10 +2,10 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/contact_law.hpp"
+#include "mechanics/unilateral.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/contact_law.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
-#include <nscdd/mechanics/unilateral.hpp>
 
 #include <Eigen/LU>
 #include <doctest/doctest.h>

@@ -2,10 +2,10 @@
 // Generators of packings: exact tangencies, sizes as they should be distributed, equal seeds equal bytes.
 #include "linalg/random.hpp"
 #include "packing/drop_and_roll.hpp"
+#include "packing/statistics.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/contact_network.hpp>
 #include <nscdd/packing/generator.hpp>
-#include <nscdd/packing/statistics.hpp>
+#include <nscdd/packing/packing.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,7 @@
 #include "../support/granular.hpp"
 #include "ddm/granular_interface.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/mechanics/contact_residual.hpp>
+#include "mechanics/contact_residual.hpp"
 
 #include <Eigen/LU>
 #include <doctest/doctest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/moving_case.hpp"
 #include "../support/problems.hpp"
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>

@@ -2,10 +2,10 @@
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/mechanics/active_set.hpp>
-#include <nscdd/mechanics/laws/linear_viscous.hpp>
+#include <nscdd/mechanics/law.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,9 +2,9 @@
 // Modes: the identities that tie impulses, velocities and jumps together, normalisation, agreement of
 // solvers.
 #include "../support/problems.hpp"
+#include "ddm/two_stage.hpp"
 #include "study/mode_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/ddm/two_stage.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Packings in files: every double comes back bit for bit, and files that hold no packing are refused.
 #include "../support/run_program.hpp"
+#include "files/csv.hpp"
+#include "files/hdf5.hpp"
+#include "files/output_file.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/generator.hpp>
 
@@ -46,7 +48,7 @@ std::string written(const Packing& packing, const std::string& name, const Prove
   const testing::TemporaryFolder folder;
   const std::string path = (folder / name).string();
   OutputFile file(path, false);
-  write_packing(file, *packing_format(path), packing, provenance);
+  file.bytes(packing_bytes(*packing_format(path), packing, provenance));
   file.finish();
   return read_text(path);
 }

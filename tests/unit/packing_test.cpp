@@ -3,8 +3,8 @@
 #include "linalg/random.hpp"
 #include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/packing/contact_network.hpp>
 #include <nscdd/packing/generator.hpp>
+#include <nscdd/packing/packing.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,10 +3,10 @@
 #include "linalg/shift_invert_lanczos.hpp"
 
 #include "../support/matrices.hpp"
+#include "linalg/arpack.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/linalg/arpack.hpp>
-#include <nscdd/linalg/pencil.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The shifted pencil against dense algebra: eigenvalue counts by inertia, and solves.
+#include "ddm/shifted_pencil.hpp"
+
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/ddm/shifted_pencil.hpp>
 
 #include <doctest/doctest.h>
 

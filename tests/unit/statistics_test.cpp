@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Solid fraction, rattlers and size classes of packings small enough to know by hand.
+#include "packing/statistics.hpp"
+
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "study/inspection.hpp"
 #include <nscdd/packing/generator.hpp>
-#include <nscdd/packing/statistics.hpp>
-#include <nscdd/study/inspection.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/study.hpp"
+
 #include "../support/problems.hpp"
+#include "study/inspection.hpp"
 #include "study/network_tables.hpp"
+#include "study/optimum.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/study/inspection.hpp>
-#include <nscdd/study/optimum.hpp>
-#include <nscdd/study/study.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

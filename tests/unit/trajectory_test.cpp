@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Trajectories: read back bit for bit, whole at every moment, gone on with exactly.
+#include "formats/trajectory.hpp"
+
 #include "../support/error_handler.hpp"
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
+#include "simulation/run_simulation.hpp"
 #include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/files/csv.hpp>
-#include <nscdd/formats/case_file.hpp>
-#include <nscdd/formats/trajectory.hpp>
-#include <nscdd/simulation/run_simulation.hpp>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>

@@ -113,4 +113,8 @@ ResultColumns<Result> joined(std::initializer_list<ResultColumns<Result>> lists)
   return all;
 }
 
+/// What a result file says of its origin: pairs of a name and a text, such as ("command_line", "nscdd run
+/// ...").
+using Provenance = std::vector<std::pair<std::string, std::string>>;
+
 }  // namespace nscdd

@@ -5,10 +5,9 @@
 #include <Eigen/SparseCore>
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 
-/// NonSmooth Contact Domain Decomposition: convergence study of the two-stage algorithms of
-/// P. Alart, D. Iceta, D. Dureisseix, CMAME 205-208 (2012) 59-67, cited as [ADI12] throughout.
 namespace nscdd {
 
 using Index = Eigen::Index;
@@ -27,5 +26,11 @@ template <class Container>
 constexpr Index count(const Container& c) {
   return static_cast<Index>(c.size());
 }
+
+/// Long work calls it after each unit with (units done, units in all). If it returns false, the work stops at
+/// once and returns what it has. An empty Monitor is never called.
+using Monitor = std::function<bool(Index done, Index total)>;
+
+inline bool report(const Monitor& monitor, Index done, Index total) { return !monitor || monitor(done, total); }
 
 }  // namespace nscdd

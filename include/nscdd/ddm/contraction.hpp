@@ -4,14 +4,27 @@
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
-#include <nscdd/ddm/schemes/enriched.hpp>
-#include <nscdd/ddm/schemes/generic.hpp>
 #include <nscdd/mechanics/law.hpp>
 
+#include <string_view>
 #include <variant>
 #include <vector>
 
 namespace nscdd {
+
+/// Stage 2 of the generic algorithm ([ADI12] Algorithm 1): X F' = f + sum_E A_E M_E^-1 H_E r_E, inertia only.
+struct Generic {
+  static constexpr std::string_view name = "generic";
+  double flexibility() const { return infinity; }  ///< of the network that Stage 2 sees: no network
+};
+
+/// Stage 2 of the enriched algorithm ([ADI12] eqs. (15)-(17)): X_eta, the interface operator of the contact
+/// network taken as links of flexibility eta > 0, 1/kg; eta = infinity is the generic algorithm.
+struct Enriched {
+  static constexpr std::string_view name = "enriched";
+  double eta = 1.0;
+  double flexibility() const { return eta; }
+};
 
 /// Stage 2 of the two-stage algorithm: one file and one word here per scheme.
 using Scheme = std::variant<Generic, Enriched>;

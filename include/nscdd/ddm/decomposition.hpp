@@ -3,12 +3,17 @@
 
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/interface.hpp>
-#include <nscdd/ddm/partition.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
 #include <vector>
 
 namespace nscdd {
+
+/// Contacts distributed among subdomains 0 ... subdomains-1 ([ADI12] section 2); a subdomain may be empty.
+struct Partition {
+  Index subdomains = 1;
+  std::vector<Index> subdomain_of_contact;  ///< one per column of H
+};
 
 /// One subdomain E: the grains its contacts touch, with their share of mass.
 struct Subdomain {

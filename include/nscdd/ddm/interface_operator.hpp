@@ -3,12 +3,12 @@
 
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
-#include <nscdd/ddm/enriched_inertia.hpp>
-#include <nscdd/linalg/pencil.hpp>
 
 #include <memory>
 
 namespace nscdd {
+
+struct KernelSplit;  // linalg/pencil.hpp, beside its source
 
 /// The interface operator  X_eta = sum_E A_E (M_E + K_E / eta)^-1 A_E^T  ([ADI12] eq. (17)), n_Gamma x
 /// n_Gamma, s.p.d. for eta > 0: velocity jumps caused by interface impulses F_Gamma while the contact network
@@ -53,7 +53,9 @@ class InterfaceOperator {
 /// flexibility is computed once. Operators own what they need and outlive the family.
 class InterfaceFamily {
  public:
-  explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = EnrichedInertiaFamily::default_dense_limit);
+  /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, the larger ones factorised at each eta.
+  explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit);
+  static constexpr Index default_dense_limit = 300;
   InterfaceOperator at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
   const Decomposition& parts() const;
 

@@ -4,11 +4,10 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/ddm/shifted_pencil.hpp>
-#include <nscdd/linalg/arpack.hpp>
+#include <nscdd/linalg/arpack_options.hpp>
+#include <nscdd/linalg/inertia_factor.hpp>
 
 #include <array>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,46 +82,7 @@ struct SpectralRadius {
   Vector mode_min, mode_max;             ///< interface impulses of the two ends (empty where unknown)
 };
 
-/// What one point of a sweep leaves to the next: the elimination order of the shifted pencil, and the ends
-/// found last with their vectors, from which the next are extrapolated. Saves work; changes results within
-/// their residuals only.
-struct PencilMemory {
-  struct End {
-    double lambda = 0, slope_epsilon = 0, slope_eta = 0;  ///< d lambda / d log epsilon, d lambda / d log eta
-    Vector vector;
-  };
-  struct Visited {
-    double epsilon = 0, eta = 0;
-    End smallest, largest;
-  };
-  std::array<std::optional<ShiftedPencilFamily>, 2> families;  ///< for a finite and for the infinite eta
-  std::vector<Visited> visited;                                ///< the last two, newest last
-};
-
-/// What the rigid limit of an operator S is worked out from, whatever eta.
-struct RigidLimit {
-  InterfaceOperator met;        ///< S as it was asked for
-  InterfaceOperator regular;    ///< the same on contacts that are independent within their subdomain
-  std::optional<Index> kernel;  ///< dim ker S, where it is known
-  bool confirmed = true;        ///< an inertia count of `regular` next to 0 agrees with it
-};
-
-/// Interface impulses at the two ends of the pencil (S, P) that the matrix-free solver found last, to start
-/// from; empty where there are none.
-struct MatrixFreeMemory {
-  Vector smallest, largest;
-};
-
-struct Continuation {
-  PencilMemory flexible, rigid;  ///< of epsilon > 0, and of the rigid limit
-  MatrixFreeMemory matrix_free;
-  std::optional<RigidLimit> limit;
-  void forget_ends() {  ///< what is known of the contacts stays
-    flexible.visited.clear();
-    rigid.visited.clear();
-    matrix_free = {};
-  }
-};
+struct Continuation;  // what one point of a sweep leaves to the next; beside its source
 
 /// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the
 /// unit eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver

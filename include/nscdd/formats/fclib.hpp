@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/files/hdf5.hpp>
+#include <nscdd/core/table.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <optional>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/files/hdf5.hpp>
-#include <nscdd/files/output_file.hpp>
+#include <nscdd/core/table.hpp>
 #include <nscdd/packing/packing.hpp>
 
 #include <optional>
@@ -32,8 +31,8 @@ Packing read_packing(const std::string& path);
 /// A packing as CSV text that `parse_packing` reads back bit for bit: the shortest decimals that do so.
 std::string packing_csv(const Packing& packing);
 
-/// Writes a packing so that it reads back bit for bit: as `packing_csv`, or the numbers themselves.
-/// The provenance goes into the group of that name, or into remarks ('#') at the top of CSV.
-void write_packing(OutputFile& file, PackingFormat format, const Packing& packing, const Provenance& provenance);
+/// The bytes of a file that reads back bit for bit: as `packing_csv`, or the numbers themselves. The provenance goes
+/// into the group of that name, or into remarks ('#') at the top of CSV.
+std::string packing_bytes(PackingFormat format, const Packing& packing, const Provenance& provenance = {});
 
 }  // namespace nscdd

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/monitor.hpp>
+#include <nscdd/core/types.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/hexagonal_lattice.hpp>
 #include <nscdd/packing/generators/triangular_strip.hpp>

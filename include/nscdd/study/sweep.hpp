@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/monitor.hpp>
 #include <nscdd/core/table.hpp>
+#include <nscdd/core/types.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
-#include <nscdd/study/case.hpp>
-#include <nscdd/study/contact_choice.hpp>
+#include <nscdd/study/model.hpp>
 
 #include <complex>
 #include <optional>

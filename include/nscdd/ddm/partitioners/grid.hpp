@@ -2,8 +2,7 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
-#include <nscdd/ddm/partition.hpp>
-#include <nscdd/packing/contact_network.hpp>
+#include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/packing/packing.hpp>
 
 #include <array>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
-#include <nscdd/ddm/partition.hpp>
+#include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
 #include <optional>

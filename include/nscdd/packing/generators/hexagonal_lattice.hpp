@@ -2,7 +2,7 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/monitor.hpp>
+#include <nscdd/core/types.hpp>
 #include <nscdd/packing/packing.hpp>
 
 namespace nscdd {

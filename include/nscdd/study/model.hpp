@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/choice.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/mechanics/reference_problem.hpp>
+#include <nscdd/packing/packing.hpp>
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// A case made ready for analysis.
+struct Model {
+  std::string name;
+  Packing packing;         ///< with masses; empty for a contact problem, as is the network
+  ContactNetwork network;  ///< contacts with their geometry
+  ReferenceProblem problem;
+  Partition partition;
+  Decomposition parts;
+
+  Index grains() const { return problem.grains(); }
+  Index contacts() const { return problem.contacts() / problem.columns_per_contact; }
+  bool has_geometry() const { return packing.size() > 0; }
+};
+
+/// Throws Error, naming what asks for it, if the model is a contact problem: its geometry is not known.
+void require_geometry(const Model& model, std::string_view what);
+
+/// Contacts that Stage 1 works with; Stage 2 always has them all.
+enum class ContactSet {
+  all,         ///< H_E
+  active,      ///< G_E: those in compression in the linear rigid problem ([ADI12] section 4.3)
+  unilateral,  ///< G_E: those that carry in the frictionless unilateral problem
+};
+
+constexpr auto names_of(ContactSet) { return std::to_array<std::string_view>({"all", "active", "unilateral"}); }
+
+/// The contacts of a set, and how they were found.
+struct ContactChoice {
+  std::vector<char> active;  ///< one flag per contact
+  Vector impulses;           ///< r behind the flags, kg m/s; empty for ContactSet::all
+  /// "all", "compressive (unique)", "compressive (least norm)", "complementarity (unique)", or
+  /// "complementarity (maximal)". The last means that other impulses solve the unilateral problem too; the
+  /// flags are then those of every contact that carries in one of its solutions.
+  std::string rule;
+  /// The same as one word: "unique", "least_norm", "unilateral_unique", "unilateral_maximal", "none" for all.
+  std::string solution;
+  Index idle = 0;       ///< unilateral: contacts that neither carry nor open
+  bool certain = true;  ///< the impulses were found to 1e-8
+};
+
+/// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
+ContactChoice choose_contacts(const Model& model, ContactSet contacts);
+
+}  // namespace nscdd

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/contact_order.hpp"
+#include "mechanics/contact_rows.hpp"
+#include "mechanics/time_stepping.hpp"
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/mechanics/reference_problem.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// One subdomain E of a step: its contacts in the order in which a sweep visits them, and the bodies that
+/// they touch. A shared grain has its share of mass.
+struct GranularSubdomain {
+  std::vector<Index> bodies;   ///< numbers in the step problem, in the order the sweep meets them
+  std::vector<Index> numbers;  ///< of the contacts in the step problem
+  ContactRows contacts;
+  std::vector<DiskVelocity> velocities;
+};
+
+/// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a
+/// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
+struct GranularDecomposition {
+  std::vector<GranularSubdomain> subdomains;
+  Interface interface;  ///< 3 unknowns per grain: x, y, rim
+
+  Index interface_size() const { return interface.size(); }  ///< n_Gamma
+};
+
+/// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
+/// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.
+GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
+                                std::uint64_t seed);
+
+/// M and H of a step for the linear analysis. A disk has three rows (x, y, rim; inertia m, m, m/2), empty
+/// ones in H if it is driven. Columns 2 c and 2 c + 1 are the normal and the tangential direction of contact
+/// c. The arriving velocity is V_free. The bodies of walls, which come after the disks, are left out.
+ReferenceProblem reference_problem(const StepProblem& problem, Index disks);
+
+/// The partition of the columns of reference_problem.
+Partition partition_of_columns(const Partition& of_contacts);
+
+}  // namespace nscdd

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/granular_decomposition.hpp"
+#include "ddm/step_solver.hpp"
+#include "mechanics/contact_residual.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace nscdd {
+
+/// How one iteration went, [ADI12] eqs. (39), (40). |r| counts as at least 1e-12 times the impulses that the
+/// grains bring (|M V_free|): if contacts exchange less than that, nothing is left to converge.
+struct IterationRecord {
+  Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
+  double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
+  double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
+  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. Impulses may drift within what the networks carry; that keeps Z
+  /// from falling, but not this.
+  double interface_second_change = 0;
+  double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
+  double impulses = 0;  ///< |r_i|^2, (N s)^2
+};
+
+/// Algorithm 1 of [ADI12] on the contact problem of one step. Without an interface it is plain nonlinear
+/// Gauss-Seidel, to the last bit.
+///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
+///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
+/// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's
+/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads. With conjugate gradients
+/// an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the second alone.
+class GranularTwoStage {
+ public:
+  /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or
+  /// nothing for the generic algorithm. Velocities must be those of the impulses: see `start`. Throws Error
+  /// if the operator was made for another gluing.
+  GranularTwoStage(GranularDecomposition parts, const ContactLaw& law, const StepSolver& solver,
+                   std::optional<InterfaceOperator> enriched);
+
+  /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses
+  /// of the step before. A grain that other subdomains share now starts from zero.
+  void start(const std::vector<RememberedGluing>& gluing);
+
+  IterationRecord iterate();
+
+  /// Sums over all subdomains at the present velocities.
+  ContactResidual residual() const;
+
+  /// Status of every contact, in the numbers of the step problem.
+  std::vector<ContactStatus> statuses() const;
+
+  /// In the numbers of the step problem. The velocity of a shared grain is the mean of its copies.
+  std::vector<DiskContact> contacts(const StepProblem& problem) const;
+  std::vector<DiskVelocity> velocities(const StepProblem& problem) const;
+  std::vector<RememberedGluing> gluing() const;
+
+  const Vector& interface_impulses() const { return interface_impulses_; }  ///< F_Gamma, n_Gamma
+  const GranularDecomposition& parts() const { return parts_; }
+
+ private:
+  SweepSums stage_one();
+  Vector preconditioned(const Vector& jumps) const;
+  void correct(const Vector& change);
+  Vector conjugate_step(const Vector& jumps, SweepSums& sums);
+
+  GranularDecomposition parts_;
+  ContactLaw law_;
+  StepSolver solver_;
+  std::optional<InterfaceOperator> enriched_;
+  Vector interface_impulses_, last_change_;
+  Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
+  std::vector<std::vector<LocalVector>> before_;         // impulses before Stage 1, where n_GS > 1
+  double free_speed_squared_ = 0;                        // |V_free|^2 over the copies of shared grains
+  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
+  Index iteration_ = 0, sweeps_ = 0;
+};
+
+}  // namespace nscdd

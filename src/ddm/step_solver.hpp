@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/flexibility.hpp"
+#include "mechanics/contact_order.hpp"
+#include <nscdd/core/fields.hpp>
+
+namespace nscdd {
+
+/// Plain nonlinear Gauss-Seidel, or Algorithm 1 of [ADI12] in its generic or enriched form.
+enum class StepAlgorithm { nlgs, generic, enriched };
+constexpr auto names_of(StepAlgorithm) { return std::to_array<std::string_view>({"nlgs", "generic", "enriched"}); }
+
+/// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
+enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r, none };
+constexpr auto names_of(Criterion) {
+  return std::to_array<std::string_view>(
+      {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r", "none"});
+}
+
+/// Contacts that an enriched Stage 2 sees.
+enum class StageTwoNetwork {
+  all,     ///< all that are considered
+  active,  ///< those that carried an impulse in the last step
+};
+constexpr auto names_of(StageTwoNetwork) { return std::to_array<std::string_view>({"all", "active"}); }
+
+/// Where an enriched Stage 2 acts.
+enum class Enrichment {
+  every_iteration,
+  first_iteration,
+  semi_implicit,  ///< once, on the contacts that carried an impulse in the last step
+};
+constexpr auto names_of(Enrichment) {
+  return std::to_array<std::string_view>({"every_iteration", "first_iteration", "semi_implicit"});
+}
+
+/// How Stage 2 uses its operator.
+enum class InterfaceMethod { richardson, conjugate_gradient };
+constexpr auto names_of(InterfaceMethod) {
+  return std::to_array<std::string_view>({"richardson", "conjugate_gradient"});
+}
+
+/// How the contact problem of a step is solved.
+struct StepSolver {
+  Choice<StepAlgorithm> algorithm = StepAlgorithm::nlgs;
+  Index gauss_seidel_sweeps = 1;  ///< n_GS
+  Index maximum_iterations = 1000;
+  Choice<Criterion> criterion = Criterion::zeta;
+  double tolerance = 1e-4;
+  double gluing_tolerance = 0.01;
+  Choice<ContactOrder> order = ContactOrder::interleaved;
+  Index seed = 1;
+  double contact_relaxation = 1;
+  bool warm_start = false;
+  EtaChoice eta;  ///< 1/kg
+  Choice<StageTwoNetwork> network = StageTwoNetwork::all;
+  Choice<Enrichment> enrichment = Enrichment::every_iteration;
+  Choice<InterfaceMethod> interface_method = InterfaceMethod::richardson;
+  double interface_relaxation = 1;  ///< omega
+  Index redecompose = 1;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("algorithm", self.algorithm, Field{.description = "solver of a step"});
+    visit("gauss_seidel_sweeps", self.gauss_seidel_sweeps,
+          Field{.description = "sweeps per iteration and subdomain", .minimum = 1, .maximum = 1e9});
+    visit("maximum_iterations", self.maximum_iterations,
+          Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
+    visit("criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
+    visit("tolerance", self.tolerance,
+          Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
+    visit("gluing_tolerance", self.gluing_tolerance,
+          Field{.description = "largest jump at the interface of a converged step, relative to the speeds of "
+                               "its grains (not asked of the semi-implicit scheme)",
+                .minimum = 0});
+    visit("order", self.order, Field{.description = "order of a sweep"});
+    visit("seed", self.seed, Field{.description = "seed of order random", .minimum = 0});
+    visit("contact_relaxation", self.contact_relaxation,
+          Field{.description = "part of each local change of impulse that is made",
+                .minimum = 0,
+                .minimum_excluded = true,
+                .maximum = 1.99});
+    visit("warm_start", self.warm_start,
+          Field{.description = "start from the impulses of the last step, not from zero"});
+    visit("eta", self.eta,
+          Field{.description = "flexibility of the enriched Stage 2: a number, or optimal", .unit = "1/kg"});
+    visit("network", self.network,
+          Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
+                               "last step"});
+    visit("enrichment", self.enrichment,
+          Field{.description = "where the enriched Stage 2 acts; the semi-implicit scheme: once, on the contacts that "
+                               "carried an impulse in the last step"});
+    visit("interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
+    visit("interface_relaxation", self.interface_relaxation,
+          Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
+    visit("redecompose", self.redecompose,
+          Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
+  }
+};
+
+}  // namespace nscdd

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "files/output_file.hpp"
+#include <nscdd/core/table.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace nscdd {
+
+/// Writes a table row by row as CSV (RFC 4180 with line feeds): a line of column names, then one line per
+/// row, as OutputFile writes lines. Equal tables give equal bytes.
+class CsvWriter {
+ public:
+  /// With `kept_bytes` > 0, the partial file of an earlier run is continued behind that many bytes. They hold
+  /// the line of names already.
+  CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
+            std::optional<std::uintmax_t> kept_bytes = std::nullopt);
+  void write(const Row& row);
+  void flush();  ///< writes the rows gathered, or the line of names if there is no row yet
+  void finish();
+  void leave() { file_.leave(); }  ///< closes the partial file and keeps it
+
+ private:
+  OutputFile file_;
+  std::string header_;  ///< waits for the first row: a run that fails before it prints nothing
+};
+
+/// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in
+/// quotes.
+std::string csv_line(const std::vector<std::string>& values);
+std::string csv_line(const Row& row);
+
+/// The line of names of a table.
+std::string csv_header(const std::vector<Column>& columns);
+
+/// Values of one line of CSV with quotes as in RFC 4180. A quote that is not closed throws an Error that
+/// begins with `where`.
+std::vector<std::string> csv_values(std::string_view line, const std::string& where);
+
+/// Reads CSV text row by row, with quotes as in RFC 4180. The first line holds the names. Blank lines and
+/// lines that begin with '#' are skipped; CRLF and a byte order mark are accepted. The text must outlive the
+/// reader. Throws Error "name:line: ..." for a row with too few or too many values, a quote that is not
+/// closed, an empty or repeated column name, or text without a line of names.
+class CsvReader {
+ public:
+  CsvReader(std::string_view text, std::string name);
+  const std::vector<std::string>& columns() const { return columns_; }
+  bool next();  ///< goes to the next row; false after the last one
+  std::string_view value(std::size_t column) const { return values_[column]; }
+  std::size_t line() const { return line_; }  ///< of the row, at first of the names; counted from 1
+
+ private:
+  bool next_line();
+  void split(std::string_view line);
+  std::string where() const;
+  std::string_view rest_;
+  std::string name_;
+  std::size_t line_ = 0;
+  std::vector<std::string> columns_;
+  std::vector<std::string_view> values_;
+  std::vector<std::pair<std::size_t, std::string>> quoted_;  ///< values in quotes, without them
+};
+
+/// A CSV file as texts.
+struct CsvText {
+  std::vector<std::string> columns;
+  std::size_t header_line = 0;  ///< line number of the names, from 1
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::size_t> lines;  ///< line number of each row, from 1
+};
+
+/// The whole of a CSV text, as CsvReader reads it.
+CsvText parse_csv(std::string_view text, const std::string& name);
+
+/// The whole content of a regular file. Throws Error if it cannot be read.
+std::string read_text(const std::string& path);
+
+/// The table without units. A value is a number if it reads as one, else a text.
+Table untyped_table(const CsvText& csv);
+
+/// The first difference between a table and the CSV text of another, or "" if they agree. They agree if they
+/// have the same columns and the same number of rows, equal texts, and numbers that differ by no more than
+/// `tolerance` x max(1, |number|). A column may have a tolerance of its own. With `relative` the tolerance
+/// counts times |number| alone, so that small numbers count as much as large ones. Columns that tell the
+/// effort of a solver (applications, iterations, spectra) or its rounding (residual, difference) are not
+/// compared.
+std::string compare(const Table& table, const CsvText& expected, double tolerance,
+                    const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
+
+}  // namespace nscdd

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "study/case.hpp"
+#include "study/study.hpp"
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace nscdd {
+
+/// What a case file says, from its text alone. Strict: an unknown key, a wrong type, a missing section or a
+/// value out of its bounds throws Error "file:line: key: expected ..., met ...".
+CaseSpec parse_case(std::string_view text, const std::string& file);
+
+/// What a case file says, named by its stem.
+CaseSpec read_case(const std::string& path);
+
+/// The case with the packing or contact problem of the file that it names, which lies beside the case file.
+/// Throws Error "file:line: packing.file: ..." for a file that cannot be used, and for a packing that is to
+/// be settled by a simulation.
+Case resolve(CaseSpec spec);
+
+/// Finds the case named in a study file ("disks4", or a path) and reads its case file.
+using CaseFinder = std::function<CaseSpec(const std::string& name)>;
+
+/// A study from the text of a study file, as strict. Its cases are not resolved: what they name may take long
+/// to settle, and tables may be left out.
+Study parse_study(std::string_view text, const std::string& file, const CaseFinder& find);
+
+}  // namespace nscdd

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "files/hdf5.hpp"
+#include "simulation/simulation.hpp"
+#include <nscdd/core/table.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nscdd {
+
+/// What a trajectory says of the run it holds. It is the same from the first step to the last.
+struct TrajectoryHeader {
+  std::string case_text;  ///< the resolved case, as a case file
+  std::string build;      ///< build_fingerprint() of the program that wrote it
+  Provenance provenance;
+  GranularSystem system;
+};
+
+/// A contact as a step left it.
+struct TrajectoryContact {
+  StepContact geometry;
+  LocalVector impulse;  ///< N s
+  ContactStatus status = ContactStatus::open;
+  Index subdomain = 0;
+};
+
+/// A step as a trajectory keeps it: the state after it, and the contacts that led there (none at time 0).
+struct TrajectoryStep {
+  GranularState state;
+  std::vector<TrajectoryContact> contacts;  ///< ascending by (a, b), those without an impulse included
+};
+
+/// The step that led from `solved` to the state of `after`.
+TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
+
+/// Names that a writer of the trajectory `path` makes, replaces and removes: FILE.next, FILE.previous and
+/// FILE.lock. FILE is `path`, or what `path` leads to if it is a symbolic link.
+std::vector<std::string> names_beside(const std::string& path);
+
+/// Writes the trajectory of a run as HDF5. Its layout is in docs/formats.md: /provenance, /case, /system,
+/// /steps/NNNNNN for the steps that are kept, /last for the newest step, and /summary with a row per step.
+/// Two copies take turns under the name of the file, so that it holds whole steps at every moment, however
+/// the program ends, and can be read while the run goes on. Steps are gathered in memory and reach the file
+/// together, with `commit`. Throws Error if the system refuses (no room left, no permission) or another run
+/// writes the same file.
+class TrajectoryWriter {
+ public:
+  /// Begins a new trajectory with the state `first`. A file of that name is replaced.
+  TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
+                   const std::vector<Column>& summary_columns);
+
+  /// Takes an existing trajectory to go on with it. Nothing is changed yet, but nobody else can write it now.
+  TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns);
+  ~TrajectoryWriter();  ///< commits, if the system lets it
+  TrajectoryWriter(const TrajectoryWriter&) = delete;
+  TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
+
+  /// To be called first for an existing trajectory. `case_text` replaces its own, because it may ask for more
+  /// steps. The line `restart` is added to those of earlier restarts in provenance/restarts.
+  void go_on(const std::string& case_text, const std::string& restart);
+
+  /// Adds a step to /last and /summary, and to /steps if `keep`. It is in the file from the next `commit` on.
+  void append(TrajectoryStep step, const Row& summary, bool keep);
+
+  /// Whether a second has passed since the last commit. Steps should not stay out of the file for longer.
+  bool due() const;
+
+  /// Brings the file up to date.
+  void commit();
+
+  /// Commits, and says in the attribute `ended` how the run ended.
+  void end(const std::string& how);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Reading. Every function throws Error naming the file if it is not a trajectory or is damaged.
+TrajectoryHeader read_trajectory_header(const std::string& path);
+
+/// Numbers of the steps kept in /steps, ascending.
+std::vector<Index> trajectory_steps(const std::string& path);
+
+/// A step that is kept. For any other throws Error naming the steps that are.
+TrajectoryStep read_trajectory_step(const std::string& path, Index step);
+
+/// The newest step: what a run goes on from.
+TrajectoryStep read_last_step(const std::string& path);
+
+/// A step that is kept in /steps or is the newest one; nothing for any other.
+std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step);
+
+/// The simulation a trajectory holds, in a state of it: system and boundaries as in the file, laws and solver
+/// from its case text. Packing files and settled cases that it began from are not needed. Throws Error if
+/// case text, system and state do not fit together.
+Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state);
+
+/// Throws Error naming the file, and the disk or boundary, if system and state read from it do not fit
+/// together or a position or velocity is not a number.
+void require_fit(const std::string& path, const Simulation& simulation);
+
+/// How the run ended, as its attribute `ended` says.
+std::string read_end(const std::string& path);
+
+/// A column of numbers of /summary, one per step from 1.
+std::vector<double> read_summary(const std::string& path, const std::string& column);
+
+}  // namespace nscdd

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/laws/cohesive.hpp"
+#include "mechanics/laws/coulomb.hpp"
+#include "mechanics/laws/frictionless.hpp"
+#include <nscdd/core/choice.hpp>
+#include <nscdd/mechanics/law.hpp>
+
+#include <variant>
+
+namespace nscdd {
+
+/// Laws between two bodies with a normal and a tangential component: one file and one word here per law.
+/// A law has
+///   name
+///   impulse(stop, w, friction)
+///       the impulse of one contact, solved together with v = W (r - stop); a sweep needs nothing else
+///   of(interaction, h)
+///       the law with its parameters, at a time step of h seconds
+///   opens
+///       whether a contact may part. If it may, it obeys Coulomb's law once `pull` is added to its normal
+///       impulse; statuses and residuals are those of this shifted law
+///   rubs
+///       whether a contact has a tangential impulse
+///   pulls, pull()
+///       whether touching bodies hold each other, and the largest impulse with which they do, N s. A law that
+///       pulls can be made from that impulse alone
+using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
+
+/// A law by its place in ContactLaw.
+enum class LawName {};
+constexpr auto names_of(LawName) { return Alternatives<ContactLaw>::names; }
+
+inline bool opens(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.opens; }, law);
+}
+inline bool rubs(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.rubs; }, law);
+}
+
+inline bool pulls(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.pulls; }, law);
+}
+inline double pull(const ContactLaw& law) {
+  return std::visit([](const auto& one) { return one.pull(); }, law);
+}
+
+/// The law of one contact, which pulls with at most `pull`, N s. That is 0 if its bodies do not touch.
+template <class Law>
+Law law_at(const Law& law, double pull) {
+  if constexpr (Law::pulls)
+    return Law{pull};
+  else
+    return law;
+}
+
+/// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact
+/// slides if its impulse is within `tolerance` x friction r_n of the edge of the cone.
+ContactStatus contact_status(LocalVector impulse, double friction, double tolerance = 0);
+
+/// Projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }, orthogonal in the plane.
+LocalVector project_on_cone(LocalVector impulse, double friction);
+
+/// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction
+/// |v_t| n)), N s. For any rho > 0 (kg) it is zero if and only if (v, r) obeys Signorini and Coulomb.
+LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho);
+
+}  // namespace nscdd

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/laws/coulomb.hpp"
+
+#include <string_view>
+
+namespace nscdd {
+
+/// Coulomb's law of grains that stick together: a contact that touches pulls with up to `cohesion` before it
+/// opens,
+///     0 <= v_n,  0 <= r_n + cohesion,  v_n (r_n + cohesion) = 0,  |r_t| <= friction (r_n + cohesion);
+/// one that does not touch has cohesion 0 (see `touching_gap`). It shows how a law is added: this one is
+/// Coulomb's at a shifted impulse.
+struct Cohesive {
+  static constexpr std::string_view name = "cohesive";
+  static constexpr bool opens = true, rubs = true, pulls = true;
+  double cohesion = 0;  ///< largest pulling impulse, N s: the force times the time step
+
+  static Cohesive of(const auto& interaction, double h) { return {h * interaction.cohesion}; }
+  double pull() const { return cohesion; }
+
+  /// As Coulomb::impulse.
+  template <class Delassus>
+  LocalVector impulse(LocalVector stop, const Delassus& w, double friction) const {
+    const LocalVector shifted = Coulomb{}.impulse({stop.n + cohesion, stop.t}, w, friction);
+    return {shifted.n - cohesion, shifted.t};
+  }
+};
+
+}  // namespace nscdd

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/disk_contacts.hpp"
+#include "mechanics/granular_system.hpp"
+#include <nscdd/core/fields.hpp>
+
+#include <vector>
+
+namespace nscdd {
+
+/// Moreau-Jean scheme at velocity level, step h:
+///     q_m = q^- + (1 - theta) h V^-              contacts are found here
+///     M (V - V^-) = h F + H r,  law(H^T V, r)    solved by Gauss-Seidel sweeps, whole or decomposed
+///     q   = q_m + theta h V
+/// q_m moves by exactly h V from one step to the next, so v_n + gap/h >= 0 keeps it free of overlap. Where
+/// bodies overlap already, the contact asks for v_n >= min(penetration_correction |gap|/h, push speed).
+struct TimeStepping {
+  double step = 0.005;  ///< h, s
+  Index steps = 100;
+  double theta = 0.5;
+  std::array<double, 2> gravity{0, -9.81};
+  double alert = 0.05;
+  double penetration_correction = 1;
+  double maximum_push_speed = -1;  ///< m/s; see push_speed
+  double rest_speed = 0;           ///< m/s
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("step", self.step, Field{.description = "time step", .unit = "s", .minimum = 0, .minimum_excluded = true});
+    visit("steps", self.steps, Field{.description = "number of time steps", .minimum = 0, .maximum = 1e9});
+    visit("theta", self.theta,
+          Field{.description = "weight of the velocity at the end of a step", .minimum = 0.5, .maximum = 1});
+    visit("gravity", self.gravity, Field{.description = "acceleration of free grains", .unit = "m/s^2"});
+    visit("alert", self.alert,
+          Field{.description = "contacts are considered whose gap is below this, or comes below it within the "
+                               "step, times the smallest radius",
+                .minimum = 0,
+                .maximum = 10});
+    visit("penetration_correction", self.penetration_correction,
+          Field{.description = "part of an overlap removed per step (restitution 0)", .minimum = 0, .maximum = 1});
+    visit("maximum_push_speed", self.maximum_push_speed,
+          Field{.description = "largest speed at which an overlap is pushed apart (restitution 0); -1: 0.02 "
+                               "(sqrt(g r) + w), r the smaller radius, w the speed of the fastest boundary",
+                .unit = "m/s",
+                .minimum = 0,
+                .also = -1});
+    visit("rest_speed", self.rest_speed,
+          Field{.description = "the run ends once free grains are slower for 10 steps: root mean square "
+                               "weighted by mass, spin included; 0 for never",
+                .unit = "m/s",
+                .minimum = 0});
+  }
+};
+
+/// For a law that pulls, bodies touch whose gap at q_m is at most this part of the smaller radius. That is
+/// far more than rounding and unfinished iterations leave, or a rolling contact opens in a step. It is far
+/// less than the alert distance, which must not be felt.
+inline constexpr double touching_gap = 1e-3;
+
+/// Geometry of a contact considered in a step.
+struct StepContact {
+  Index a = 0, b = 0;              ///< disks a < b, or wall b = disks + w
+  std::array<double, 2> normal{};  ///< from a to b
+  std::array<double, 2> point{};   ///< middle of the centres of two disks; the foot on a wall, m
+  double gap = 0;                  ///< m, at q_m
+};
+
+/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall
+/// does there.
+struct StepProblem {
+  double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
+  bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
+  bool pulls = false;                          ///< whether the law pulls; then contacts that touch have a pull
+  double h = 0;                                ///< s
+  std::vector<StepContact> geometry;           ///< ascending by (a, b)
+  std::vector<DiskContact> contacts;           ///< the same contacts for the solver, impulses to start from
+  std::vector<DiskVelocity> start;             ///< V^- of the bodies (of driven ones: in this step)
+  std::vector<DiskVelocity> free;              ///< V^- + h M^-1 F
+};
+
+/// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`,
+/// otherwise from zero. Throws Error naming the disk if one would move by more than ten of its radii in the
+/// step or has a velocity that is not finite, and naming both disks if two have the same centre.
+StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                         const TimeStepping& scheme, bool warm_start);
+
+/// Scale of flexibilities in a step: the mean of W_nn over its contacts, 1/kg (see ReferenceProblem). A body
+/// whose motion is prescribed adds nothing to W_nn. 0 without contacts.
+double mean_normal_delassus(const StepProblem& problem);
+
+/// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where
+/// that is negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and
+/// the speed w of the fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r
+/// that lifts a grain by its radius. Where N overlaps follow each other from a support, their speeds add up,
+/// and a column gains c^2 N/12 of its weight times its height: 0.3 % for a hundred grains, whatever the
+/// overlaps, the size of the grains and the time step are. Without gravity and with boundaries at rest no
+/// speed is natural, and overlaps stay.
+double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed);
+inline constexpr double natural_push_speed = 0.02;
+
+/// Overlap that ends a run, and one that deserves attention, times the smaller radius. An overlap beyond the
+/// radius would push the bodies through each other.
+inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
+
+/// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
+void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest);
+
+/// V_free + M^-1 H r for the impulses of the contacts.
+std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts);
+
+/// What a step did to the energy of the free disks, J:
+///     change of kinetic + potential = boundary_work - dissipation + numerical.
+struct StepEnergy {
+  double kinetic = 0, potential = 0;  ///< at the end of the step
+  double boundary_work = 0;           ///< done by driven disks and walls
+  double dissipation = 0;             ///< - sum r . (v + v^-)/2 over contacts
+  double numerical = 0;               ///< what is left; at theta = 1/2 only rounding
+};
+
+/// Ends a step with the impulses and velocities found: moves disks and boundaries, keeps the impulses.
+StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem& problem,
+                       const TimeStepping& scheme, std::span<const DiskContact> contacts,
+                       std::span<const DiskVelocity> velocities);
+
+/// Kinetic and potential energy of the free disks.
+StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
+
+/// Overlaps of the contacts of a step at q_m, before it is solved.
+struct Interpenetration {
+  double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 if none does
+  double relative = 0;           ///< the largest ratio of an overlap to the smaller radius of its two bodies
+};
+Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem);
+
+}  // namespace nscdd

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/step_solver.hpp"
+#include "mechanics/granular_system.hpp"
+#include "mechanics/time_stepping.hpp"
+#include <nscdd/core/choice.hpp>
+#include <nscdd/ddm/partitioner.hpp>
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// What a boundary of a case is made of.
+enum class BoundaryShape {
+  wall,    ///< the straight line through `from` and `to`; grains on its left
+  disks,   ///< a row of disks from `from` to `to`, both ends included
+  grains,  ///< grains first ... last of the packing, driven as one rigid body
+};
+constexpr auto names_of(BoundaryShape) { return std::to_array<std::string_view>({"wall", "disks", "grains"}); }
+
+/// A boundary as a case file describes it ([[boundary]]).
+struct BoundarySpec {
+  std::string name;
+  Choice<BoundaryShape> shape = BoundaryShape::wall;
+  std::array<double, 2> from{0, 0}, to{1, 0};  ///< m, wall and disks
+  double radius = 0;                           ///< m, disks
+  double spacing = 0;          ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
+  Index first = 0, last = -1;  ///< grains; negative from the end
+  Motion motion;
+  Choice<Orientation> orientation = Orientation::turning;  ///< disks and grains
+
+  /// Largest distance of neighbouring centres, m.
+  double distance() const { return spacing > 0 ? spacing : 2 * radius; }
+};
+
+/// The sections of a case that make it move: [interaction], [dynamics], [solver], [[boundary]].
+struct Dynamics {
+  Interaction interaction;
+  TimeStepping time;
+  StepSolver solver;
+  std::vector<BoundarySpec> boundaries;
+};
+
+/// The sections as a case file has them, with a blank line before each. A parameter without effect is written
+/// with its default.
+std::string to_toml(const Dynamics& dynamics);
+
+/// Whether a parameter such as "solver.eta" has an effect beside the others. A parameter of the enriched
+/// algorithm, of the interface, of a law or of random numbers has none where that is not in use.
+bool has_effect(const Dynamics& dynamics, std::string_view path);
+
+/// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with.
+void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where);
+
+/// Throws Error naming the boundary if a wall or a row of disks has no extent or a row has too many disks.
+void check(const BoundarySpec& spec);
+
+/// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
+/// their order. Throws Error naming the boundary if its shape has no extent, its radius or range of grains is
+/// impossible, or one of its grains is driven twice.
+struct GranularScene {
+  GranularSystem system;
+  GranularState state;  ///< at time 0
+};
+GranularScene scene(const Packing& packing, const Dynamics& dynamics);
+
+/// A granular system and how it moves. Only `state` changes in a run.
+struct Simulation {
+  GranularSystem system;
+  GranularState state;
+  Dynamics dynamics;
+  Partitioner partitioner = GridPartitioner{};
+};
+
+}  // namespace nscdd

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/granular_two_stage.hpp"
+#include "simulation/dynamics.hpp"
+#include <nscdd/core/choice.hpp>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// How the iterations of a step ended.
+enum class SolverStatus {
+  converged,        ///< the criterion fell to its tolerance
+  stalled,          ///< the criterion did not fall over the last 10 000 iterations, nor over four fifths of all
+  maximum_reached,  ///< as many iterations as allowed were made
+  diverged,         ///< impulses grew to a million times their first size, or energy far beyond what there was
+  no_number,        ///< an impulse or velocity is not finite
+};
+constexpr auto names_of(SolverStatus) {
+  return std::to_array<std::string_view>({"converged", "stalled", "maximum_reached", "diverged", "no_number"});
+}
+
+/// One iteration with all its indicators.
+struct IterationRow {
+  Index step = 0;  ///< from 1
+  IterationRecord record;
+  ContactResidual residual;
+  Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the row before
+  double seconds = 0;        ///< of the iterations of the step so far, without the indicators
+};
+
+/// Whether an iteration is the first one in its interval when every decade is cut into `per_decade` intervals
+/// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
+bool begins_interval(Index iteration, Index per_decade);
+
+/// Who looks at the iterations of a step. The indicators of an iteration cost several sweeps, so that looking
+/// at all of them multiplies the time of a run.
+struct IterationSink {
+  std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
+  Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
+
+  bool looks_at(Index iteration) const;
+};
+
+/// What is known of a step once it is solved: a row of the table of steps.
+struct StepReport {
+  Index step = 0;   ///< from 1
+  double time = 0;  ///< at its end, s
+  SolverStatus status = SolverStatus::converged;
+  IterationRecord last;
+  ContactResidual residual;
+  Index contacts = 0;  ///< contacts considered
+  Index interface_size = 0;
+  Interpenetration overlap;
+  StepEnergy energy;
+  double eta = not_a_number;  ///< of the enriched algorithm, 1/kg
+  double setup_seconds = 0, solve_seconds = 0;
+};
+
+/// A step that is prepared, decomposed and solved, but not yet taken.
+struct SolvedStep {
+  StepProblem problem;
+  Partition partition;                ///< of its contacts
+  std::vector<DiskContact> contacts;  ///< with their impulses
+  std::vector<DiskVelocity> velocities;
+  std::vector<RememberedGluing> gluing;
+  Vector interface_impulses;
+  StepReport report;
+};
+
+/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step does, and naming both
+/// bodies if two overlap by more than `largest_overlap`.
+struct PreparedStep {
+  StepProblem problem;
+  Partition partition;                        ///< of its contacts
+  std::optional<InterfaceOperator> enriched;  ///< X_eta of the enriched algorithm
+  double eta = not_a_number;                  ///< its flexibility, 1/kg
+  GranularTwoStage iteration;
+};
+PreparedStep prepare_solution(const Simulation& simulation);
+
+/// Throws Error as prepare_solution does, without its cost: for the first step of a run, before anything is
+/// written.
+void check_next_step(const Simulation& simulation);
+
+/// Prepares and solves the next step from the state without taking it. The iterations that `sink` looks at go
+/// to it.
+SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = {});
+
+/// Takes a solved step, which moves the state on.
+StepReport take_step(Simulation& simulation, SolvedStep step);
+
+/// Where a solver broke down, by the names and places of bodies. That is the first contact with an impulse
+/// that is not finite, otherwise the first disk with such a velocity, otherwise the contact with the largest
+/// impulse. `before`: the simulation that the step was solved from.
+std::string describe_breakdown(const Simulation& before, const SolvedStep& step);
+
+}  // namespace nscdd

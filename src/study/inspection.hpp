@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "packing/statistics.hpp"
+#include "study/case.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace nscdd {
+
+/// Kinematics of one contact network, rank W = rank H. Rank and what follows from it are 0 if ranks were left
+/// out.
+struct NetworkDegrees {
+  Index grains = 0;
+  Index contacts = 0;        ///< links, columns of H: two of each contact with friction
+  Index rank = 0;            ///< rank of the Delassus operator
+  Index rigid_modes = 0;     ///< grain motions that no contact sees: d n - rank
+  Index hyperstaticity = 0;  ///< self-stresses: contacts - rank
+};
+
+struct Inspection {
+  NetworkDegrees whole;  ///< isolated grains left out
+  std::vector<NetworkDegrees> subdomains;
+  Index isolated_grains = 0;                ///< touching nothing
+  Index components = 0;                     ///< connected pieces of the network, isolated grains left out
+  double coordination_number = 0;           ///< mean number of contacts per grain, 2 c / n
+  std::map<Index, Index> interface_grains;  ///< multiplicity q >= 2 -> number of grains
+  Index interface_dofs = 0;
+  Index empty_subdomains = 0;
+  /// Multiplicity of the eigenvalue 1 of B_0 counted from ranks alone:
+  /// hyperstaticity of the whole minus that of the subdomains (self-stresses that cross the interface).
+  Index unit_multiplicity = 0;
+  bool ranks = false;  ///< ranks were computed
+  // What follows is of packings alone.
+  SolidFraction solid_fraction;
+  double largest_overlap = 0;  ///< of two grains, in units of the smaller radius; 0 without one
+  Index rattlers = 0;          ///< grains that no load can reach, see rattlers() in packing/statistics.hpp
+  double coordination_without_rattlers = 0;  ///< of the other grains among themselves; nan without any
+  std::vector<SizeClass> sizes;              ///< ten classes of radii
+};
+
+struct InspectionOptions {
+  /// Ranks are computed for networks of at most so many contacts. There they take seconds, and the time grows
+  /// faster than the network.
+  Index ranks_up_to = 100'000;
+};
+
+/// A case that moves, with the overlaps that its simulation accepts where it says nothing of its own; other
+/// cases as they are.
+Case with_overlaps_of_motion(Case one);
+
+/// Connected pieces of the contact network, isolated grains left out.
+Index connected_pieces(const ReferenceProblem& problem);
+
+/// Why the interface of a model is empty: "1 subdomain(s), no shared grain", and how many separate pieces the
+/// partition leaves whole; "" for an interface that is not empty.
+std::string why_empty(const Model& model);
+
+/// Ranks are those of H, which are those of W, by `sparse_rank`.
+Inspection inspect(const Model& model, const InspectionOptions& options = {});
+
+}  // namespace nscdd

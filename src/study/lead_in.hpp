@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "simulation/simulation.hpp"
+#include "study/case.hpp"
+
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace nscdd {
+
+/// How the steps before those that a table looks at are solved.
+enum class LeadInSolver {
+  plain,  ///< plain Gauss-Seidel, warm-started, to zeta <= 1e-6 or 2 000 sweeps, whatever the case says
+  own,    ///< the solver of the case
+};
+constexpr auto names_of(LeadInSolver) { return std::to_array<std::string_view>({"plain", "own"}); }
+
+/// What a run was like, over all its steps.
+struct RunTotals {
+  Index iterations = 0;       ///< of all steps
+  Index converged = 0;        ///< steps that did
+  double natural_map = 0;     ///< the worst of any step, of what the step kept
+  double gluing = 0;          ///< the largest of any step, at its last iteration
+  double kinetic = 0;         ///< of the free disks at the end, J
+  double eta = not_a_number;  ///< of the last step, 1/kg
+  Index interface_size = 0;   ///< of the last step
+  void add(const StepReport& report);
+};
+
+/// A case after some steps, with its own solver, and what the run there was like.
+struct Arrival {
+  Simulation simulation;
+  RunTotals totals;
+};
+
+/// States of cases after some steps. Every state asked for is kept, so that variants of the solver of a step,
+/// and several tables, start from the same one.
+class LeadIn {
+ public:
+  /// Throws Error for a case that is not made to move and where a step on the way breaks down.
+  Arrival at(const Case& one, Index steps, LeadInSolver solver = LeadInSolver::plain);
+
+ private:
+  std::map<std::string, std::map<Index, Arrival>> known_;  // by the case and the steps done
+};
+
+/// The next step after a state, solved as a lead-in solves it, but decomposed as the case says. A case with
+/// plain Gauss-Seidel is decomposed as for the generic algorithm.
+SolvedStep next_step(Simulation simulation, LeadInSolver solver);
+
+}  // namespace nscdd

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "study/case.hpp"
+#include <nscdd/core/types.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/study/model.hpp>
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace nscdd {
+
+/// Which end of the spectrum of B, unit eigenvalues of the rigid limit apart.
+enum class SpectrumSide {
+  slowest,  ///< the one of larger modulus: what the iteration is left with in the end
+  low,      ///< the smallest eigenvalue
+  high,     ///< the largest eigenvalue
+};
+
+constexpr auto names_of(SpectrumSide) { return std::to_array<std::string_view>({"slowest", "low", "high"}); }
+
+struct ModeParameters {
+  double epsilon = 1.0;   ///< 1/kg; 0 is the rigid limit
+  double eta = infinity;  ///< 1/kg
+  ContactSet contacts = ContactSet::all;
+  SpectrumSide side = SpectrumSide::slowest;
+  SpectralOptions spectral = {};
+};
+
+/// An eigenvector of the contraction operator, B F = mu F, and what the grains do in it. Without loads the
+/// algorithm started from F runs
+///     Stage 1   (M_E + K_E / epsilon) V_E = - A_E^T F        ([ADI12] eqs. (9), (14) with F^d_E = 0)
+///     Stage 2   F' = F + P^-1 sum_E A_E V_E = mu F
+/// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = 1 - mu.
+/// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it
+/// within 1e-6). If an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
+struct Mode {
+  SpectralRadius spectrum;
+  SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
+  double eigenvalue = not_a_number;        ///< mu
+  /// The eigenvalue next to it, inwards. It is known if the solver is dense or was asked for two, else NaN.
+  double next = not_a_number;
+  double residual = not_a_number;  ///< ||S F - lambda P F||_{P^-1} of the vectors given here
+  /// Whether this is a mode of the operator: `residual` is within the tolerance and the contacts are certain.
+  /// `spectrum.converged` tells whether no other mode lies further out.
+  bool converged = true;
+  Vector impulses;                 ///< F, n_Gamma, kg m/s; empty where there is none (`found`)
+  Vector jumps;                    ///< sum_E A_E V_E, n_Gamma, m/s
+  std::vector<Vector> velocities;  ///< V_E, d n_E each, m/s
+  /// F_k^T (P F)_k of every gluing row block k: they add up to 1. Below 0 only where P couples rows.
+  std::vector<double> shares;
+
+  bool found() const { return impulses.size() > 0; }
+};
+
+/// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed.
+/// Throws Error if the contacts cannot be chosen (see choose_contacts).
+Mode interface_mode(const Model& model, const ModeParameters& parameters);
+
+/// F scaled to F^T P F = 1 and its sign fixed, as in Mode. F must not be zero.
+Vector normalised(const Vector& f, const InterfaceOperator& preconditioner);
+
+/// The part of a mode that lives on the interface between two subdomains.
+struct InterfaceShare {
+  Index first = 0, second = 0;  ///< subdomains, first < second
+  Index rows = 0;               ///< gluing row blocks between them
+  double share = 0;             ///< sum of their shares
+};
+
+/// Shares of every interface between two subdomains, largest first. A grain shared by more than two counts
+/// where the gluing ties its copies.
+std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode);
+
+/// Over how many of the row blocks the mode spreads: (sum |s_k|)^2 / sum s_k^2, between 1 and their number.
+double spread(const Mode& mode);
+
+}  // namespace nscdd
