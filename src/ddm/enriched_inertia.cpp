@@ -3,13 +3,13 @@
 
 #include "core/lazy.hpp"
 #include "linalg/ldlt/factor.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,14 +45,14 @@ Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
   if (subdomain.grains.empty()) return {Matrix(0, 0), Vector(0), Matrix(0, 0)};  // Eigen takes no empty matrix
   const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();              // M^-1/2
   const Matrix b = root.asDiagonal() * Matrix(subdomain.h);                      // M^-1/2 H
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
+  const auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
   Modes modes;
-  modes.eigenvalues = solver.eigenvalues();
+  modes.eigenvalues = eigenvalues;
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
   const Index nullity = subdomain.h.rows() - sparse_rank(subdomain.h);
   modes.eigenvalues.head(nullity).setZero();
   modes.eigenvalues = modes.eigenvalues.cwiseMax(0.0);
-  modes.vectors = root.asDiagonal() * solver.eigenvectors();
+  modes.vectors = root.asDiagonal() * vectors;
   modes.traces = a * modes.vectors;
   return modes;
 }

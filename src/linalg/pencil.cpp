@@ -14,6 +14,8 @@
 namespace nscdd {
 namespace {
 
+using SymmetricSolver = Eigen::SelfAdjointEigenSolver<Matrix>;
+
 // The symmetric tridiagonal matrix Q^T C Q, with Q kept as LAPACK's Householder vectors.
 struct Tridiagonal {
   Matrix reflectors;
@@ -101,12 +103,24 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
   return ends;
 }
 
+SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors) {
+  if (vectors == Eigenvectors::not_wanted) return {SymmetricSolver(a, Eigen::EigenvaluesOnly).eigenvalues(), Matrix()};
+  const SymmetricSolver solver(a);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
+  SymmetricSolver solver;
+  solver.computeFromTridiagonal(diagonal, below);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
 KernelSplit split_kernel(const Matrix& s, Index nullity) {
   const OneBlasThread serial_blas;
   const Index n = s.rows();
   if (nullity == 0) return {Matrix(n, 0), Matrix::Identity(n, n)};
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(s);
-  return {solver.eigenvectors().leftCols(nullity), solver.eigenvectors().rightCols(n - nullity)};
+  const Matrix vectors = symmetric_eigen(s).vectors;
+  return {vectors.leftCols(nullity), vectors.rightCols(n - nullity)};
 }
 
 }  // namespace nscdd

@@ -24,6 +24,17 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
 double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, const Vector& values,
                      const Matrix& vectors);
 
+/// All eigenvalues of a symmetric matrix, ascending, and orthonormal eigenvectors as columns (none unless they are
+/// wanted). Eigen's decomposition is slow to compile: this is the one place that does.
+struct SymmetricEigen {
+  Vector values;
+  Matrix vectors;
+};
+enum class Eigenvectors { wanted, not_wanted };
+SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvectors::wanted);
+/// The same of a tridiagonal matrix, given by its diagonal and the line below it.
+SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
+
 /// Orthonormal bases of the kernel of a symmetric positive semidefinite matrix and of its complement.
 struct KernelSplit {
   Matrix kernel;  ///< n x m

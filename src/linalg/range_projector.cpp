@@ -2,10 +2,9 @@
 #include "linalg/range_projector.hpp"
 
 #include "linalg/ldlt/saddle_point.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -128,9 +127,7 @@ Index sparse_rank(const SparseMatrix& a, double tolerance) {
   const RangeProjector::Implementation& sparse = *projector.implementation_;
   if (sparse.conclusive || sparse.b.cols() > dense_limit) return sparse.rank;
   const Matrix gram = Matrix(sparse.b.transpose() * sparse.b);
-  return (Eigen::SelfAdjointEigenSolver<Matrix>(gram, Eigen::EigenvaluesOnly).eigenvalues().array() >
-          tolerance * tolerance)
-      .count();
+  return (symmetric_eigen(gram, Eigenvectors::not_wanted).values.array() > tolerance * tolerance).count();
 }
 
 }  // namespace nscdd

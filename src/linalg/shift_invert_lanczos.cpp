@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/shift_invert_lanczos.hpp"
 
+#include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,16 +68,14 @@ RitzPairs ritz_pairs(const std::vector<double>& alpha, const std::vector<double>
   const Index steps = count(alpha);
   const Vector diagonal = Eigen::Map<const Vector>(alpha.data(), steps);
   const Vector below = Eigen::Map<const Vector>(beta.data(), steps - 1);
-  Eigen::SelfAdjointEigenSolver<Matrix> solver;
-  solver.computeFromTridiagonal(diagonal, below);
-  const Vector& all = solver.eigenvalues();  // ascending
+  const auto [all, vectors] = tridiagonal_eigen(diagonal, below);
   const Index side = positive ? (all.array() > 0).count() : (all.array() < 0).count();
   const Index found = std::min(wanted, side);
   RitzPairs pairs{Vector(found), Vector(found), Vector(found), Matrix(steps, found)};
   for (Index k = 0; k < found; ++k) {
     const Index i = positive ? steps - 1 - k : k;
     pairs.nu[k] = all[i];
-    pairs.s.col(k) = solver.eigenvectors().col(i);
+    pairs.s.col(k) = vectors.col(i);
     pairs.residuals[k] = beta.back() * std::abs(pairs.s(steps - 1, k));
     pairs.gaps[k] = infinity;
     if (i > 0) pairs.gaps[k] = all[i] - all[i - 1];
