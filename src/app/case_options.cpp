@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-
-#include "app/data_files.hpp"
-#include "app/settled_cases.hpp"
+#include "app/cases.hpp"
+#include "app/progress.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
+#include <nscdd/core/version.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace nscdd::app {
@@ -19,14 +18,12 @@ namespace {
 
 PrescribedVelocity parse_prescribed(const std::string& text) {
   const std::string what = "--prescribed";
-  const auto first = text.find(':');
-  const auto second = first == std::string::npos ? first : text.find(':', first + 1);
-  if (second == std::string::npos || text.find(':', second + 1) != std::string::npos)
-    throw Error(fmt::format("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text));
+  const auto first = text.find(':'), last = text.rfind(':');
+  if (std::ranges::count(text, ':') != 2) refuse("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
   PrescribedVelocity velocity;
   velocity.grain = parse_integer(text.substr(0, first), what);
-  velocity.velocity = {parse_number(text.substr(first + 1, second - first - 1), what),
-                       parse_number(text.substr(second + 1), what)};
+  velocity.velocity = {parse_number(text.substr(first + 1, last - first - 1), what),
+                       parse_number(text.substr(last + 1), what)};
   check_bounds(velocity.velocity, Field{.description = ""}, what);
   return velocity;
 }
@@ -37,8 +34,7 @@ CaseSpec find_spec(const std::string& name) {
   const std::string path = find_case(name);
   if (std::filesystem::path(path).extension() == ".toml") return read_case(path);
   const auto format = packing_format(path);
-  if (!format)
-    throw Error(fmt::format("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path));
+  if (!format) refuse("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path);
   CaseSpec spec;
   spec.name = std::filesystem::path(path).stem().string();
   if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
@@ -48,41 +44,28 @@ CaseSpec find_spec(const std::string& name) {
   return spec;
 }
 
-Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
-  require_no_input(outputs, files_behind(spec));
-  return resolve_settled(spec);
-}
-
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
-    if (equals == std::string::npos)
-      throw Error(fmt::format("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting));
+    if (equals == std::string::npos) refuse("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
     override_case(spec, setting.substr(0, equals), setting.substr(equals + 1));
   }
 }
 
 void CaseOptions::declare(Command& command) {
-  command
-      .add_option("CASE", name,
-                  "case or packing file, contact problem (FCLIB), or a known case; case files end in .toml, "
-                  "packing files in .csv or .h5 with x,y,radius[,mass], contact problems of FCLIB in .hdf5")
-      ->required();
-  command.add_option("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
-  command.add_option("--prescribed", prescribed, "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
-  command.add_option("--density", density, "masses = density x pi radius^2, kg/m^2");
-  command.add_option("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
-  command.add_option("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
-  command.add_option("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16");
+  command.add_required("CASE", name,
+                       "case or packing file, contact problem (FCLIB), or a known case; case files end in .toml, "
+                       "packing files in .csv or .h5 with x,y,radius[,mass], contact problems of FCLIB in .hdf5");
+  command.add("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--prescribed", prescribed, "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
+  command.add("--density", density, "masses = density x pi radius^2, kg/m^2");
+  command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
+  command.add("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
+  command.add("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16");
 }
 
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
   CaseSpec spec = find_spec(name);
-  apply(spec);
-  return resolve_case(spec, outputs);
-}
-
-void CaseOptions::apply(CaseSpec& spec) const {
   if (!subdomains.empty()) spec.partition = parse_partitioner(subdomains, "--subdomains");
   if (!prescribed.empty()) {
     spec.prescribed.clear();
@@ -92,13 +75,27 @@ void CaseOptions::apply(CaseSpec& spec) const {
     const PrescribedVelocity velocity = parse_prescribed(text);
     for (const PrescribedVelocity& other : spec.prescribed)
       if (other.grain == velocity.grain)
-        throw Error(fmt::format("--prescribed: expected each grain once, met grain {} again", velocity.grain));
+        refuse("--prescribed: expected each grain once, met grain {} again", velocity.grain);
     spec.prescribed.push_back(velocity);
   }
   if (density) override_case(spec, "masses.density", field_text(*density));
   if (tolerance) override_case(spec, "contacts.tolerance", field_text(*tolerance));
   if (overlap_tolerance) override_case(spec, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
   apply_settings(spec, settings);
+  return resolve_case(spec, outputs);
+}
+
+Provenance provenance(const Context& context, const std::vector<Case>& cases) {
+  std::string libraries, resolved;
+  for (const auto& [name, version] : dependency_versions()) libraries += fmt::format("{} {}\n", name, version);
+  for (const Case& one : cases) {
+    resolved += fmt::format("# case {}\n{}\n", one.spec.name, to_toml(one.spec));
+    if (!one.settled_from.empty()) resolved += one.settled_from + "\n";
+  }
+  return {{"program", "nscdd " + version()},
+          {"libraries", libraries},
+          {"command_line", context.command_line},
+          {"cases", resolved}};
 }
 
 }  // namespace nscdd::app

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/command.hpp"
 
-#include "app/manual.hpp"
+#include "app/progress.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
 
 #include <CLI/CLI.hpp>
@@ -12,46 +11,33 @@
 #include <algorithm>
 #include <map>
 #include <span>
+#include <sstream>
 
 namespace nscdd::app {
 namespace {
 
-CLI::Option* declare(CLI::App& command, const Option& option) {
-  return std::visit(
-      [&](auto* target) {
-        if constexpr (std::is_same_v<decltype(target), bool*>)
-          return command.add_flag(option.names(), *target, option.help());
-        else
-          return command.add_option(option.names(), *target, option.help());
-      },
-      option.target());
-}
-
 void declare_all(CLI::App& command, const Command& described) {
   std::map<const Option*, CLI::Option*> made;
-  for (const Option& option : described.options()) {
-    CLI::Option* one = made[&option] = declare(command, option);
-    one->required(option.is_required());
-    if (!option.words().empty())
-      one->check([words = option.words()](std::string value) {
+  for (const Option& option : described.options) {
+    CLI::Option* one = made[&option] = std::visit(
+        [&](auto* target) {
+          if constexpr (std::is_same_v<decltype(target), bool*>)
+            return command.add_flag(option.names, *target, option.help);
+          else
+            return command.add_option(option.names, *target, option.help);
+        },
+        option.target);
+    one->required(option.required);
+    if (!option.words.empty())
+      one->check([words = option.words](std::string value) {
         const std::string refused = CLI::IsMember(words)(value);
         return refused.empty() ? refused : refused + suggestion(value, words);
       });
-    if (option.bounds()) one->check(CLI::Range(option.bounds()->first, option.bounds()->second));
-    if (option.has_default()) one->capture_default_str();
+    if (option.bounds) one->check(CLI::Range(option.bounds->first, option.bounds->second));
     // A list takes one value each time it is named: what follows may be another argument.
-    if (std::holds_alternative<std::vector<std::string>*>(option.target())) one->allow_extra_args(false);
-    for (const Option* other : option.needed()) one->needs(made.at(other));
-    for (const Option* other : option.excluded()) one->excludes(made.at(other));
-  }
-}
-
-// "-o,--output" as "-o" and "--output".
-void add_names(const std::string& names, std::vector<std::string>& all) {
-  for (std::size_t begin = 0; begin < names.size();) {
-    const std::size_t end = std::min(names.find(',', begin), names.size());
-    all.push_back(names.substr(begin, end - begin));
-    begin = end + 1;
+    if (std::holds_alternative<std::vector<std::string>*>(option.target)) one->allow_extra_args(false);
+    if (option.needs != nullptr) one->needs(made.at(option.needs));
+    if (option.excludes != nullptr) one->excludes(made.at(option.excludes));
   }
 }
 
@@ -59,62 +45,32 @@ void add_names(const std::string& names, std::vector<std::string>& all) {
 void check_names(const std::vector<DescribedVerb>& verbs, std::span<const char* const> arguments) {
   const std::string_view first = arguments.front();
   if (first.starts_with('-')) return;
-  std::vector<std::string> names;
-  for (const DescribedVerb& verb : verbs) names.push_back(verb.name);
-  const auto found = std::find(names.begin(), names.end(), first);
-  if (found == names.end())
-    throw Error(
-        fmt::format("expected a verb ({}), met '{}'{}", fmt::join(names, ", "), first, suggestion(first, names)));
-  const DescribedVerb& verb = verbs[static_cast<std::size_t>(found - names.begin())];
-  names = {"--help"};
-  for (const Option& option : verb.command.options()) add_names(option.names(), names);
+  const auto verb = std::ranges::find(verbs, first, &DescribedVerb::name);
+  if (verb == verbs.end()) {
+    std::vector<std::string> known;
+    for (const DescribedVerb& each : verbs) known.push_back(each.name);
+    refuse("expected a verb ({}), met '{}'{}", fmt::join(known, ", "), first, suggestion(first, known));
+  }
+  const std::vector<std::string> known = verb->command.names();
   for (std::string_view argument : arguments.subspan(1)) {
     if (argument == "--") return;
     argument = argument.substr(0, argument.find('='));
-    if (argument.starts_with("--") && std::find(names.begin(), names.end(), argument) == names.end())
-      throw Error(fmt::format("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them", verb.name,
-                              argument, suggestion(argument, names), verb.name));
+    if (argument.starts_with("--") && std::ranges::find(known, argument) == known.end())
+      refuse("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them", verb->name, argument,
+             suggestion(argument, known), verb->name);
   }
 }
 
 }  // namespace
 
-Option* Option::required() {
-  required_ = true;
-  return this;
-}
-
-Option* Option::shows_default() {
-  shows_default_ = true;
-  return this;
-}
-
-Option* Option::one_of(std::vector<std::string> words) {
-  words_ = std::move(words);
-  return this;
-}
-
-Option* Option::between(Index smallest, Index largest) {
-  bounds_ = {smallest, largest};
-  return this;
-}
-
-Option* Option::needs(const Option* other) {
-  needed_.push_back(other);
-  return this;
-}
-
-Option* Option::excludes(const Option* other) {
-  excluded_.push_back(other);
-  return this;
-}
-
-Option* Command::add_option(std::string names, Option::Target target, std::string help) {
-  return &options_.emplace_back(std::move(names), target, std::move(help));
-}
-
-Option* Command::add_flag(std::string names, bool& target, std::string help) {
-  return add_option(std::move(names), Option::Target(&target), std::move(help));
+std::vector<std::string> Command::names() const {
+  std::vector<std::string> all{"--help"};
+  for (const Option& option : options) {
+    if (option.positional()) continue;
+    std::istringstream names(option.names);
+    for (std::string name; std::getline(names, name, ',');) all.push_back(name);
+  }
+  return all;
 }
 
 Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, const char* const* argv) {
@@ -128,10 +84,9 @@ Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, co
     commands.push_back(app.add_subcommand(verb.name, verb.summary));
     declare_all(*commands.back(), verb.command);
   }
-  const auto asked = [&]() -> std::size_t {
-    std::size_t i = 0;
-    while (i < verbs.size() && !commands[i]->parsed()) ++i;
-    return i;
+  const auto asked = [&] {
+    const auto found = std::ranges::find_if(commands, [](const CLI::App* command) { return command->parsed(); });
+    return static_cast<std::size_t>(found - commands.begin());
   };
   try {
     app.parse(argc, argv);
@@ -140,7 +95,7 @@ Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, co
   } catch (const CLI::CallForVersion& version) {
     return std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    throw Error(fmt::format("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what()));
+    refuse("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what());
   }
   return asked();
 }

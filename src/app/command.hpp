@@ -4,7 +4,6 @@
 #include <nscdd/core/types.hpp>
 
 #include <deque>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,64 +13,51 @@
 namespace nscdd::app {
 
 /// An option of a verb, described once: the command line is parsed by it, and help, manual pages and the
-/// completion of the shell are made from it. The setters return the option itself, to be chained.
-class Option {
- public:
+/// completion of the shell are made from it.
+struct Option {
   /// Where the value goes. An empty optional stays empty, and a list stays as it is, where the option is not
   /// given; a bool makes the option a flag.
   using Target = std::variant<std::string*, double*, Index*, bool*, std::optional<std::string>*, std::optional<double>*,
                               std::optional<Index>*, std::vector<std::string>*>;
 
-  Option(std::string names, Target target, std::string help)
-      : names_(std::move(names)), target_(target), help_(std::move(help)) {}
+  std::string names;  ///< "-o,--output", or "CASE" where it has no name
+  Target target;
+  std::string help;
+  bool required = false;
+  bool shows_default = false;           ///< the help prints the value that the target has now
+  std::vector<std::string> words = {};  ///< the only values that are accepted, unless empty
+  std::optional<std::pair<Index, Index>> bounds = {};
+  const Option* needs = nullptr;  ///< refused without the other one
+  const Option* excludes = nullptr;
 
-  Option* required();
-  Option* shows_default();                         ///< the help prints the value that the target has now
-  Option* one_of(std::vector<std::string> words);  ///< the only values that are accepted
-  Option* between(Index smallest, Index largest);
-  Option* needs(const Option* other);  ///< refused without the other one
-  Option* excludes(const Option* other);
-
-  const std::string& names() const { return names_; }  ///< "-o,--output", or "CASE" where it has no name
-  bool positional() const { return names_.front() != '-'; }
-  bool flag() const { return std::holds_alternative<bool*>(target_); }
-  const Target& target() const { return target_; }
-  const std::string& help() const { return help_; }
-  const std::vector<std::string>& words() const { return words_; }
-  const std::optional<std::pair<Index, Index>>& bounds() const { return bounds_; }
-  bool is_required() const { return required_; }
-  bool has_default() const { return shows_default_; }
-  const std::vector<const Option*>& needed() const { return needed_; }
-  const std::vector<const Option*>& excluded() const { return excluded_; }
-
- private:
-  std::string names_;
-  Target target_;
-  std::string help_;
-  std::vector<std::string> words_;
-  std::optional<std::pair<Index, Index>> bounds_;
-  bool required_ = false, shows_default_ = false;
-  std::vector<const Option*> needed_, excluded_;
+  bool positional() const { return names.front() != '-'; }
+  bool flag() const { return std::holds_alternative<bool*>(target); }
 };
 
 /// The options of one verb, in the order of its help.
-class Command {
- public:
-  Option* add_option(std::string names, Option::Target target, std::string help);
-  Option* add_flag(std::string names, bool& target, std::string help);
-  void footer(std::string text) { footer_ = std::move(text); }
+struct Command {
+  std::deque<Option> options;  // addresses stay: options name each other
+  std::string footer;          ///< remarks and examples below the options
 
   template <class Value>
-  Option* add_option(std::string names, Value& value, std::string help) {
-    return add_option(std::move(names), Option::Target(&value), std::move(help));
+  Option& add(std::string names, Value& value, std::string help) {
+    return options.emplace_back(Option{std::move(names), &value, std::move(help)});
+  }
+  template <class Value>
+  Option& add_required(std::string names, Value& value, std::string help) {
+    Option& option = add(std::move(names), value, std::move(help));
+    option.required = true;
+    return option;
+  }
+  template <class Value>
+  Option& add_with_default(std::string names, Value& value, std::string help) {
+    Option& option = add(std::move(names), value, std::move(help));
+    option.shows_default = true;
+    return option;
   }
 
-  const std::deque<Option>& options() const { return options_; }
-  const std::string& footer() const { return footer_; }  ///< remarks and examples below the options
-
- private:
-  std::deque<Option> options_;  // addresses stay: options name each other
-  std::string footer_;
+  /// "--help" and every name of every option that has one, "-o" and "--output" apart.
+  std::vector<std::string> names() const;
 };
 
 /// A verb with everything its description says.
@@ -86,5 +72,12 @@ using Request = std::variant<std::size_t, std::string>;
 /// Parses a command line and sets the targets of its options. Throws Error for a line that does not fit the
 /// description, saying what was met and, where a verb or option is unknown, the nearest name there is.
 Request parse_command_line(const std::vector<DescribedVerb>& verbs, int argc, const char* const* argv);
+
+/// What `nscdd` prints alone: what the program is for, where to begin, and its verbs.
+std::string short_guide(const std::vector<DescribedVerb>& verbs);
+
+/// What `nscdd VERB --help` prints, at most 100 columns wide: a line per option, then remarks and examples.
+/// Of the help of an option it shows the part before the first "; "; the manual page has it all.
+std::string help_screen(const DescribedVerb& verb);
 
 }  // namespace nscdd::app

@@ -62,13 +62,13 @@ int run(int argc, char** argv) {
   std::vector<DescribedVerb> described;
   described.reserve(verbs.size());  // the options that a verb declares stay where they are
   const Context context{joined(argc, argv), &described};
-  std::vector<std::function<int()>> actions;
+  std::vector<Action> actions;
   for (const Verb& verb : verbs) {
     described.push_back({verb.name, verb.summary, {}});
-    actions.push_back(verb.declare(described.back().command, context));
+    actions.push_back(verb.declare(described.back().command));
   }
   const Request request = parse_command_line(described, argc, argv);
-  if (const auto* number = std::get_if<std::size_t>(&request)) return actions[*number]();
+  if (const auto* number = std::get_if<std::size_t>(&request)) return actions[*number](context);
   fmt::print("{}", std::get<std::string>(request));
   return 0;
 }
@@ -82,11 +82,11 @@ int main(int argc, char** argv) {
       throw nscdd::Error(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
     return exit_code;
   } catch (const nscdd::Error& error) {
-    note(fmt::format("error: {}", error.what()));
+    note("error: {}", error.what());
   } catch (const std::bad_alloc&) {
     note("error: not enough memory for a problem of this size");
   } catch (const std::system_error& error) {
-    note(fmt::format("error: {}", error.what()));
+    note("error: {}", error.what());
   }
   return 2;
 }

@@ -7,14 +7,36 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <utility>
 
 namespace nscdd::app {
 namespace {
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+// "12 s", "3 min 20 s", "5 h 12 min", "3 d 4 h".
+std::string duration_text(double seconds) {
+  const auto whole = std::llround(std::min(seconds, 1e15));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  if (whole < 86400) return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+  return fmt::format("{} d {} h", whole / 86400, whole % 86400 / 3600);
+}
+
+constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
+
+volatile std::sig_atomic_t requested = 0;  // a signal handler can reach nothing that is not global
+
+void request(int) { requested = 1; }
 
 }  // namespace
+
+void vnote(fmt::string_view format, fmt::format_args arguments) {
+  // Where even standard error cannot be written there is nobody left to tell: no exception.
+  std::fputs(("nscdd: " + fmt::vformat(format, arguments) + "\n").c_str(), stderr);
+}
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 Progress::Progress(std::string label, Index before, std::string unit)
     : label_(std::move(label)),
@@ -45,30 +67,42 @@ void Progress::draw(Index done, Index total) {
   std::string speed;
   if (done > before_) {
     const double each = (now - started_) / static_cast<double>(done - before_);
-    speed =
-        fmt::format(", {}, {} left", rate_text(each, unit_), duration_text(each * static_cast<double>(total - done)));
+    speed = each < 1 ? fmt::format(", {:.3g} {}s/s", 1 / std::max(each, 1e-9), unit_)
+                     : fmt::format(", {:.3g} s/{}", each, unit_);
+    speed += fmt::format(", {} left", duration_text(each * static_cast<double>(total - done)));
   }
   fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", width - filled, 100 * fraction,
              speed);
   std::fflush(stderr);
 }
 
-std::string rate_text(double seconds_per_point, const std::string& unit) {
-  return seconds_per_point < 1 ? fmt::format("{:.3g} {}s/s", 1 / std::max(seconds_per_point, 1e-9), unit)
-                               : fmt::format("{:.3g} s/{}", seconds_per_point, unit);
+Interruption::Interruption() {
+  requested = 0;
+  for (const int signal : signals) {
+    struct sigaction action {
+    }, before{};
+    action.sa_handler = request;
+    action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);  // the second one has its usual effect
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+  }
 }
 
-std::string duration_text(double seconds) {
-  const auto whole = std::llround(std::min(seconds, 1e15));
-  if (whole < 60) return fmt::format("{} s", whole);
-  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
-  if (whole < 86400) return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
-  return fmt::format("{} d {} h", whole / 86400, whole % 86400 / 3600);
+Interruption::~Interruption() {
+  for (const int signal : signals) {
+    struct sigaction present {};
+    sigaction(signal, nullptr, &present);
+    if (present.sa_handler == request) std::signal(signal, SIG_DFL);
+  }
 }
 
-void note(const std::string& text) {
-  // Where even standard error cannot be written there is nobody left to tell: no exception.
-  std::fputs(("nscdd: " + text + "\n").c_str(), stderr);
+Monitor Interruption::watch(Monitor monitor) {
+  return [this, inner = std::move(monitor)](Index done, Index total) {
+    if (!report(inner, done, total)) return false;
+    stopped_ = stopped_ || (requested != 0 && done < total);
+    return !stopped_;
+  };
 }
 
 }  // namespace nscdd::app

@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/error.hpp>
 #include <nscdd/core/types.hpp>
+
+#include <fmt/format.h>
 
 #include <string>
 
 namespace nscdd::app {
+
+/// A remark for the user, on standard error, put together by fmt.
+void vnote(fmt::string_view format, fmt::format_args arguments);
+template <class... Arguments>
+void note(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  vnote(format, fmt::make_format_args(arguments...));
+}
+
+/// Throws an Error with a message that is put together by fmt.
+template <class... Arguments>
+[[noreturn]] void refuse(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  throw Error(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+/// Seconds on a clock that never goes back.
+double seconds();
 
 /// A progress bar on standard error with rate and time left, for the life of the object; draws nothing where
 /// that is no terminal. Rates are those of this run: `before` units were done when it began.
@@ -25,13 +44,26 @@ class Progress {
   double started_, drawn_ = 0;
 };
 
-/// "3.2 points/s" for seconds per point below 1, else "4.5 s/point"; or of another unit.
-std::string rate_text(double seconds_per_point, const std::string& unit = "point");
+/// Exit code of work that was stopped before its end, whatever the signal.
+inline constexpr int interrupted_exit_code = 130;
 
-/// "12 s", "3 min 20 s", "5 h 12 min", "3 d 4 h".
-std::string duration_text(double seconds);
+/// For the life of the object a first Ctrl-C (SIGINT) or SIGTERM asks the work to stop after the row it is
+/// at; a second one ends the program at once. A signal that is ignored already (nohup, a background job)
+/// stays ignored.
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
 
-/// A remark for the user, on standard error.
-void note(const std::string& text);
+  /// `monitor`, and a request to stop once a signal came, unless all is done.
+  Monitor watch(Monitor monitor);
+
+  bool stopped() const { return stopped_; }  ///< the work was told to stop before its end
+
+ private:
+  bool stopped_ = false;
+};
 
 }  // namespace nscdd::app

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/settled_cases.hpp"
-
-#include "app/data_files.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
 #include "core/fingerprint.hpp"
 #include "files/csv.hpp"
 #include "files/output_file.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/run_simulation.hpp"
-#include <nscdd/core/error.hpp>
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/version.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
@@ -16,31 +14,73 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
+#include <sstream>
 
 namespace nscdd::app {
 namespace {
 
 namespace fs = std::filesystem;
 
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+// The folder that a variable of the environment names.
+std::optional<fs::path> named_folder(const char* variable) {
+  const char* value = std::getenv(variable);
+  if (value == nullptr || *value == '\0') return std::nullopt;
+  return value;
+}
+
+std::vector<fs::path> data_folders() {
+  std::vector<fs::path> folders{"."};
+  if (const auto named = named_folder("NSCDD_DATA")) folders.push_back(*named);
+  std::error_code status;
+  const fs::path program = fs::read_symlink("/proc/self/exe", status);
+  if (!status) {
+    const fs::path folder = program.parent_path();
+    folders.push_back(folder.parent_path().parent_path());        // build/<preset>/nscdd of a source tree
+    folders.push_back(folder.parent_path() / "share" / "nscdd");  // bin/nscdd of an installation
+  }
+  return folders;
+}
+
+// The data folder that has such a file, without a folder for a name that is a path already.
+std::optional<fs::path> data_folder_of(const std::string& name, const fs::path& file) {
+  if (name.find('/') != std::string::npos) return std::nullopt;
+  const std::vector<fs::path> folders = data_folders();
+  const auto found = std::ranges::find_if(folders, [&](const fs::path& folder) { return is_file(folder / file); });
+  return found == folders.end() ? std::nullopt : std::optional(*found);
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::optional<fs::path> cache_folder() {
+  if (const auto own = named_folder("NSCDD_CACHE")) return own;
+  if (const auto shared = named_folder("XDG_CACHE_HOME")) return *shared / "nscdd";
+  if (const auto home = named_folder("HOME")) return *home / ".cache" / "nscdd";
+  return std::nullopt;
+}
+
 // An entry of the cache is a packing file (CSV). Its first line is a remark with the fingerprint of all that
 // follows, by which damage is noticed. Further remarks tell which case was settled.
 constexpr std::string_view mark = "# content ";
 
 std::string entry_text(const Packing& packing, const std::string& resolved) {
+  std::istringstream lines(resolved);
   std::string text;
-  for (std::size_t begin = 0; begin < resolved.size();) {
-    const std::size_t end = std::min(resolved.find('\n', begin), resolved.size());
-    text += fmt::format("# {}\n", resolved.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  for (std::string line; std::getline(lines, line);) text += fmt::format("# {}\n", line);
   text += packing_csv(packing);
   return fmt::format("{}{}\n{}", mark, fingerprint(text), text);
 }
 
 // None if there is no such entry or it is damaged.
 std::optional<Packing> cached(const fs::path& entry) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(entry, ignored)) return std::nullopt;
+  if (!is_file(entry)) return std::nullopt;
   try {
     const std::string text = read_text(entry.string());
     const std::size_t start = text.find('\n') + 1;  // 0 where there is none
@@ -59,7 +99,7 @@ void remember(const fs::path& entry, const std::string& text) {
   try {
     write_file(entry.string(), text, true);
   } catch (const Error& error) {
-    note(fmt::format("{}; this packing will be settled again", error.what()));
+    note("{}; this packing will be settled again", error.what());
   }
 }
 
@@ -84,27 +124,19 @@ Packing simulate_to_the_end(const Case& one) {
   sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) { kinetic = report.energy.kinetic; };
   sinks.monitor = progress.monitor();
   const RunOutcome outcome = run_simulation(simulation, sinks);
-  if (outcome.end == RunEnd::broke_down)
-    throw Error(fmt::format("case '{}': cannot be settled: {}", one.spec.name, outcome.reason));
+  if (outcome.end == RunEnd::broke_down) refuse("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
-    note(fmt::format("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name,
-                     simulation.state.step, mean_speed(simulation.system, kinetic)));
+    note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
+         mean_speed(simulation.system, kinetic));
   return free_grains(simulation, packing.size());
-}
-
-std::string canonical(const std::string& path) {
-  std::error_code ignored;
-  return fs::weakly_canonical(fs::absolute(path, ignored), ignored).string();
 }
 
 // The case file that a case is settled from.
 std::string settled_file(const CaseSpec& spec) {
   const std::string& name = std::get<SettledFrom>(spec.packing).name;
-  std::error_code ignored;
   const fs::path beside = fs::path(spec.source).parent_path() / name;
-  const std::string path = fs::is_regular_file(beside, ignored) ? beside.string() : find_case(name);
-  if (fs::path(path).extension() != ".toml")
-    throw Error(fmt::format("{}: expected a case file (.toml) to settle, met another", path));
+  const std::string path = is_file(beside) ? beside.string() : find_case(name);
+  if (fs::path(path).extension() != ".toml") refuse("{}: expected a case file (.toml) to settle, met another", path);
   return path;
 }
 
@@ -117,22 +149,20 @@ void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
   at_key(spec, "packing.settled", [&] {
     const std::string inner = settled_file(spec);
     std::error_code ignored;
-    const bool known = std::any_of(files.begin(), files.end(),
-                                   [&](const fs::path& file) { return fs::equivalent(file, inner, ignored); });
+    const auto same = [&](const fs::path& file) { return fs::equivalent(file, inner, ignored); };
     // A case that is settled from itself is refused when it is settled.
-    if (!known) add_files(read_case(inner), files);
+    if (std::ranges::none_of(files, same)) add_files(read_case(inner), files);
   });
 }
 
 // `open`: the case files that are being resolved, from the one asked for inwards.
-Case resolve_nested(const CaseSpec& spec, std::vector<std::string> open);
+Case resolve_nested(const CaseSpec& spec, std::vector<fs::path> open);
 
 // The case at rest: its packing, and what it was settled from.
-Case settle(const CaseSpec& spec, const std::vector<std::string>& open) {
+Case settle(const CaseSpec& spec, const std::vector<fs::path>& open) {
   const std::string path = settled_file(spec);
   const Case start = resolve_nested(read_case(path), open);
-  if (!start.spec.dynamics)
-    throw Error(fmt::format("{}: expected a case with a section [dynamics] to settle, met one without", path));
+  if (!start.spec.dynamics) refuse("{}: expected a case with a section [dynamics] to settle, met one without", path);
   Case settled{spec};
   settled.settled_from = fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
   if (const auto* file = std::get_if<PackingFile>(&start.spec.packing))
@@ -142,24 +172,24 @@ Case settle(const CaseSpec& spec, const std::vector<std::string>& open) {
   const auto cache = cache_folder();
   const std::string key = fingerprint(settled.settled_from + build_fingerprint());
   const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", start.spec.name, key) : fs::path();
-  if (cache)
-    if (std::optional<Packing> found = cached(entry)) {
-      settled.packing = *std::move(found);
-      return settled;
-    }
+  if (std::optional<Packing> found = cached(entry)) {
+    settled.packing = *std::move(found);
+    return settled;
+  }
   settled.packing = simulate_to_the_end(start);
   if (cache) remember(entry, entry_text(settled.packing, settled.settled_from));
   return settled;
 }
 
-Case resolve_nested(const CaseSpec& spec, std::vector<std::string> open) {
-  const std::string full = canonical(spec.source);
-  const bool cycle = std::find(open.begin(), open.end(), full) != open.end();
+Case resolve_nested(const CaseSpec& spec, std::vector<fs::path> open) {
+  std::error_code ignored;
+  const fs::path full = fs::weakly_canonical(fs::absolute(spec.source, ignored), ignored);
+  const bool cycle = std::ranges::find(open, full) != open.end();
   open.push_back(full);
   if (cycle) {
-    std::string chain;
-    for (const std::string& each : open) chain += (chain.empty() ? "" : " -> ") + fs::path(each).filename().string();
-    throw Error(fmt::format("expected a case that is not settled from itself, met {}", chain));
+    std::vector<std::string> chain;
+    for (const fs::path& each : open) chain.push_back(each.filename().string());
+    refuse("expected a case that is not settled from itself, met {}", fmt::join(chain, " -> "));
   }
   if (!std::holds_alternative<SettledFrom>(spec.packing)) return resolve(spec);
   return at_key(spec, "packing.settled", [&] { return settle(spec, open); });
@@ -167,19 +197,48 @@ Case resolve_nested(const CaseSpec& spec, std::vector<std::string> open) {
 
 }  // namespace
 
-std::optional<fs::path> cache_folder() {
-  const auto variable = [](const char* name) -> std::optional<fs::path> {
-    const char* value = std::getenv(name);
-    if (value == nullptr || *value == '\0') return std::nullopt;
-    return fs::path(value);
-  };
-  if (const auto own = variable("NSCDD_CACHE")) return own;
-  if (const auto shared = variable("XDG_CACHE_HOME")) return *shared / "nscdd";
-  if (const auto home = variable("HOME")) return *home / ".cache" / "nscdd";
-  return std::nullopt;
+std::vector<std::string> known_names(const std::string& kind) {
+  std::set<std::string> names;
+  std::error_code ignored;
+  for (const fs::path& folder : data_folders())
+    for (const auto& entry : fs::directory_iterator(folder / kind, ignored)) {
+      const fs::path& path = entry.path();
+      if (kind == "cases" && path.extension() == ".toml") names.insert(path.stem().string());
+      if (kind == "studies" && is_file(path / "study.toml")) names.insert(path.filename().string());
+    }
+  return {names.begin(), names.end()};
+}
+
+std::string find_case(const std::string& name) {
+  std::error_code ignored;
+  if (fs::exists(name, ignored)) return name;
+  const fs::path file = fs::path("cases") / (name + ".toml");
+  if (const auto folder = data_folder_of(name, file)) return (*folder / file).lexically_normal().string();
+  const std::vector<std::string> known = known_names("cases");
+  refuse(
+      "case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known cases ({}), met no "
+      "such file{}",
+      name, joined(known), suggestion(name, known));
+}
+
+std::string find_study(const std::string& name) {
+  const fs::path path(name), place = fs::path("studies") / name;
+  if (is_file(path / "study.toml")) return name;
+  if (path.filename() == "study.toml" && is_file(path))
+    return path.has_parent_path() ? path.parent_path().string() : ".";
+  if (const auto folder = data_folder_of(name, place / "study.toml"))
+    return (*folder / place).lexically_normal().string();
+  const std::vector<std::string> known = known_names("studies");
+  refuse("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
+         joined(known), suggestion(name, known));
 }
 
 Case resolve_settled(const CaseSpec& spec) { return resolve_nested(spec, {}); }
+
+Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
+  require_no_input(outputs, files_behind(spec));
+  return resolve_settled(spec);
+}
 
 std::vector<fs::path> files_behind(const CaseSpec& spec) {
   std::vector<fs::path> files;
@@ -192,8 +251,7 @@ void require_no_input(const std::vector<std::string>& outputs, const std::vector
   for (const std::string& output : outputs)
     for (const fs::path& input : inputs)
       if (!output.empty() && !is_stream(output) && fs::equivalent(output, input, ignored))
-        throw Error(
-            fmt::format("{}: expected another file than the input {}, which would be lost", output, input.string()));
+        refuse("{}: expected another file than the input {}, which would be lost", output, input.string());
 }
 
 }  // namespace nscdd::app

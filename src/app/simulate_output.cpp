@@ -3,13 +3,14 @@
 
 #include "app/progress.hpp"
 #include "study/simulation_tables.hpp"
-#include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 namespace nscdd::app {
 namespace {
@@ -23,11 +24,10 @@ void require_rows_of(const RunSoFar& run, const std::vector<Index>& last, const 
   for (auto step = first; step != last.end(); ++step) {
     const auto expected = static_cast<Index>(run.iterations[at(step - last.begin())]);
     if (*step != expected)
-      throw Error(
-          fmt::format("{}: expected rows of step {} of the run in {} up to its last iteration, {}, met "
-                      "{}; a table of another name begins with the steps taken now",
-                      name, step - last.begin() + 1, run.path, expected,
-                      *step == 0 ? "none" : fmt::format("them up to {}", *step)));
+      refuse(
+          "{}: expected rows of step {} of the run in {} up to its last iteration, {}, met {}; a table of another name "
+          "begins with the steps taken now",
+          name, step - last.begin() + 1, run.path, expected, *step == 0 ? "none" : fmt::format("them up to {}", *step));
   }
 }
 
@@ -41,18 +41,17 @@ std::pair<Index, std::size_t> cell_at(const std::string& text, std::size_t begin
 std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const std::string& name) {
   const std::string header = csv_header(headings(iteration_columns())) + "\n";
   if (text.substr(0, header.size()) != header)
-    throw Error(fmt::format("{}: expected the table of a run to go on with, met other columns", name));
+    refuse("{}: expected the table of a run to go on with, met other columns", name);
   std::size_t kept = header.size();
   std::vector<Index> last(run.iterations.size(), 0);
   for (std::size_t end = text.find('\n', kept); end != std::string::npos; end = text.find('\n', kept)) {
     const auto [step, behind] = cell_at(text, kept, name + ": step");
     if (step > count(last)) break;
-    if (step < 1) throw Error(fmt::format("{}: step: expected a number from 1, met {}", name, step));
+    if (step < 1) refuse("{}: step: expected a number from 1, met {}", name, step);
     const Index iteration = cell_at(text, behind, name + ": iteration").first;
     Index& before = last[at(step - 1)];
     if (iteration <= before)
-      throw Error(
-          fmt::format("{}: step {}: expected ascending iterations, met {} after {}", name, step, iteration, before));
+      refuse("{}: step {}: expected ascending iterations, met {} after {}", name, step, iteration, before);
     before = iteration;
     kept = end + 1;
   }
@@ -73,7 +72,7 @@ std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   if (!grows(path)) {
     if (!fs::exists(path, status)) return 0;
     fs::rename(path, growing, status);
-    if (status) throw Error(fmt::format("{}: cannot be renamed: {}", path, status.message()));
+    if (status) refuse("{}: cannot be renamed: {}", path, status.message());
   }
   const std::string text = read_text(growing.string());
   return text.empty() ? 0 : bytes_of_run(text, run, growing.string());
@@ -96,32 +95,15 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   if (!fs::exists(path, status)) return require_writable(path, false);
   const std::string text = read_text(path);  // of a run that came to its end
   if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
-    throw Error(fmt::format("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
-                            run.iterations.size()));
+    refuse("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
+           run.iterations.size());
 }
 
-ConvergenceTable::ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run) {
-  if (path.empty()) return;
+std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run) {
+  if (path.empty()) return nullptr;
   std::optional<std::uintmax_t> kept;
   if (run) kept = reopened(path, *run);
-  csv_.emplace(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
-}
-
-IterationSink ConvergenceTable::sink(Index every) {
-  if (!csv_) return {};
-  return {[this](const IterationRow& one) { csv_->write(row(iteration_columns(), one)); }, every};
-}
-
-void ConvergenceTable::flush() {
-  if (csv_) csv_->flush();
-}
-
-void ConvergenceTable::finish() {
-  if (csv_) csv_->finish();
-}
-
-void ConvergenceTable::leave() {
-  if (csv_) csv_->leave();
+  return std::make_unique<CsvWriter>(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
 }
 
 void RunSummary::add(const StepReport& report) {
@@ -150,16 +132,15 @@ void RunSummary::add(const StepReport& report) {
 
 std::string RunSummary::text(const Simulation& simulation, const RunOutcome& outcome) const {
   const Index driven = simulation.system.disks() - simulation.system.free_disks();
-  std::string statuses;
-  for (const auto& [status, number] : statuses_)
-    statuses += fmt::format("{}{} {}", statuses.empty() ? "" : ", ", number, status);
+  std::vector<std::string> statuses;
+  for (const auto& [status, number] : statuses_) statuses.push_back(fmt::format("{} {}", number, status));
   const auto per_step = [&](double sum) { return steps_ > 0 ? sum / static_cast<double>(steps_) : 0; };
   std::string text = fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end),
                                  steps_, simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
   text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n",
                       simulation.system.disks() - driven, driven, last_.contacts, last_.interface_size);
   if (steps_ == 0) return text;
-  text += fmt::format("steps: {}\n", statuses);
+  text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
   text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", iterations_,
                       per_step(static_cast<double>(iterations_)), most_iterations_);
   text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n", worst_,
@@ -178,10 +159,11 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
 std::string RunSummary::reasons_of_gain(const Dynamics& dynamics, bool unconverged) const {
   const bool pushes = relative_overlap_ > 0 && dynamics.interaction.restitution == 0 &&
                       dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
-  if (!pushes && !unconverged) return "a step or tolerance too coarse";
-  const std::string push = "overlaps pushed apart (dynamics.maximum_push_speed)";
-  const std::string open = "steps that had not converged";
-  return pushes && unconverged ? push + ", or " + open : (pushes ? push : open);
+  std::vector<std::string_view> reasons;
+  if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
+  if (unconverged) reasons.push_back("steps that had not converged");
+  if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
+  return fmt::format("{}", fmt::join(reasons, ", or "));
 }
 
 std::string RunSummary::warnings(const Dynamics& dynamics) const {
@@ -189,8 +171,8 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
   std::string text;
   if (relative_overlap_ > notable_overlap)
     text += fmt::format(
-        "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with "
-        "overlaps, boundaries that leave no room, or a step or tolerance too coarse\n",
+        "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
+        "boundaries that leave no room, or a step or tolerance too coarse\n",
         relative_overlap_);
   const auto converged = statuses_.find(to_string(SolverStatus::converged));
   const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
@@ -201,8 +183,8 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
                         solver.maximum_iterations);
   if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
-        "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this "
-        "scheme does not iterate on them\n",
+        "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
+        "not iterate on them\n",
         gluing_, solver.gluing_tolerance);
   // Every run pushes some overlaps apart; only a notable gain is worth a line.
   if (gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))
@@ -213,14 +195,13 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
 
 namespace {
 
-// The lines of a case without those that say how many steps are asked for.
+// The lines of a case without those that say how many steps are asked for, and an end.
 std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
   std::vector<std::string> lines;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (text.compare(begin, 8, "steps = ") != 0) lines.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  for (std::string line; std::getline(stream, line);)
+    if (!line.starts_with("steps = ")) lines.push_back(line);
+  lines.push_back("the end");
   return lines;
 }
 
@@ -229,25 +210,21 @@ std::vector<std::string> lines_of(const std::string& text) {
 void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text,
                        const std::string& build) {
   const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(case_text);
-  for (std::size_t k = 0; k < std::max(had.size(), has.size()); ++k) {
-    const std::string before = k < had.size() ? had[k] : "the end";
-    const std::string now = k < has.size() ? has[k] : "the end";
-    if (before != now)
-      throw Error(fmt::format("{}: expected the case and options of the run it holds ({}), met {}", path, before, now));
-  }
+  if (const auto [before, now] = std::ranges::mismatch(had, has); before != had.end() && now != has.end())
+    refuse("{}: expected the case and options of the run it holds ({}), met {}", path, *before, *now);
   if (found.build != build)
-    throw Error(
-        fmt::format("{}: expected a trajectory of this build of the program ({}), met one of another "
-                    "({}): its steps would not be those of one run",
-                    path, build, found.build));
+    refuse(
+        "{}: expected a trajectory of this build of the program ({}), met one of another ({}): its steps would not "
+        "be those of one run",
+        path, build, found.build);
 }
 
 void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
   if (old.radius.size() != system.radius.size())
-    throw Error(fmt::format("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size()));
+    refuse("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
   for (std::size_t i = 0; i < system.radius.size(); ++i)
     if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] || old.driven_by[i] != system.driven_by[i])
-      throw Error(fmt::format("{}: expected the disks of this case, met another disk {}", path, i));
+      refuse("{}: expected the disks of this case, met another disk {}", path, i);
 }
 
 void require_same_start(const std::string& path, const GranularState& asked) {
@@ -258,14 +235,14 @@ void require_same_start(const std::string& path, const GranularState& asked) {
                             &GranularState::velocity_y, &GranularState::spin}) {
     const std::vector<double>&had = found.*values, &has = asked.*values;
     if (had.size() != has.size())
-      throw Error(fmt::format("{}: expected {} disks in its first step, met {}", path, has.size(), had.size()));
+      refuse("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
     const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
     if (differs.first == had.end()) continue;
     const auto i = static_cast<std::size_t>(differs.first - had.begin());
-    throw Error(
-        fmt::format("{}: expected the start of the run it holds, met disk {} elsewhere or at another "
-                    "velocity, at ({}, {}) m instead of ({}, {}) m",
-                    path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i)));
+    refuse(
+        "{}: expected the start of the run it holds, met disk {} elsewhere or at another velocity, at ({}, {}) m "
+        "instead of ({}, {}) m",
+        path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
   }
 }
 

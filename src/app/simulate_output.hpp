@@ -6,8 +6,10 @@
 #include "simulation/run_simulation.hpp"
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nscdd::app {
@@ -25,21 +27,9 @@ RunSoFar run_so_far(const std::string& path);
 /// nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run);
 
-/// The table of --convergence: one row per iteration looked at. A run that goes on keeps the rows of the
-/// steps that are done and drops those of the step that was not.
-class ConvergenceTable {
- public:
-  /// There is no table if `path` is empty. `run` is the one that is continued, if there is one.
-  ConvergenceTable(const std::string& path, bool force, const std::optional<RunSoFar>& run);
-  IterationSink sink(Index every);  ///< `every`: see IterationSink
-  /// Before the trajectory takes the steps of these rows: a restart needs the rows of all of them.
-  void flush();
-  void finish();  ///< the run came to its end
-  void leave();   ///< it was interrupted: the partial table stays
-
- private:
-  std::optional<CsvWriter> csv_;
-};
+/// The table of --convergence: one row per iteration looked at; none if `path` is empty. Where a `run` is
+/// continued, it keeps the rows of the steps that are done and drops those of the step that was not.
+std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run);
 
 /// Sums over the steps of a run, for the lines at its end.
 class RunSummary {
@@ -50,11 +40,10 @@ class RunSummary {
  private:
   std::string warnings(const Dynamics& dynamics) const;  ///< what a reader of the numbers must know; often ""
   std::string reasons_of_gain(const Dynamics& dynamics, bool unconverged) const;
-  Index gaining_steps_ = 0;
-  double gain_ = 0;  // energy that contacts added, J
-  Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0;
+  Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0, gaining_steps_ = 0;
   std::map<std::string_view, Index> statuses_;
   double worst_ = 0, boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0, gluing_ = 0;
+  double gain_ = 0;                                            // energy that contacts added, J
   bool has_interface_ = false;                                 // in any step
   double relative_overlap_ = 0;                                // times the smaller radius
   double setup_seconds_ = 0, solve_seconds_ = 0, visits_ = 0;  // contacts x sweeps

@@ -1,38 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/trajectory_export.hpp"
-#include <nscdd/core/error.hpp>
+#include "app/cases.hpp"
+#include "app/progress.hpp"
+#include "files/output_file.hpp"
+#include "formats/step_fclib.hpp"
+#include "formats/trajectory.hpp"
+#include "formats/vtk.hpp"
 #include <nscdd/core/fields.hpp>
+#include <nscdd/mechanics/friction_solver.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <sstream>
 
 namespace nscdd::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Options {
   std::string trajectory, folder, steps, output;
   std::optional<Index> step, subdomain;
   bool local = false, force = false;
-  Context context;
 };
 
-int run(const Options& options) {
-  if (options.folder.empty() == !options.step)
-    throw Error(
-        fmt::format("export: expected either --vtk FOLDER or --fclib STEP, met {}", options.step ? "both" : "neither"));
-  if (!options.folder.empty())
-    return export_vtk({options.trajectory, options.folder,
-                       options.steps.empty() ? StepRange{} : parse_step_range(options.steps), options.force});
-  if (options.output.empty()) throw Error("--fclib: expected -o FILE.hdf5 with it, met none");
-  return export_fclib(
-      {options.trajectory, options.output, *options.step, options.subdomain, options.local, options.force},
-      options.context);
-}
+// Steps first, first + stride, ... up to last; last -1: without end.
+struct StepRange {
+  Index first = 0, last = -1, stride = 1;
+  bool holds(Index step) const { return step >= first && (last < 0 || step <= last) && (step - first) % stride == 0; }
+};
 
-}  // namespace
-
+// "A", "A:B" or "A:B:K"; all steps where nothing is asked for.
 StepRange parse_step_range(const std::string& text) {
+  if (text.empty()) return {};
   std::vector<Index> numbers;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(':', begin), text.size());
@@ -41,10 +43,11 @@ StepRange parse_step_range(const std::string& text) {
   }
   const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
   if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
-    throw Error(fmt::format("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text));
+    refuse("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
   return range;
 }
 
+// Ascending numbers as ranges: "0:100:10, 105".
 std::string step_ranges_text(const std::vector<Index>& steps) {
   std::string text;
   for (std::size_t i = 0; i < steps.size();) {
@@ -52,8 +55,7 @@ std::string step_ranges_text(const std::vector<Index>& steps) {
     std::size_t last = i;
     while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
     if (last < i + 2) last = i;
-    if (!text.empty()) text += ", ";
-    text += fmt::format("{}", steps[i]);
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", steps[i]);
     if (last > i) text += fmt::format(":{}", steps[last]);
     if (last > i && steps[i + 1] - steps[i] > 1) text += fmt::format(":{}", steps[i + 1] - steps[i]);
     i = last + 1;
@@ -61,35 +63,186 @@ std::string step_ranges_text(const std::vector<Index>& steps) {
   return text;
 }
 
-std::function<int()> declare_export(Command& command, const Context& context) {
+// The kept steps that are asked for.
+std::vector<Index> chosen(const Options& options, const StepRange& range) {
+  const std::vector<Index> kept = trajectory_steps(options.trajectory);
+  std::vector<Index> steps;
+  std::ranges::copy_if(kept, std::back_inserter(steps), [&](Index step) { return range.holds(step); });
+  if (steps.empty())
+    refuse("--steps: expected a range with some of the steps that {} keeps ({}), met none", options.trajectory,
+           step_ranges_text(kept));
+  return steps;
+}
+
+void make_folder(const Options& options) {
+  std::error_code status;
+  if (fs::exists(options.folder, status)) {
+    if (!fs::is_directory(options.folder, status)) refuse("{}: expected a folder, met a file", options.folder);
+    if (!options.force && !fs::is_empty(options.folder, status))
+      refuse("{}: expected an empty folder or none, met one that holds files; --force writes into it", options.folder);
+    return;
+  }
+  fs::create_directories(options.folder, status);
+  if (status) refuse("{}: cannot be made: {}", options.folder, status.message());
+}
+
+// Pictures of the kept steps in the range.
+int export_vtk(const Options& options) {
+  const StepRange range = parse_step_range(options.steps);
+  const GranularSystem system = read_trajectory_header(options.trajectory).system;
+  const std::vector<Index> steps = chosen(options, range);
+  make_folder(options);
+  const fs::path folder(options.folder);
+  std::vector<VtkFile> files;
+  Interruption interruption;
+  {
+    Progress progress("export " + fs::path(options.trajectory).filename().string(), 0, "step");
+    const Monitor monitor = interruption.watch(progress.monitor());
+    for (const Index step : steps) {
+      const VtkFrame frame = vtk_frame(system, read_trajectory_step(options.trajectory, step));
+      files.push_back({frame.time, fmt::format("step-{:06}.vtp", step)});
+      write_file((folder / files.back().path).string(), vtp_text(frame), options.force);
+      if (!report(monitor, count(files), count(steps))) break;
+    }
+  }
+  const fs::path collection = folder / (fs::path(options.trajectory).stem().string() + ".pvd");
+  write_file(collection.string(), pvd_text(files), options.force);
+  if (files.size() < steps.size()) {
+    note("{}: interrupted after {} of {} steps, which {} lists", options.folder, files.size(), steps.size(),
+         collection.string());
+    return interrupted_exit_code;
+  }
+  fmt::print("{}: {} steps ({}), {} disks\n", collection.string(), files.size(), step_ranges_text(steps),
+             system.disks());
+  return 0;
+}
+
+// The step before the one asked for. If it is not kept, names the steps whose contact problems can be set up:
+// those that follow a kept state.
+TrajectoryStep state_before(const Options& options) {
+  if (auto before = find_trajectory_step(options.trajectory, *options.step - 1)) return *std::move(before);
+  const Index last = read_last_step(options.trajectory).state.step;
+  std::vector<Index> kept = trajectory_steps(options.trajectory);
+  if (kept.empty() || kept.back() != last) kept.push_back(last);
+  std::vector<Index> possible = kept;
+  for (Index& step : possible) ++step;
+  refuse(
+      "--fclib: {}: expected a step behind a state that is kept, so one of {}, met step {}; states are kept after "
+      "steps {} (nscdd simulate --save-every 1 keeps all)",
+      options.trajectory, step_ranges_text(possible), *options.step, step_ranges_text(kept));
+}
+
+// The name that the case of the run had. The trajectory keeps only the text of the case.
+std::string case_name(const Options& options, const TrajectoryHeader& header) {
+  constexpr std::string_view mark = "# case ";
+  for (const auto& [key, text] : header.provenance)
+    if (key == "cases" && text.rfind(mark, 0) == 0) return text.substr(mark.size(), text.find('\n') - mark.size());
+  return fs::path(options.trajectory).stem().string();
+}
+
+FclibInfo info_of(const Options& options, const TrajectoryHeader& header, const Simulation& before, bool solved) {
+  FclibInfo info;
+  info.title = fmt::format("{}, step {}", case_name(options, header), *options.step);
+  if (options.subdomain) *info.title += fmt::format(", subdomain {}", *options.subdomain);
+  const double h = before.dynamics.time.step;
+  info.description =
+      fmt::format("Contact problem of disks from t = {:.12g} s to {:.12g} s, law {}. Contacts ascend by their bodies.",
+                  before.state.time, before.state.time + h, to_string(before.dynamics.interaction.law));
+  if (!options.local)
+    *info.description += options.subdomain ? " Bodies: free disks of the subdomain's contacts, ascending, split masses."
+                                           : " Bodies: the free disks, ascending.";
+  if (solved) *info.description += " The solution is that of the run, as far as it converged.";
+  info.math_info = options.local ? "u = W r + q; (n, t) per contact, t = n turned by 90 degrees; N s, m/s"
+                                 : "M v = H r + f, u = H^T v + w; (vx, vy, spin) per body, (n, t) per contact, "
+                                   "t = n turned by 90 degrees; w holds gap/h, restitution and driven bodies; "
+                                   "N s, m/s, rad/s";
+  if (options.subdomain) *info.math_info += "; interface impulses of the last iteration are loads";
+  return info;
+}
+
+Provenance provenance_of(const Context& context, const TrajectoryHeader& header) {
+  Provenance result = provenance(context, {});
+  for (auto& [key, text] : result)
+    for (const auto& [of_run, old] : header.provenance)
+      if (key == "cases" && of_run == key) text = old;
+  return result;
+}
+
+void print_report(const Options& options, const FclibFile& file, const LocalFrictionProblem& local) {
+  fmt::print("title                {}\n", *file.info.title);
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
+    fmt::print("problem              global, {} velocities of bodies\n", global->mass.rows());
+  else
+    fmt::print("problem              local\n");
+  fmt::print("contacts             {}\n", local.contacts());
+  if (file.solution)
+    fmt::print("residual of the run  {:.3e} (natural map, rho = 1/W_nn, relative to the impulses)\n",
+               friction_state(local, file.solution->r).residual);
+  else
+    fmt::print("solution             none: step {} is not kept\n", *options.step);
+}
+
+FclibFile subdomain_file(const Options& options, const Simulation& before, const std::optional<TrajectoryStep>& after) {
+  if (!after)
+    refuse("--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
+           options.trajectory, step_ranges_text(trajectory_steps(options.trajectory)), *options.step);
+  try {
+    return fclib_of_subdomain(before, *after, *options.subdomain);
+  } catch (const Error& error) {
+    refuse("--subdomain: {}: {}", options.trajectory, error.what());
+  }
+}
+
+int export_fclib(const Options& options, const Context& context) {
+  require_no_input({options.output}, {options.trajectory});
+  require_hdf5_name(options.output);
+  const TrajectoryHeader header = read_trajectory_header(options.trajectory);
+  const Simulation before = rebuilt_simulation(options.trajectory, header, state_before(options).state);
+  const std::optional<TrajectoryStep> after = find_trajectory_step(options.trajectory, *options.step);
+  FclibFile file =
+      options.subdomain ? subdomain_file(options, before, after) : fclib_of_step(before, after ? &*after : nullptr);
+  const FclibFile local = local_form(file);
+  if (options.local) file = local;
+  file.info = info_of(options, header, before, file.solution.has_value());
+  write_file(options.output, to_hdf5(file, provenance_of(context, header)), options.force);
+  print_report(options, file, std::get<LocalFrictionProblem>(local.problem));
+  return 0;
+}
+
+int run(const Options& options, const Context& context) {
+  if (options.folder.empty() == !options.step)
+    refuse("export: expected either --vtk FOLDER or --fclib STEP, met {}", options.step ? "both" : "neither");
+  if (options.step && options.output.empty()) refuse("--fclib: expected -o FILE.hdf5 with it, met none");
+  return options.step ? export_fclib(options, context) : export_vtk(options);
+}
+
+}  // namespace
+
+Action declare_export(Command& command) {
   auto options = std::make_shared<Options>();
-  options->context = context;
-  command.add_option("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5")->required();
-  auto* vtk = command.add_option("--vtk", options->folder,
-                                 "write the kept steps there for ParaView: a .vtp file each and a .pvd "
-                                 "collection");
-  command.add_option("--steps", options->steps, "of --vtk: A, A:B or A:B:K, steps A, A + K, ... up to B that are kept")
-      ->needs(vtk);
-  auto* fclib =
-      command.add_option("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
-  fclib->excludes(vtk);
-  command.add_option("-o,--output", options->output, "file of --fclib")->needs(fclib);
-  command
-      .add_option("--subdomain", options->subdomain,
-                  "of --fclib: the part of that subdomain, interface impulses as loads")
-      ->needs(fclib);
-  command.add_flag("--local", options->local, "of --fclib: W and q instead of M, H, f and w")->needs(fclib);
-  command.add_flag("--force", options->force, "replace existing outputs");
-  command.footer(
-      "A step can be written as a contact problem where the state before it is kept; its solution is that of "
-      "the\nrun where the step itself is kept.\n"
-      "Examples:\n"
-      "  nscdd simulate shear-1k --steps 5 --subdomains 2x1 --algorithm generic -o run.h5\n"
-      "  nscdd export run.h5 --vtk pictures --steps 0:5\n"
-      "  nscdd export run.h5 --fclib 5 -o problem.hdf5\n"
-      "  nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5\n"
-      "  nscdd solve problem.hdf5 --tolerance 1e-6");
-  return [options] { return run(*options); };
+  command.add_required("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5");
+  const Option* vtk = &command.add("--vtk", options->folder,
+                                   "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
+  command.add("--steps", options->steps, "of --vtk: A, A:B or A:B:K, steps A, A + K, ... up to B that are kept").needs =
+      vtk;
+  Option* fclib =
+      &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
+  fclib->excludes = vtk;
+  command.add("-o,--output", options->output, "file of --fclib").needs = fclib;
+  command.add("--subdomain", options->subdomain, "of --fclib: the part of that subdomain, interface impulses as loads")
+      .needs = fclib;
+  command.add("--local", options->local, "of --fclib: W and q instead of M, H, f and w").needs = fclib;
+  command.add("--force", options->force, "replace existing outputs");
+  command.footer =
+      R"(A step can be written as a contact problem where the state before it is kept; its solution is that of the
+run where the step itself is kept.
+Examples:
+  nscdd simulate shear-1k --steps 5 --subdomains 2x1 --algorithm generic -o run.h5
+  nscdd export run.h5 --vtk pictures --steps 0:5
+  nscdd export run.h5 --fclib 5 -o problem.hdf5
+  nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5
+  nscdd solve problem.hdf5 --tolerance 1e-6)";
+  return [options](const Context& context) { return run(*options, context); };
 }
 
 }  // namespace nscdd::app

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
-#include "app/provenance.hpp"
-#include "app/verbs.hpp"
 #include "files/output_file.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <fmt/format.h>
@@ -36,7 +33,7 @@ Case resolve(const Options& options) {
   CaseSpec spec = spec_of(options.spec);
   for (const std::string& setting : options.settings)
     if (setting.rfind("packing.", 0) != 0 && setting.rfind("masses.", 0) != 0)
-      throw Error(fmt::format("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting));
+      refuse("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting);
   apply_settings(spec, options.settings);
   return resolve_case(spec, {options.output});
 }
@@ -45,8 +42,7 @@ PackingFormat output_format(const std::string& output) {
   if (output == "-") return PackingFormat::csv;
   const auto format = packing_format(output);
   if (!format)
-    throw Error(fmt::format("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output",
-                            output));
+    refuse("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output", output);
   return *format;
 }
 
@@ -66,29 +62,23 @@ int run(const Options& options, const Context& context) {
 
 }  // namespace
 
-std::function<int()> declare_generate(Command& command, const Context& context) {
+Action declare_generate(Command& command) {
   auto options = std::make_shared<Options>();
-  command
-      .add_option("SPEC", options->spec,
-                  "generator with its defaults (see nscdd list), case file (.toml), or a known case")
-      ->required();
-  command
-      .add_option("-o,--output", options->output,
-                  "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output")
-      ->required();
-  command.add_option("--set", options->settings,
-                     "KEY=VALUE: a parameter of the generator, such as packing.grains=16, or masses.density");
-  command.add_flag("--force", options->force, "replace an existing output");
-  command.footer(
-      "Columns x, y, radius (m) and, where the case has masses, mass (kg); the numbers read back bit for "
-      "bit. A\n"
-      "name that is both a generator and a case is the generator: give the path of the case file for the "
-      "case.\n"
-      "Examples:\n"
-      "  nscdd generate deposit --set packing.grains=500 --set packing.seed=7 -o bed.csv\n"
-      "  nscdd generate hexagonal --set packing.vacancies=0.1 -o -\n"
-      "  nscdd generate disks12 -o disks12.h5");
-  return [options, context] { return run(*options, context); };
+  command.add_required("SPEC", options->spec,
+                       "generator with its defaults (see nscdd list), case file (.toml), or a known case");
+  command.add_required("-o,--output", options->output,
+                       "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output");
+  command.add("--set", options->settings,
+              "KEY=VALUE: a parameter of the generator, such as packing.grains=16, or masses.density");
+  command.add("--force", options->force, "replace an existing output");
+  command.footer =
+      R"(Columns x, y, radius (m) and, where the case has masses, mass (kg); the numbers read back bit for bit. A
+name that is both a generator and a case is the generator: give the path of the case file for the case.
+Examples:
+  nscdd generate deposit --set packing.grains=500 --set packing.seed=7 -o bed.csv
+  nscdd generate hexagonal --set packing.vacancies=0.1 -o -
+  nscdd generate disks12 -o disks12.h5)";
+  return [options](const Context& context) { return run(*options, context); };
 }
 
 }  // namespace nscdd::app

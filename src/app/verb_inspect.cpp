@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
-#include "app/verbs.hpp"
+#include "app/work_options.hpp"
 #include "files/csv.hpp"
 #include "study/inspection.hpp"
 #include "study/network_tables.hpp"
-#include <nscdd/core/error.hpp>
-#include <nscdd/study/sweep.hpp>
 
 #include <fmt/format.h>
 
@@ -80,8 +77,7 @@ void print_geometry(const Inspection& found) {
 }
 
 int run(const Options& options) {
-  if (options.histogram == "-")
-    throw Error("--histogram: expected a file name, met -; standard output is for the report");
+  if (options.histogram == "-") refuse("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
@@ -108,22 +104,20 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_inspect(Command& command, const Context&) {
+Action declare_inspect(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command.add_flag("--ranks", options->ranks, "compute ranks however large the network is");
-  command.add_option("--histogram", options->histogram, "also write the sizes of the grains there, as CSV");
-  command.add_flag("--force", options->force, "replace an existing output");
+  command.add("--ranks", options->ranks, "compute ranks however large the network is");
+  command.add("--histogram", options->histogram, "also write the sizes of the grains there, as CSV");
+  command.add("--force", options->force, "replace an existing output");
   options->memory.declare(command);
-  command.footer(
-      "Examples:\n"
-      "  nscdd inspect disks12\n"
-      "  nscdd inspect mine.csv --subdomains 3x2\n"
-      "  nscdd inspect deposit --histogram sizes.csv\n"
-      "A case that moves is inspected at its start, without its boundaries; overlaps are accepted up to "
-      "those\n"
-      "that its simulation accepts.");
-  return [options] { return run(*options); };
+  command.footer = R"(Examples:
+  nscdd inspect disks12
+  nscdd inspect mine.csv --subdomains 3x2
+  nscdd inspect deposit --histogram sizes.csv
+A case that moves is inspected at its start, without its boundaries; overlaps are accepted up to those
+that its simulation accepts.)";
+  return [options](const Context&) { return run(*options); };
 }
 
 }  // namespace nscdd::app

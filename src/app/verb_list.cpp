@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/data_files.hpp"
-#include "app/verbs.hpp"
-#include "study/case.hpp"
+#include "app/cases.hpp"
 #include "study/study.hpp"
 #include <nscdd/core/fields.hpp>
 
@@ -33,16 +31,16 @@ void print_alternatives(const std::string& section) {
   (std::make_index_sequence<std::variant_size_v<Alternatives>>());
 }
 
-int print_names(const std::vector<std::string>& names) {
-  for (const std::string& name : names) fmt::print("{}\n", name);
+int print_names(const std::string& indent, const std::string& kind) {
+  for (const std::string& name : known_names(kind)) fmt::print("{}{}\n", indent, name);
   return 0;
 }
 
 int run() {
   fmt::print("Cases\n");
-  for (const std::string& name : known_cases()) fmt::print("  {}\n", name);
+  print_names("  ", "cases");
   fmt::print("Studies\n");
-  for (const std::string& name : known_studies()) fmt::print("  {}\n", name);
+  print_names("  ", "studies");
   fmt::print("Generators of packings, [packing] generator = \"...\"\n");
   print_alternatives<Generator>("packing.");
   fmt::print("Partitioners, [partition]\n");
@@ -62,15 +60,13 @@ int run() {
 
 }  // namespace
 
-std::function<int()> declare_list(Command& command, const Context&) {
+Action declare_list(Command& command) {
   auto names = std::make_shared<std::string>();
-  command.add_option("--names", *names, "only the names of those, one a line: cases or studies")
-      ->one_of({"cases", "studies"});
-  command.footer(
-      "Examples:\n"
-      "  nscdd list\n"
-      "  nscdd list --names cases");
-  return [names] { return names->empty() ? run() : print_names(*names == "cases" ? known_cases() : known_studies()); };
+  command.add("--names", *names, "only the names of those, one a line: cases or studies").words = {"cases", "studies"};
+  command.footer = R"(Examples:
+  nscdd list
+  nscdd list --names cases)";
+  return [names](const Context&) { return names->empty() ? run() : print_names("", *names); };
 }
 
 }  // namespace nscdd::app

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
-#include "app/sweep_options.hpp"
-#include "app/verbs.hpp"
+#include "app/work_options.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
 #include "study/mode_tables.hpp"
 #include "study/values.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
@@ -34,7 +31,7 @@ struct Options {
 // `scale`: of relative flexibilities, 1/kg
 double one_of(const FlexibilityValues& all, double scale, const std::string& option, const std::string& text) {
   if (all.values.size() == 1) return all.relative ? all.values.front() * scale : all.values.front();
-  throw Error(fmt::format("{}: expected one number, a mode belongs to one operator, met '{}'", option, text));
+  refuse("{}: expected one number, a mode belongs to one operator, met '{}'", option, text);
 }
 
 ModeParameters parameters(const Options& options, double scale) {
@@ -42,7 +39,7 @@ ModeParameters parameters(const Options& options, double scale) {
   result.epsilon = one_of(parse_epsilon(options.epsilon), scale, "--epsilon", options.epsilon);
   result.eta = one_of(parse_eta(options.eta), scale, "--eta", options.eta);
   result.contacts = options.spectral.contact_set();
-  result.side = named<SpectrumSide>(options.end).value_or(SpectrumSide::slowest);  // no other name is admitted
+  result.side = Choice<SpectrumSide>::parse(options.end, "--end");
   result.spectral = options.spectral.spectral();
   return result;
 }
@@ -119,8 +116,8 @@ void tell_doubts(const Mode& mode, double epsilon) {
   } else if (!mode.found() && mode.spectrum.converged) {
     note("every eigenvalue is the same: there is no mode of its own, the tables have no rows");
   } else if (!mode.found()) {
-    note(fmt::format("the solver did not converge: there is no mode, the tables have no rows{}",
-                     epsilon == 0 ? "; in the rigid limit --solver dense may find one" : ""));
+    note("the solver did not converge: there is no mode, the tables have no rows{}",
+         epsilon == 0 ? "; in the rigid limit --solver dense may find one" : "");
   } else if (!mode.converged) {
     note("the mode did not converge: see its residual");
   } else if (!mode.spectrum.converged) {
@@ -130,8 +127,7 @@ void tell_doubts(const Mode& mode, double epsilon) {
 
 int run(const Options& options) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
-    throw Error(fmt::format("--output: expected a prefix of file names such as slow or results/slow, met '{}'",
-                            options.output));
+    refuse("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
   parameters(options, 1);  // refused before the model is built
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
@@ -143,7 +139,7 @@ int run(const Options& options) {
   const Model model = build(what);
   require_geometry(model, "modes");
   const ModeParameters wanted = parameters(options, flexibility_scale(model));
-  options.memory.require({estimated_bytes(model, as_sweep(wanted)), model.name, model.parts.interface_size()});
+  options.memory.require(model, as_sweep(wanted));
   const Mode mode = interface_mode(model, wanted);
   mode_impulses(model, wanted, mode, [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
   mode_velocities(model, mode, [&](const ModeVelocity& one) { velocities.write(row(mode_velocity_columns(), one)); });
@@ -160,42 +156,35 @@ int run(const Options& options) {
 
 }  // namespace
 
-std::function<int()> declare_modes(Command& command, const Context&) {
+Action declare_modes(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command
-      .add_option("--epsilon", options->epsilon,
-                  "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit")
-      ->required();
-  command
-      .add_option("--eta", options->eta,
-                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic "
-                  "algorithm")
-      ->shows_default();
+  command.add_required("--epsilon", options->epsilon,
+                       "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+  command.add_with_default(
+      "--eta", options->eta,
+      "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   options->spectral.declare(command, "all");
   command
-      .add_option("--end", options->end,
-                  "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
-      ->one_of({"slowest", "low", "high"})
-      ->shows_default();
-  command.add_option("--eigenvalues", options->spectral.eigenvalues, "eigenvalues to print at that end")
-      ->shows_default();
-  command.add_flag("--certify", options->spectral.certify,
-                   "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
-  command.add_option("--output", options->output, "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv")
-      ->required();
-  command.add_flag("--force", options->force, "replace existing outputs");
+      .add_with_default("--end", options->end,
+                        "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
+      .words = {"slowest", "low", "high"};
+  command.add_with_default("--eigenvalues", options->spectral.options.eigenvalues, "eigenvalues to print at that end");
+  command.add("--certify", options->spectral.options.certify,
+              "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
+  command.add_required("--output", options->output,
+                       "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
+  command.add("--force", options->force, "replace existing outputs");
   declare_threads(command, options->threads);
   options->memory.declare(command);
-  command.footer(
-      "The mode is the error that the iteration is left with in the end: interface impulses F with\n"
-      "B F = (eigenvalue) F, and the velocities that Stage 1 answers them with. Draw it with\n"
-      "  plots/modes.py PREFIX mode.svg\n"
-      "A contact problem has no geometry to place a mode in and is refused.\n"
-      "Examples:\n"
-      "  nscdd modes hexagonal --epsilon 1e-3 --output slow\n"
-      "  nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low");
-  return [options] { return run(*options); };
+  command.footer = R"(The mode is the error that the iteration is left with in the end: interface impulses F with
+B F = (eigenvalue) F, and the velocities that Stage 1 answers them with. Draw it with
+  plots/modes.py PREFIX mode.svg
+A contact problem has no geometry to place a mode in and is refused.
+Examples:
+  nscdd modes hexagonal --epsilon 1e-3 --output slow
+  nscdd modes mine.csv --subdomains 3x2 --epsilon 1e-3 --eta 0.3 --end low --output low)";
+  return [options](const Context&) { return run(*options); };
 }
 
 }  // namespace nscdd::app

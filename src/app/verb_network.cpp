@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-#include "app/memory_limit.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
-#include "app/verbs.hpp"
+#include "app/work_options.hpp"
 #include "files/csv.hpp"
-#include "files/output_file.hpp"
 #include "study/inspection.hpp"
 #include "study/network_tables.hpp"
 
@@ -36,7 +34,7 @@ int run(const Options& options) {
   const Model model = build(with_overlaps_of_motion(options.one.resolve({options.csv, options.grains})));
   if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
-  const ContactSet contacts = named<ContactSet>(options.contacts).value_or(ContactSet::active);
+  const ContactSet contacts = Choice<ContactSet>::parse(options.contacts, "--contacts");
   options.memory.require(estimated_link_bytes(model, contacts), model.name,
                          fmt::format("the impulses of {} contacts", model.contacts()), "fewer grains");
   const ResultColumns<Link> columns = link_columns(contacts);
@@ -49,43 +47,36 @@ int run(const Options& options) {
   links.finish();
   if (grains) grains->finish();
   if (model.problem.arriving_velocity.isZero(0))
-    note(
-        "nothing is prescribed (--prescribed GRAIN:VX:VY): impulses are nan and every contact counts as "
-        "active");
+    note("nothing is prescribed (--prescribed GRAIN:VX:VY): impulses are nan and every contact counts as active");
   if (choice.idle > 0)
-    note(fmt::format("{} of {} contacts are weakly active: they neither carry nor open", choice.idle,
-                     model.network.size()));
+    note("{} of {} contacts are weakly active: they neither carry nor open", choice.idle, model.network.size());
   if (!choice.certain) note("the impulses were not found to 1e-8: the choice of contacts is uncertain");
   return 0;
 }
 
 }  // namespace
 
-std::function<int()> declare_network(Command& command, const Context&) {
+Action declare_network(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
-      .add_option("--contacts", options->contacts,
-                  "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
-      ->one_of({"active", "unilateral"})
-      ->shows_default();
-  command.add_option("--csv", options->csv, "where the links go, - for standard output")->shows_default();
-  command.add_option("--grains", options->grains, "also write the grains there");
-  command.add_flag("--force", options->force, "replace existing outputs");
+      .add_with_default("--contacts", options->contacts,
+                        "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
+      .words = {"active", "unilateral"};
+  command.add_with_default("--csv", options->csv, "where the links go, - for standard output");
+  command.add("--grains", options->grains, "also write the grains there");
+  command.add("--force", options->force, "replace existing outputs");
   options->memory.declare(command);
-  command.footer(
-      "One row per contact: grains, normal, subdomain, impulse of the linear rigid problem under the "
-      "prescribed\n"
-      "velocity (the least-norm solution for a hyperstatic network, said in impulse_solution), active or "
-      "not;\n"
-      "with --contacts unilateral those of the frictionless unilateral problem. Of a contact problem: "
-      "bodies\n"
-      "and subdomain of every contact.\n"
-      "Examples:\n"
-      "  nscdd network disks4\n"
-      "  nscdd network hexagonal --contacts unilateral --set loads.compression=1,1\n"
-      "  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv");
-  return [options] { return run(*options); };
+  command.footer =
+      R"(One row per contact: grains, normal, subdomain, impulse of the linear rigid problem under the prescribed
+velocity (the least-norm solution for a hyperstatic network, said in impulse_solution), active or not;
+with --contacts unilateral those of the frictionless unilateral problem. Of a contact problem: bodies
+and subdomain of every contact.
+Examples:
+  nscdd network disks4
+  nscdd network hexagonal --contacts unilateral --set loads.compression=1,1
+  nscdd network mine.csv --subdomains 2x2 --prescribed 7:-1:0 --csv links.csv --grains grains.csv)";
+  return [options](const Context&) { return run(*options); };
 }
 
 }  // namespace nscdd::app

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-#include "app/interruption.hpp"
-#include "app/memory_limit.hpp"
-#include "app/progress.hpp"
-#include "app/repair_table.hpp"
-#include "app/resume.hpp"
-#include "app/sweep_options.hpp"
-#include "app/verbs.hpp"
+#include "app/cases.hpp"
+#include "app/tables.hpp"
+#include "app/work_options.hpp"
 #include "linalg/threads.hpp"
-#include "study/inspection.hpp"
 #include "study/optimum.hpp"
 #include "study/values.hpp"
 #include "study/work_identity.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
@@ -49,36 +42,27 @@ StudyTable table_of(const Options& options) {
   return work;
 }
 
-void report_all(const StudyTable& work, const Model& model) {
-  bool first = true;
-  optima(model, work.sweep, [&](const OptimumResult& result) {
-    if (!first) fmt::print("\n");
-    print_report(result);
-    first = false;
-  });
-}
-
 int run(const Options& options) {
   const Reopening how{options.resume, options.force};
   const StudyTable work = table_of(options);
-  if (options.csv.empty() && options.resume) throw Error("--resume: expected --csv FILE with it, met none");
+  if (options.csv.empty() && options.resume) refuse("--resume: expected --csv FILE with it, met none");
   if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.resume))
-    throw Error("--redo: expected a finished table in a file with --csv, without --resume");
+    refuse("--redo: expected a finished table in a file with --csv, without --resume");
   if (!options.redo && nothing_to_resume(options.csv, "", how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
-  if (model.parts.interface_size() == 0)
-    note(fmt::format("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model)));
-  options.memory.require({estimated_bytes(model, work.sweep), model.name, model.parts.interface_size()});
+  note_empty_interface(model, "there is nothing to optimise");
+  options.memory.require(model, work.sweep);
   if (options.csv.empty()) {
-    report_all(work, model);
+    Index reports = 0;
+    optima(model, work.sweep, [&](const OptimumResult& result) {
+      if (reports++ > 0) fmt::print("\n");
+      print_report(result);
+    });
     return 0;
   }
+  if (options.redo) return redo_table(work, options.csv);
   Interruption interruption;
-  if (options.redo) {
-    LeadIn unused;
-    return explain(repair_table(work, options.csv, interruption, unused), options.csv);
-  }
   ResumableTable csv(options.csv, table_work(work), how);
   Index failed = 0;
   {
@@ -90,35 +74,32 @@ int run(const Options& options) {
   if (interruption.stopped()) return leave(csv, options.csv);
   csv.finish();
   remove_record(options.csv);
-  if (failed > 0) note(fmt::format("{} row(s) did not converge: see the column 'status'", failed));
+  if (failed > 0) note("{} row(s) did not converge: see the column 'status'", failed);
   return 0;
 }
 
 }  // namespace
 
-std::function<int()> declare_optimum(Command& command, const Context&) {
+Action declare_optimum(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command
-      .add_option("--epsilon", options->epsilon,
-                  "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid "
-                  "limit")
-      ->shows_default();
+  command.add_with_default(
+      "--epsilon", options->epsilon,
+      "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   options->spectral.declare(command, "active");
-  command.add_option("--csv", options->csv, "write a table instead of the report, - for standard output");
-  command.add_flag("--force", options->force, "replace existing outputs");
+  command.add("--csv", options->csv, "write a table instead of the report, - for standard output");
+  command.add("--force", options->force, "replace existing outputs");
   declare_resume(command, options->resume);
   declare_redo(command, options->redo);
   declare_threads(command, options->threads);
   options->memory.declare(command);
-  command.footer(
-      "The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which "
-      "on it\n"
-      "beats the generic algorithm, and the same with the best relaxation.\n"
-      "Examples:\n"
-      "  nscdd optimum disks8                        the nonsmooth case, active contacts\n"
-      "  nscdd optimum disks8 --epsilon 0,1 --contacts all --csv -");
-  return [options] { return run(*options); };
+  command.footer =
+      R"(The eta of the smallest radius of the enriched algorithm, from which eta on it converges, from which on it
+beats the generic algorithm, and the same with the best relaxation.
+Examples:
+  nscdd optimum disks8                        the nonsmooth case, active contacts
+  nscdd optimum disks8 --epsilon 0,1 --contacts all --csv -)";
+  return [options](const Context&) { return run(*options); };
 }
 
 }  // namespace nscdd::app

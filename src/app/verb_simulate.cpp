@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/case_options.hpp"
-#include "app/interruption.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
-#include "app/provenance.hpp"
 #include "app/simulate_output.hpp"
-#include "app/sweep_options.hpp"
-#include "app/verbs.hpp"
+#include "app/work_options.hpp"
 #include "files/output_file.hpp"
 #include "linalg/threads.hpp"
 #include "study/simulation_tables.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
 
 #include <fmt/format.h>
@@ -23,30 +19,24 @@ namespace {
 // An option that sets one parameter of the case.
 struct ParameterOption {
   std::string option, key, help;
-  std::optional<std::string> value;
+  std::optional<std::string> value = {};
 };
 
 struct Options {
   std::string name, subdomains, output, convergence;
   std::vector<ParameterOption> parameters{
-      {"--algorithm", "solver.algorithm", "nlgs, generic or enriched", {}},
-      {"--gauss-seidel-sweeps", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration", {}},
-      {"--eta",
-       "solver.eta",
-       "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal",
-       {}},
-      {"--criterion",
-       "solver.criterion",
-       "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none",
-       {}},
-      {"--tolerance", "solver.tolerance", "of the criterion", {}},
-      {"--iterations", "solver.maximum_iterations", "of a step at the most", {}},
-      {"--steps", "dynamics.steps", "number of time steps", {}}};
+      {"--algorithm", "solver.algorithm", "nlgs, generic or enriched"},
+      {"--gauss-seidel-sweeps", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
+      {"--eta", "solver.eta", "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal"},
+      {"--criterion", "solver.criterion",
+       "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none"},
+      {"--tolerance", "solver.tolerance", "of the criterion"},
+      {"--iterations", "solver.maximum_iterations", "of a step at the most"},
+      {"--steps", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
   Index threads = 0, save_every = 1;
   std::optional<Index> convergence_every;
   bool restart = false, force = false;
-  Context context;
 };
 
 // A parameter that the command line gives, with the name of its option.
@@ -57,7 +47,7 @@ struct Given {
 // Those of options of their own, then those of --set.
 std::vector<Given> given_parameters(const Options& options) {
   std::vector<Given> given;
-  const bool metis = options.subdomains.rfind("metis:", 0) == 0;
+  const bool metis = options.subdomains.starts_with("metis:");
   if (!options.subdomains.empty()) given.push_back({metis ? "partition.metis" : "partition.grid", "--subdomains"});
   for (const ParameterOption& one : options.parameters)
     if (one.value) given.push_back({one.key, one.option});
@@ -72,30 +62,27 @@ void require_once(const std::vector<Given>& given) {
   for (std::size_t k = 0; k < given.size(); ++k)
     for (std::size_t other = 0; other < k; ++other)
       if (given[k].key == given[other].key)
-        throw Error(
-            fmt::format("{}: expected {} once, met {} too", given[k].option, given[k].key, given[other].option));
+        refuse("{}: expected {} once, met {} too", given[k].option, given[k].key, given[other].option);
 }
 
 // What is asked for on the command line must not be passed over in silence. A loop over numbers of subdomains
 // may begin with one, which has no interface: there a note says what has no effect.
 void require_effect(const Given& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
-  if (given.key.rfind("contacts.", 0) == 0)
-    throw Error(fmt::format("{}: expected a parameter of the motion, met one of the linear study alone", given.option));
+  if (given.key.starts_with("contacts."))
+    refuse("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
   const bool one_subdomain = subdomains(spec.partition) == 1;
-  if (given.key.rfind("partition.", 0) == 0 && dynamics.solver.algorithm == StepAlgorithm::nlgs && !one_subdomain)
-    throw Error(fmt::format("{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose",
-                            given.option));
+  if (given.key.starts_with("partition.") && dynamics.solver.algorithm == StepAlgorithm::nlgs && !one_subdomain)
+    refuse("{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose", given.option);
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
   if (!has_effect(undivided, given.key) && one_subdomain)
-    note(fmt::format("{}: without effect on one subdomain, which has no interface", given.option));
+    note("{}: without effect on one subdomain, which has no interface", given.option);
 }
 
 void apply(const Options& options, CaseSpec& spec) {
-  if (!spec.dynamics)
-    throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", options.name));
+  if (!spec.dynamics) refuse("{}: expected a case with a section [dynamics], met one without", options.name);
   const std::vector<Given> given = given_parameters(options);
   require_once(given);
   if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
@@ -116,7 +103,7 @@ void require_not_beside(const std::string& output, const std::string& table) {
   std::error_code ignored;
   for (const std::string& name : names_beside(output))
     if (fs::weakly_canonical(fs::absolute(table), ignored) == fs::weakly_canonical(fs::absolute(name), ignored))
-      throw Error(fmt::format("{}: expected another name, met one that is taken while {} is written", table, output));
+      refuse("{}: expected another name, met one that is taken while {} is written", table, output);
 }
 
 void check_names(const Options& options) {
@@ -126,7 +113,7 @@ void check_names(const Options& options) {
     require_not_beside(options.output, options.convergence);
   }
   if (options.restart && options.force)
-    throw Error("--restart: expected either to go on with a run or to replace it, met --force too");
+    refuse("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;
   require_writable(options.output, options.force);
   if (!options.convergence.empty()) require_writable(options.convergence, options.force);
@@ -144,8 +131,7 @@ void check_restart(const Options& options, const CaseSpec& spec) {
   const std::string& path = options.output;
   require_same_case(path, read_trajectory_header(path), to_toml(spec), build_fingerprint());
   const Index done = read_last_step(path).state.step, steps = spec.dynamics->time.steps;
-  if (done > steps)
-    throw Error(fmt::format("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps));
+  if (done > steps) refuse("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps);
   require_table_to_go_on(options.convergence, run_so_far(path));
 }
 
@@ -157,28 +143,19 @@ void take_up(Simulation& simulation, const std::string& path) {
   require_fit(path, simulation);
 }
 
-// What a restart adds to the provenance of the run.
-std::string restart_line(const Options& options, Index steps_done) {
-  return fmt::format("from step {}: nscdd {}: {}\n", steps_done, version(), options.context.command_line);
-}
-
-int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunSummary& summary,
-          ConvergenceTable& table) {
+int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunSummary& summary) {
   if (outcome.end == RunEnd::stopped) {
-    table.leave();
-    note(fmt::format("{}: interrupted after {} of {} steps; --restart goes on with it", options.output,
-                     simulation.state.step, simulation.dynamics.time.steps));
+    note("{}: interrupted after {} of {} steps; --restart goes on with it", options.output, simulation.state.step,
+         simulation.dynamics.time.steps);
     return interrupted_exit_code;
   }
-  table.finish();
-  const std::string text = summary.text(simulation, outcome);
-  fmt::print(options.convergence == "-" ? stderr : stdout, "{}", text);
+  fmt::print(options.convergence == "-" ? stderr : stdout, "{}", summary.text(simulation, outcome));
   if (outcome.end != RunEnd::broke_down) return 0;
-  note(fmt::format("{}: broke down in {}; it holds the last good state", options.output, outcome.reason));
+  note("{}: broke down in {}; it holds the last good state", options.output, outcome.reason);
   return 1;
 }
 
-int run(const Options& options) {
+int run(const Options& options, const Context& context) {
   check_names(options);
   const ThreadLimit limit(options.threads);
   CaseSpec spec = find_spec(options.name);
@@ -186,80 +163,82 @@ int run(const Options& options) {
   if (options.restart) check_restart(options, spec);
   const Case one = resolve_case(spec, {options.output, options.convergence});
   Simulation simulation = simulation_of(one);
-  const TrajectoryHeader header{to_toml(spec), build_fingerprint(), provenance(options.context, {one}),
-                                simulation.system};
-  if (options.restart) take_up(simulation, options.output);
+  const TrajectoryHeader header{to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system};
+  std::optional<RunSoFar> found;
+  std::vector<double> speeds;
+  if (options.restart) {
+    take_up(simulation, options.output);
+    speeds = speeds_of(options.output, simulation.system);
+    found = run_so_far(options.output);
+  }
   const Index before = simulation.state.step;
-  const std::vector<double> speeds =
-      options.restart ? speeds_of(options.output, simulation.system) : std::vector<double>{};
-  const auto found = options.restart ? std::optional(run_so_far(options.output)) : std::nullopt;
   Interruption interruption;
   std::optional<TrajectoryWriter> trajectory;
   if (options.restart) trajectory.emplace(options.output, headings(step_columns()));
-  ConvergenceTable table(options.convergence, options.force, found);
+  const auto table = convergence_table(options.convergence, options.force, found);
   if (options.restart)
-    trajectory->go_on(header.case_text, restart_line(options, before));
+    trajectory->go_on(header.case_text,
+                      fmt::format("from step {}: nscdd {}: {}\n", before, version(), context.command_line));
   else
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
   Progress progress("simulate " + spec.name, before, "step");
   RunSummary summary;
   RunSinks sinks;
-  sinks.iteration = table.sink(options.convergence_every.value_or(0));
+  if (table)
+    sinks.iteration = {[&](const IterationRow& each) { table->write(row(iteration_columns(), each)); },
+                       options.convergence_every.value_or(0)};
   sinks.monitor = interruption.watch(progress.monitor());
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
     trajectory->append(trajectory_step(after, solved), row(step_columns(), report), keep);
     summary.add(report);
     if (!trajectory->due()) return;
-    table.flush();
+    if (table) table->flush();  // first: a restart needs the rows of all the steps that the trajectory has
     trajectory->commit();
   };
   const RunOutcome outcome = run_simulation(simulation, sinks, speeds);
-  table.flush();
+  if (table) table->flush();
   trajectory->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
                                          : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
-  return close(options, simulation, outcome, summary, table);
+  if (table && outcome.end == RunEnd::stopped) table->leave();
+  if (table && outcome.end != RunEnd::stopped) table->finish();
+  return close(options, simulation, outcome, summary);
 }
 
 }  // namespace
 
-std::function<int()> declare_simulate(Command& command, const Context& context) {
+Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
-  options->context = context;
-  command.add_option("CASE", options->name, "case file (.toml) with [dynamics], or a known case")->required();
-  command.add_option("--subdomains", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add_required("CASE", options->name, "case file (.toml) with [dynamics], or a known case");
+  command.add("--subdomains", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
-    command.add_option(one.option, one.value, fmt::format("{}: {}", one.help, one.key));
-  command.add_option("--set", options->settings,
-                     "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
+    command.add(one.option, one.value, fmt::format("{}: {}", one.help, one.key));
+  command.add("--set", options->settings, "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);
-  command.add_option("-o,--output", options->output, "trajectory, .h5 or .hdf5")->required();
-  const Option* convergence = command.add_option(
-      "--convergence", options->convergence,
-      "also a table of the iterations of every step, - for standard output; with --restart the rows of the "
-      "steps taken now are added to it");
-  command
-      .add_option("--convergence-every", options->convergence_every,
-                  "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, 10, "
-                  "13, ...), because a row costs several sweeps. The last of a step always has one")
-      ->between(1, 1000000000)
-      ->needs(convergence);
-  command.add_option("--save-every", options->save_every, "keep every Nth step; the last one always is")
-      ->between(1, 1000000000)
-      ->shows_default();
-  command.add_flag("--restart", options->restart, "go on with the output of a run before, up to --steps");
-  command.add_flag("--force", options->force, "replace existing outputs");
-  command.footer(
-      "Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, "
-      "interrupted "
-      "or\nfinished goes on with --restart, bit for bit as in one piece.\n"
-      "Exit codes: 0 done, 1 a step broke down (the last good state is kept), 2 bad input, 130 interrupted.\n"
-      "Examples:\n"
-      "  nscdd simulate shear-1k -o shear.h5\n"
-      "  nscdd simulate shear-1k --algorithm enriched --eta 1 --gauss-seidel-sweeps 100 -o e.h5\n"
-      "  nscdd simulate shear-1k --steps 10 --convergence indicators.csv --convergence-every 1 -o ten.h5\n"
-      "  nscdd simulate shear-1k --steps 500 --restart -o shear.h5");
-  return [options] { return run(*options); };
+  command.add_required("-o,--output", options->output, "trajectory, .h5 or .hdf5");
+  const Option* convergence = &command.add("--convergence", options->convergence,
+                                           "also a table of the iterations of every step, - for standard output; with "
+                                           "--restart the rows of the steps taken now are added to it");
+  Option& every = command.add(
+      "--convergence-every", options->convergence_every,
+      "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, 10, 13, ...), because a "
+      "row costs several sweeps. The last of a step always has one");
+  every.bounds = {1, 1000000000};
+  every.needs = convergence;
+  command.add_with_default("--save-every", options->save_every, "keep every Nth step; the last one always is")
+      .bounds = {1, 1000000000};
+  command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
+  command.add("--force", options->force, "replace existing outputs");
+  command.footer =
+      R"(Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, interrupted or
+finished goes on with --restart, bit for bit as in one piece.
+Exit codes: 0 done, 1 a step broke down (the last good state is kept), 2 bad input, 130 interrupted.
+Examples:
+  nscdd simulate shear-1k -o shear.h5
+  nscdd simulate shear-1k --algorithm enriched --eta 1 --gauss-seidel-sweeps 100 -o e.h5
+  nscdd simulate shear-1k --steps 10 --convergence indicators.csv --convergence-every 1 -o ten.h5
+  nscdd simulate shear-1k --steps 500 --restart -o shear.h5)";
+  return [options](const Context& context) { return run(*options, context); };
 }
 
 }  // namespace nscdd::app

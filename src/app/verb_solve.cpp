@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/interruption.hpp"
+#include "app/cases.hpp"
 #include "app/progress.hpp"
-#include "app/provenance.hpp"
-#include "app/settled_cases.hpp"
-#include "app/verbs.hpp"
 #include "files/csv.hpp"
-#include "files/output_file.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -25,7 +19,6 @@ struct Options {
   FrictionSolverOptions solver;
   Index guess = 0;
   bool force = false;
-  Context context;
 };
 
 ResultColumns<FrictionCheck> check_columns() {
@@ -41,8 +34,6 @@ ResultColumns<FrictionCheck> check_columns() {
           {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionCheck::slide}};
 }
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
   return std::get<LocalFrictionProblem>(file.problem);
@@ -51,8 +42,8 @@ LocalFrictionProblem local_problem(const FclibFile& file, const std::string& nam
 Vector starting_impulses(const FclibFile& file, const Options& options) {
   if (options.guess == 0) return {};
   if (options.guess < 0 || options.guess > count(file.guesses))
-    throw Error(fmt::format("--guess: expected one of the {} guesses of {}, or 0 for none, met {}", file.guesses.size(),
-                            options.file, options.guess));
+    refuse("--guess: expected one of the {} guesses of {}, or 0 for none, met {}", file.guesses.size(), options.file,
+           options.guess);
   return file.guesses[at(options.guess - 1)].r;
 }
 
@@ -85,33 +76,34 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
 }
 
 // A result is a solution only where it is one; else it is a guess to go on from.
-void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options, OutputFile& output) {
+void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
+                  const Context& context, OutputFile& output) {
   FclibSolution found{{}, solution.state.velocities, solution.impulses};
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
     found.v = body_velocities(*global, solution.impulses);
   const bool converged = solution.status == FrictionStatus::converged;
   FclibFile written{file.problem, file.info, converged ? std::optional(found) : std::nullopt, file.guesses};
   if (solution.status == FrictionStatus::not_finite) {
-    note(fmt::format("{}: the impulses are not finite and are left out", options.output));
+    note("{}: the impulses are not finite and are left out", options.output);
   } else if (!converged) {
     written.guesses.push_back(found);
-    note(fmt::format("{}: not converged: the impulses are written as guess {}, not as the solution", options.output,
-                     written.guesses.size()));
+    note("{}: not converged: the impulses are written as guess {}, not as the solution", options.output,
+         written.guesses.size());
   }
-  output.bytes(to_hdf5(written, provenance(options.context, {})));
+  output.bytes(to_hdf5(written, provenance(context, {})));
   output.finish();
 }
 
 void check_options(const Options& options) {
   check_bounds(options.solver.tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "--tolerance");
   if (options.convergence == "-")
-    throw Error("--convergence: expected a file name, met -; standard output is for the report");
+    refuse("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty()) require_hdf5_name(options.output);
   require_no_input({options.convergence, options.output}, {options.file});
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
-int run(const Options& options) {
+int run(const Options& options, const Context& context) {
   check_options(options);
   const FclibFile file = read_fclib(options.file);
   const LocalFrictionProblem local = local_problem(file, options.file);
@@ -138,46 +130,38 @@ int run(const Options& options) {
   const double duration = seconds() - started;
   if (solution.status == FrictionStatus::stopped) {
     if (csv) csv->leave();
-    note(fmt::format("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual));
+    note("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual);
     return interrupted_exit_code;
   }
   if (csv) csv->finish();
   print_problem(file, local);
   print_solution(solution, solver.tolerance, duration);
-  if (output) write_result(file, solution, options, *output);
+  if (output) write_result(file, solution, options, context, *output);
   return solution.status == FrictionStatus::converged ? 0 : 1;
 }
 
 }  // namespace
 
-std::function<int()> declare_solve(Command& command, const Context& context) {
+Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
-  options->context = context;
-  command.add_option("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB")->required();
-  command.add_option("--tolerance", options->solver.tolerance, "on the residual")->shows_default();
-  command.add_option("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most")
-      ->shows_default();
-  command.add_option("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2")
-      ->shows_default();
-  command.add_option("--order", options->order, "of the contacts in a sweep")
-      ->one_of({"natural", "reverse"})
-      ->shows_default();
-  command.add_option("--check-every", options->solver.check_every, "sweeps from one residual to the next")
-      ->shows_default();
-  command.add_option("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero")
-      ->shows_default();
-  command.add_option("--convergence", options->convergence,
-                     "write one row per residual there, as CSV, each when it is known");
-  command.add_option("-o,--output", options->output,
-                     "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");
-  command.add_flag("--force", options->force, "replace existing outputs");
-  command.footer(
-      "Nonlinear Gauss-Seidel with exact local solutions. Exit code 0: converged, 1: not (the status says "
-      "why).\n"
-      "Examples:\n"
-      "  nscdd solve problem.hdf5\n"
-      "  nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5");
-  return [options] { return run(*options); };
+  command.add_required("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB");
+  command.add_with_default("--tolerance", options->solver.tolerance, "on the residual");
+  command.add_with_default("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
+  command.add_with_default("--relaxation", options->solver.relaxation,
+                           "omega in r <- r + omega (r' - r), between 0 and 2");
+  command.add_with_default("--order", options->order, "of the contacts in a sweep").words = {"natural", "reverse"};
+  command.add_with_default("--check-every", options->solver.check_every, "sweeps from one residual to the next");
+  command.add_with_default("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero");
+  command.add("--convergence", options->convergence, "write one row per residual there, as CSV, each when it is known");
+  command.add("-o,--output", options->output,
+              "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");
+  command.add("--force", options->force, "replace existing outputs");
+  command.footer =
+      R"(Nonlinear Gauss-Seidel with exact local solutions. Exit code 0: converged, 1: not (the status says why).
+Examples:
+  nscdd solve problem.hdf5
+  nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5)";
+  return [options](const Context& context) { return run(*options, context); };
 }
 
 }  // namespace nscdd::app

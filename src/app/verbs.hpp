@@ -15,25 +15,18 @@ struct Context {
   const std::vector<DescribedVerb>* verbs = nullptr;  ///< all verbs with their options
 };
 
-/// A verb: declares its options on `command` and returns what to do once they are parsed; the result of that
-/// is the exit code (0 done, 1 a check failed).
+/// What a verb does once its options are parsed. The result is the exit code (0 done, 1 a check failed).
+using Action = std::function<int(const Context& context)>;
+
+/// A verb: declares its options on `command` and returns what to do with them.
+using Declaration = Action(Command& command);
 struct Verb {
   const char* name;
   const char* summary;
-  std::function<int()> (*declare)(Command& command, const Context& context);
+  Declaration* declare;
 };
 
-std::function<int()> declare_sweep(Command& command, const Context& context);
-std::function<int()> declare_run(Command& command, const Context& context);
-std::function<int()> declare_network(Command& command, const Context& context);
-std::function<int()> declare_inspect(Command& command, const Context& context);
-std::function<int()> declare_optimum(Command& command, const Context& context);
-std::function<int()> declare_generate(Command& command, const Context& context);
-std::function<int()> declare_modes(Command& command, const Context& context);
-std::function<int()> declare_solve(Command& command, const Context& context);
-std::function<int()> declare_simulate(Command& command, const Context& context);
-std::function<int()> declare_export(Command& command, const Context& context);
-std::function<int()> declare_list(Command& command, const Context& context);
-std::function<int()> declare_manual(Command& command, const Context& context);
+Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
+    declare_modes, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
 
 }  // namespace nscdd::app

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/repair_table.hpp"
+#include "app/tables.hpp"
 
-#include "app/progress.hpp"
-#include "files/csv.hpp"
 #include "files/hdf5.hpp"
-#include "files/output_file.hpp"
-#include "files/table_record.hpp"
+#include "study/inspection.hpp"
 #include "study/optimum.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
@@ -24,7 +20,6 @@ using Texts = std::vector<std::string>;
 // Whether a row says that it can be relied on.
 struct Proof {
   bool converged = true, certified = true;
-  bool whole() const { return converged && certified; }
 };
 
 Proof proof_of(const std::vector<Column>& columns, const Texts& row) {
@@ -38,8 +33,8 @@ Proof proof_of(const std::vector<Column>& columns, const Texts& row) {
 }
 
 Texts texts_of(const Row& row) {
-  Texts texts;
-  for (const Cell& cell : row) texts.push_back(to_text(cell));
+  Texts texts(row.size());
+  std::ranges::transform(row, texts.begin(), to_text);
   return texts;
 }
 
@@ -75,14 +70,7 @@ Texts computed(const StudyTable& work, Index number, LeadIn& lead_in) {
 }
 
 void require_text(const std::string& met, const std::string& expected, const std::string& where) {
-  if (met != expected) throw Error(fmt::format("{}: expected {} of this work, met {}", where, expected, met));
-}
-
-// What is known of a row before it is computed: the case and the coordinates of its point.
-void require_known(const StudyTable& work, const Table& layout, Index number, const Texts& row,
-                   const std::string& where) {
-  for (const auto& [column, expected] : known_cells(work, number))
-    require_text(row[layout.column(column)], to_text(expected), where + ": " + column);
+  if (met != expected) refuse("{}: expected {} of this work, met {}", where, expected, met);
 }
 
 // What a row says of its case must not change: it would be of another partition or of other contacts.
@@ -93,26 +81,14 @@ void require_same_case(const std::vector<Column>& columns, const Texts& before, 
       if (columns[j].name == known.name) require_text(before[j], after[j], where + ": " + known.name);
 }
 
-// The rows of the table in a file one after another, with their numbers and places.
-template <class Visit>
-void for_each_row(const StudyTable& work, const std::string& path, const std::string& text, Visit&& visit) {
-  const Table layout{study_columns(work), {}};
-  const std::string header = csv_header(layout.columns);
-  if (const std::string met = text.substr(0, text.find('\n')); met != header)
-    throw Error(fmt::format("{}:1: expected the columns {}, met {}", path, header, met));
-  const Index total = *row_count(work);
-  CsvReader reader(text, path);
-  Index number = 0;
-  for (; reader.next(); ++number) {
-    const std::string where = fmt::format("{}:{}", path, reader.line());
-    if (number >= total) throw Error(fmt::format("{}: expected {} rows of this work, met another", where, total));
-    Texts row;
-    for (std::size_t k = 0; k < layout.columns.size(); ++k) row.emplace_back(reader.value(k));
-    require_known(work, layout, number, row, where);
-    visit(number, std::move(row), where);
-  }
-  if (number < total)
-    throw Error(fmt::format("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number));
+// A row of the file, which must be row `number` of the work as far as that is known before it is computed.
+Texts known_row(const CsvReader& reader, const StudyTable& work, const Table& layout, Index number,
+                const std::string& where) {
+  Texts row;
+  for (std::size_t k = 0; k < layout.columns.size(); ++k) row.emplace_back(reader.value(k));
+  for (const auto& [column, expected] : known_cells(work, number))
+    require_text(row[layout.column(column)], to_text(expected), where + ": " + column);
+  return row;
 }
 
 // Puts the rows of a CSV file in the place of those of a table, whose types they have. Returns whether they
@@ -127,52 +103,82 @@ bool replace_rows(Table& table, const std::string& path) {
     Row& row = rows.emplace_back();
     for (std::size_t j = 0; j < types.size(); ++j) row.push_back(parse_cell(csv.rows[i].at(j), types[j], where));
   }
-  const bool differ = !std::equal(rows.begin(), rows.end(), table.rows.begin(), table.rows.end(),
-                                  [](const Row& a, const Row& b) { return texts_of(a) == texts_of(b); });
+  const bool differ = !std::ranges::equal(rows, table.rows, {}, texts_of, texts_of);
   table.rows = std::move(rows);
   return differ;
 }
 
 }  // namespace
 
+void declare_resume(Command& command, bool& resume) {
+  command.add("--resume", resume,
+              "go on with the rows of an interrupted run; of the same case, options and program: what is missing is "
+              "computed");
+}
+
 void declare_redo(Command& command, bool& redo) {
-  command.add_flag("--redo", redo,
-                   "compute rows again that did not converge or are not certified; with the present options");
+  command.add("--redo", redo,
+              "compute rows again that did not converge or are not certified; with the present options");
 }
 
-Repaired& Repaired::operator+=(const Repaired& more) {
-  rows += more.rows;
-  not_converged += more.not_converged;
-  not_certified += more.not_certified;
-  left += more.left;
-  return *this;
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how) {
+  if (!how.resume || how.force || !is_complete(csv)) return false;
+  if (!hdf5.empty() && !std::filesystem::exists(hdf5))
+    refuse(
+        "{}: expected rows to resume, met a complete table, and nothing tells what work it came from: {} cannot be "
+        "made of it; --force computes both again",
+        csv, hdf5);
+  note("{}: already complete, nothing to resume", csv);
+  return true;
 }
 
-Repaired repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in) {
-  Repaired repaired;
-  if (!row_count(work)) return repaired;
-  const std::vector<Column> columns = study_columns(work);
-  const std::string text = read_text(path);
+int leave(ResumableTable& table, const std::string& path) {
+  table.leave();
+  const auto total = table.total();
+  note("{}: interrupted after {}{} rows{}", path == "-" ? "standard output" : path, table.rows(),
+       total ? fmt::format(" of {}", *total) : "", table.resumable() && total ? "; --resume continues" : "");
+  return interrupted_exit_code;
+}
+
+void note_empty_interface(const Model& model, std::string_view meaning) {
+  if (model.parts.interface_size() == 0)
+    note("{}: the interface is empty ({}): {}", model.name, why_empty(model), meaning);
+}
+
+void repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in,
+                  Repaired& repaired) {
+  if (!row_count(work)) return;
+  const Table layout{study_columns(work), {}};
+  const Index total = *row_count(work), before = repaired.rows;
+  const std::string text = read_text(path), header = csv_header(layout.columns);
   OutputFile file(path, true);
-  file.line(csv_header(columns));
+  file.line(header);
+  if (const std::string met = text.substr(0, text.find('\n')); met != header)
+    refuse("{}:1: expected the columns {}, met {}", path, header, met);
   Progress progress("redo " + work.name);
   const Monitor monitor = interruption.watch(progress.monitor());
-  for_each_row(work, path, text, [&](Index number, Texts row, const std::string& where) {
-    const bool whole = proof_of(columns, row).whole();
-    if (!whole && interruption.stopped()) ++repaired.left;
-    if (!whole && !interruption.stopped()) {
-      const Texts before = std::exchange(row, computed(work, number, lead_in));
-      require_same_case(columns, before, row, where);
-      const Proof proof = proof_of(columns, row);
+  CsvReader reader(text, path);
+  Index number = 0;
+  for (; reader.next(); ++number) {
+    const std::string where = fmt::format("{}:{}", path, reader.line());
+    if (number >= total) refuse("{}: expected {} rows of this work, met another", where, total);
+    Texts row = known_row(reader, work, layout, number, where);
+    const Proof found = proof_of(layout.columns, row);
+    const bool open = !found.converged || !found.certified;
+    repaired.left += open && interruption.stopped();
+    if (open && !interruption.stopped()) {
+      const Texts old = std::exchange(row, computed(work, number, lead_in));
+      require_same_case(layout.columns, old, row, where);
+      const Proof proof = proof_of(layout.columns, row);
       ++repaired.rows;
       repaired.not_converged += !proof.converged;
       repaired.not_certified += proof.converged && !proof.certified;
     }
     file.line(csv_line(row));
-    report(monitor, number + 1, *row_count(work));
-  });
-  if (repaired.rows > 0) file.finish();
-  return repaired;
+    report(monitor, number + 1, total);
+  }
+  if (number < total) refuse("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number);
+  if (repaired.rows > before) file.finish();
 }
 
 void update_tables(const std::string& hdf5, const std::string& command_line) {
@@ -182,22 +188,28 @@ void update_tables(const std::string& hdf5, const std::string& command_line) {
   for (auto& [name, table] : content.tables)
     changed = replace_rows(table, (folder / (name + ".csv")).string()) || changed;
   if (!changed) return;
-  auto redone = std::find_if(content.provenance.begin(), content.provenance.end(),
-                             [](const auto& entry) { return entry.first == "redone"; });
+  auto redone = std::ranges::find(content.provenance, "redone", &Provenance::value_type::first);
   if (redone == content.provenance.end()) redone = content.provenance.insert(redone, {"redone", ""});
   redone->second += command_line + "\n";
   write_file(hdf5, to_hdf5(content.provenance, content.tables), true);
 }
 
 int explain(const Repaired& repaired, const std::string& what) {
-  if (repaired.not_converged > 0) note(fmt::format("{} row(s) still did not converge", repaired.not_converged));
+  if (repaired.not_converged > 0) note("{} row(s) still did not converge", repaired.not_converged);
   if (repaired.not_certified > 0)
-    note(fmt::format("{} row(s) converged but are still not certified: see the column 'certified'",
-                     repaired.not_certified));
+    note("{} row(s) converged but are still not certified: see the column 'certified'", repaired.not_certified);
   if (repaired.left == 0) return 0;
-  note(fmt::format("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", what,
-                   repaired.rows, repaired.left));
+  note("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", what, repaired.rows,
+       repaired.left);
   return interrupted_exit_code;
+}
+
+int redo_table(const StudyTable& work, const std::string& path) {
+  Interruption interruption;
+  LeadIn unused;
+  Repaired repaired;
+  repair_table(work, path, interruption, unused, repaired);
+  return explain(repaired, path);
 }
 
 }  // namespace nscdd::app

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/memory_limit.hpp"
+#include "app/work_options.hpp"
 
-#include <nscdd/core/error.hpp>
+#include "app/progress.hpp"
 #include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
@@ -61,14 +61,49 @@ double control_groups_available() {
   return left;
 }
 
-}  // namespace
-
+// Bytes that a new run can take without swapping: MemAvailable of /proc/meminfo, and what the control groups
+// that the program is in leave of their limits; infinite where the system tells neither.
 double available_bytes() { return std::min(system_available(), control_groups_available()); }
 
+}  // namespace
+
+void SpectralCommandOptions::declare(Command& command, const std::string& default_contacts) {
+  contacts = default_contacts;
+  command
+      .add_with_default("--contacts", contacts,
+                        "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear rigid "
+                        "problem; unilateral: carrying in the frictionless unilateral problem")
+      .words = all_names<ContactSet>();
+  command
+      .add_with_default("--solver", solver,
+                        "auto, dense, arpack, or shift-invert; auto: dense for small interfaces, else shift-invert; "
+                        "arpack: matrix-free Lanczos")
+      .words = all_names<SpectralSolver>();
+  command.add_with_default("--residual-tolerance", options.tolerance, "largest residual that counts as converged");
+}
+
+ContactSet SpectralCommandOptions::contact_set() const { return Choice<ContactSet>::parse(contacts, "--contacts"); }
+
+SpectralOptions SpectralCommandOptions::spectral() const {
+  const Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
+  check_bounds(options.tolerance, positive, "--residual-tolerance");
+  check_bounds(options.eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
+  SpectralOptions all = options;
+  all.solver = Choice<SpectralSolver>::parse(solver, "--solver");
+  if (all.solver == SpectralSolver::arpack && (all.certify || all.eigenvalues > 1))
+    refuse("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met arpack");
+  return all;
+}
+
+void declare_threads(Command& command, Index& threads) {
+  command.add_with_default("--threads", threads, "threads at the most, 0 for all; results do not depend on it")
+      .bounds = {0, 4096};
+}
+
 void MemoryLimit::declare(Command& command) {
-  command.add_option("--memory-limit", gibibytes,
-                     "memory the run may take, GiB; a run that is estimated to need more is refused; by "
-                     "default 90 % of what is available");
+  command.add("--memory-limit", gibibytes,
+              "memory the run may take, GiB; a run that is estimated to need more is refused; by default 90 % of what "
+              "is available");
 }
 
 void MemoryLimit::require(const MemoryNeed& need) const {
@@ -76,17 +111,20 @@ void MemoryLimit::require(const MemoryNeed& need) const {
           "fewer subdomains or grains, the solver arpack where it is dense");
 }
 
+void MemoryLimit::require(const Model& model, const SweepParameters& sweep) const {
+  require({estimated_bytes(model, sweep), model.name, model.parts.interface_size()});
+}
+
 void MemoryLimit::require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const {
   if (gibibytes)
     check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--memory-limit");
   const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
   if (bytes <= limit) return;
-  throw Error(
-      fmt::format("case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} "
-                  "GiB for {}; {}, "
-                  "or a larger --memory-limit may help",
-                  name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", bytes / gibibyte,
-                  what, advice));
+  refuse(
+      "case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} GiB for {}; {}, or a "
+      "larger --memory-limit may help",
+      name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", bytes / gibibyte, what,
+      advice);
 }
 
 }  // namespace nscdd::app
