@@ -25,9 +25,9 @@ def read(path, every):
     with h5py.File(path) as run:
         radius = np.array(run["system/radius"])
         driven = np.array(run["system/driven_by"]) >= 0
-        for name in sorted(run["steps"])[::every]:
-            step = run["steps"][name]
-            frames.append((float(step.attrs["time"]), *(np.array(step[k]) for k in ("x", "y", "angle"))))
+        steps = run["steps"]
+        for k in range(0, len(steps["time"]), every):
+            frames.append((float(steps["time"][k]), *(steps[name][k] for name in ("x", "y", "angle"))))
     if not frames:
         raise style.DataError(f"{path}: no steps")
     return radius, driven, frames

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/hdf5_types.hpp"
+#include "files/hdf5_file.hpp"
 
 #include <fmt/format.h>
 
@@ -36,12 +36,20 @@ hid_t open_path(const std::string& path, Access how) {
 
 }  // namespace
 
-QuietErrors::QuietErrors() {
-  H5Eget_auto2(H5E_DEFAULT, &handler_, &data_);
+ErrorHandler silence_errors() {
+  ErrorHandler before;
+  H5Eget_auto2(H5E_DEFAULT, &before.function, &before.data);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  return before;
 }
 
-QuietErrors::~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, handler_, data_); }
+void restore_errors(const ErrorHandler& handler) { H5Eset_auto2(H5E_DEFAULT, handler.function, handler.data); }
+
+Handle without_times(hid_t property_class) {
+  Handle properties(H5Pcreate(property_class), H5Pclose);
+  require(H5Pset_obj_track_times(properties, 0));
+  return properties;
+}
 
 Handle::Handle(hid_t id, herr_t (*closing)(hid_t), const std::string& failure) : id_(id), close_(closing) {
   if (id_ < 0) throw Error(failure);
@@ -112,8 +120,7 @@ std::string File::bytes() const {
   flush();
   const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
   std::string bytes(static_cast<std::size_t>(std::max<ssize_t>(size, 0)), '\0');
-  if (size < 0 || H5Fget_file_image(id_, bytes.data(), bytes.size()) != size)
-    throw Error("HDF5: the file cannot be put together");
+  if (size < 0 || H5Fget_file_image(id_, bytes.data(), bytes.size()) != size) throw Error(incomplete);
   return bytes;
 }
 

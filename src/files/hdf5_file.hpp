@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/process_guard.hpp"
 #include "files/hdf5.hpp"
 #include <nscdd/core/error.hpp>
+#include <nscdd/core/types.hpp>
 
 #include <hdf5.h>
 
 #include <cstdint>
-#include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -18,24 +21,26 @@
 /// texts. Whatever fails throws Error. Files carry no time stamps, so that equal content gives equal bytes.
 namespace nscdd::hdf5 {
 
-/// While this object lives, HDF5 prints no error messages of its own. Afterwards the error handler is the one
-/// that the process had before.
-class QuietErrors {
- public:
-  QuietErrors();
-  ~QuietErrors();
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-
- private:
-  H5E_auto2_t handler_ = nullptr;
-  void* data_ = nullptr;
+struct ErrorHandler {
+  H5E_auto2_t function = nullptr;
+  void* data = nullptr;
 };
+ErrorHandler silence_errors();  ///< returns the handler that HDF5 had
+void restore_errors(const ErrorHandler& handler);
+/// While such an object lives, HDF5 prints no error messages of its own.
+using QuietErrors = ProcessGuard<silence_errors, restore_errors>;
+
+inline constexpr const char* incomplete = "HDF5: the file cannot be put together";
+
+/// Throws Error(failure) if HDF5 reports one.
+inline void require(herr_t status, const std::string& failure = incomplete) {
+  if (status < 0) throw Error(failure);
+}
 
 /// An HDF5 identifier, closed by its own function. Throws Error(failure) if HDF5 returned none.
 class Handle {
  public:
-  Handle(hid_t id, herr_t (*closing)(hid_t), const std::string& failure = "HDF5: the file cannot be put together");
+  Handle(hid_t id, herr_t (*closing)(hid_t), const std::string& failure = incomplete);
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
   ~Handle();
   Handle(const Handle&) = delete;
@@ -47,11 +52,35 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// Elements per chunk of an array that may change its size; 0 for an array of fixed size.
-using Chunk = std::int64_t;
+/// Types of a number in memory and in a file.
+struct Types {
+  hid_t memory, file;
+};
+template <class Value>
+Types types_of() {
+  if constexpr (std::is_same_v<Value, double>) return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
+  if constexpr (std::is_same_v<Value, std::int64_t>) return {H5T_NATIVE_INT64, H5T_STD_I64LE};
+  if constexpr (std::is_same_v<Value, std::int32_t>) return {H5T_NATIVE_INT32, H5T_STD_I32LE};
+  if constexpr (std::is_same_v<Value, std::int8_t>) return {H5T_NATIVE_INT8, H5T_STD_I8LE};
+}
 
-/// Texts that describe an array, such as {{"unit", "m"}}: written when the array is made.
-using Attributes = std::initializer_list<std::pair<const char*, std::string_view>>;
+/// Properties of a new object that carries no time stamps.
+Handle without_times(hid_t property_class);
+
+/// How an array is written.
+struct ArrayForm {
+  /// Texts that describe it, such as {{"unit", "m"}}: written when the array is made.
+  std::vector<std::pair<const char*, std::string_view>> attributes{};
+  std::size_t chunk = 0;              ///< elements per chunk of an array that may change its size; 0: it may not
+  bool append = false;                ///< behind the end of what there is, not in its place
+  std::optional<std::size_t> rows{};  ///< of a two-dimensional array
+  std::size_t longest_text = 0;       ///< bytes after which texts are cut; 0: as long as the longest one
+};
+
+/// Part of an array: of a two-dimensional one, whole rows.
+struct Rows {
+  Index first = 0, number = 1;
+};
 
 /// A group of an open file. Errors name its members as "run.h5: last/contacts".
 class Group {
@@ -66,39 +95,30 @@ class Group {
 
   /// Reading. Every function throws Error for a member that is missing, is something else or is damaged.
   Group group(const std::string& name) const;
-  /// A one-dimensional array of numbers; of whole numbers if `Value` is an integer type (std::int8_t,
-  /// std::int32_t, std::int64_t), else floating-point numbers or whole ones.
+  /// A one-dimensional array of numbers, or some rows of one of one or two dimensions. Numbers are whole if `Value`
+  /// is an integer type (std::int8_t, std::int32_t, std::int64_t), else floating-point or whole.
   template <class Value>
-  std::vector<Value> numbers(const std::string& name) const;
+  std::vector<Value> numbers(const std::string& name, std::optional<Rows> rows = std::nullopt) const;
+  Index rows(const std::string& name) const;  ///< of an array; 0 if there is none
   std::int64_t integer(const std::string& name) const;
   std::string text(const std::string& name) const;
-  std::vector<std::string> texts(const std::string& name) const;  ///< a one-dimensional array of them
-  H5T_class_t kind(const std::string& name) const;                ///< of the elements of an array
-  std::size_t element_size(const std::string& name) const;        ///< bytes
+  std::vector<Cell> cells(const std::string& name) const;  ///< a one-dimensional array; flags are of one byte
   std::string text_attribute(const std::string& name, const std::string& member = ".") const;
-  double number_attribute(const std::string& name) const;
 
   /// Writing. A group or array that exists is taken again; an array with chunks is then resized.
   Group make_group(const std::string& name) const;
   template <class Value>
-  void put(const std::string& name, std::span<const Value> values, Attributes attributes = {}, Chunk chunk = 0) const;
-  void put_texts(const std::string& name, std::span<const std::string> texts, Attributes attributes) const;
-  /// Behind the end of an array with chunks; texts are cut after `longest` bytes.
-  template <class Value>
-  void append(const std::string& name, std::span<const Value> values, Attributes attributes, Chunk chunk) const;
-  void append_texts(const std::string& name, std::span<const std::string> texts, std::size_t longest,
-                    Attributes attributes, Chunk chunk) const;
-  void put_text(const std::string& name, const std::string& text) const;
-  /// The same with a zero at its end, for readers that take the bytes as a string of C.
-  void put_terminated_text(const std::string& name, const std::string& text) const;
+  void put(const std::string& name, std::span<const Value> values, const ArrayForm& form = {}) const;
+  void put_texts(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const;
+  /// The columns of a table, with their units and descriptions.
+  void put_columns(const Table& table, ArrayForm form = {}) const;
+  /// `terminated`: with a zero at its end, for readers that take the bytes as a string of C.
+  void put_text(const std::string& name, const std::string& text, bool terminated = false) const;
   void put_attribute(const std::string& name, std::string_view text) const;
-  void put_attribute(const std::string& name, double value) const;
   void remove(const std::string& name) const;
 
  private:
-  void put_text_bytes(const std::string& name, hid_t type, const std::string& bytes) const;
-  void append_bytes(const std::string& name, hid_t file_type, hid_t memory_type, std::size_t size, const void* data,
-                    Attributes attributes, Chunk chunk) const;
+  void put_array(const std::string& name, Types types, const void* data, std::size_t size, const ArrayForm& form) const;
   std::string path_;
   Handle id_;
 };

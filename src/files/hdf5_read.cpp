@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/hdf5_types.hpp"
+#include "files/hdf5_file.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace nscdd::hdf5 {
 namespace {
-
-constexpr hsize_t largest_dataset = 1'000'000'000;
 
 // A dataset or an attribute that is read.
 struct Source {
@@ -14,10 +14,13 @@ struct Source {
   std::string unlike;  ///< what the error says if it is not as expected
 
   H5T_class_t kind() const { return H5Tget_class(type); }
+  std::size_t size() const { return H5Tget_size(type); }
+  bool of_texts() const { return kind() == H5T_STRING && H5Tis_variable_str(type) == 0; }
+  int dimensions() const { return H5Sget_simple_extent_ndims(space); }
+  hsize_t extent() const { return static_cast<hsize_t>(H5Sget_simple_extent_npoints(space)); }
   void require_that(bool holds) const {
     if (!holds) throw Error(unlike);
   }
-  hsize_t extent() const { return static_cast<hsize_t>(H5Sget_simple_extent_npoints(space)); }
 };
 
 Source dataset_of(const Group& group, const std::string& name, const std::string& expected) {
@@ -30,21 +33,8 @@ Source dataset_of(const Group& group, const std::string& name, const std::string
   return {std::move(id), std::move(type), std::move(space), unlike};
 }
 
-Source array_of(const Group& group, const std::string& name, const std::string& expected) {
-  Source source = dataset_of(group, name, expected);
-  source.require_that(H5Sget_simple_extent_ndims(source.space) == 1);
-  if (source.extent() > largest_dataset)
-    throw Error(fmt::format("{}: expected at most 10^9 elements, met {}", group.of(name), source.extent()));
-  return source;
-}
-
-Source attribute_of(const Group& group, const std::string& member, const std::string& name,
-                    const std::string& expected) {
-  const std::string unlike =
-      fmt::format("{}: expected {} in the attribute '{}', met none", group.path(), expected, name);
-  Handle id(H5Aopen_by_name(group, member.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, unlike);
-  Handle type(H5Aget_type(id), H5Tclose, unlike), space(H5Aget_space(id), H5Sclose, unlike);
-  return {std::move(id), std::move(type), std::move(space), unlike};
+void require_readable(hsize_t size, const std::string& name) {
+  if (size > 1'000'000'000) throw Error(fmt::format("{}: expected at most 10^9 elements, met {}", name, size));
 }
 
 void read_into(const Source& source, hid_t memory_type, void* data, const std::string& name) {
@@ -58,14 +48,39 @@ std::string until_zero(std::string_view bytes) { return std::string(bytes.substr
 }  // namespace
 
 template <class Value>
-std::vector<Value> Group::numbers(const std::string& name) const {
+std::vector<Value> Group::numbers(const std::string& name, std::optional<Rows> rows) const {
   constexpr bool whole = std::is_integral_v<Value>;
-  const Source source = array_of(
-      *this, name, whole ? "a one-dimensional dataset of whole numbers" : "a one-dimensional dataset of numbers");
+  const Source source = dataset_of(
+      *this, name,
+      fmt::format("{} of {}numbers", rows ? "an array" : "a one-dimensional dataset", whole ? "whole " : ""));
+  source.require_that(source.dimensions() == 1 || (rows && source.dimensions() == 2));
   source.require_that(source.kind() == H5T_INTEGER || (!whole && source.kind() == H5T_FLOAT));
-  std::vector<Value> values(source.extent());
-  read_into(source, types_of<Value>().memory, values.data(), of(name));
+  hsize_t extent[] = {0, 1}, start[] = {0, 0};
+  H5Sget_simple_extent_dims(source.space, extent, nullptr);
+  if (rows) {
+    if (rows->first < 0 || rows->number < 0 || rows->first > static_cast<Index>(extent[0]) - rows->number)
+      throw Error(fmt::format("{}: expected {} rows from {} on, met an array of {}", of(name), rows->number,
+                              rows->first, extent[0]));
+    start[0] = at(rows->first);
+    extent[0] = at(rows->number);
+  }
+  require_readable(std::max({extent[0], extent[1], extent[0] * extent[1]}), of(name));  // each, lest the product wraps
+  std::vector<Value> values(extent[0] * extent[1]);
+  if (values.empty()) return values;
+  const std::string failure = fmt::format("{}: cannot be read", of(name));
+  const Handle target(H5Screate_simple(source.dimensions(), extent, nullptr), H5Sclose);
+  require(H5Sselect_hyperslab(source.space, H5S_SELECT_SET, start, nullptr, extent, nullptr), failure);
+  require(H5Dread(source.id, types_of<Value>().memory, target, source.space, H5P_DEFAULT, values.data()), failure);
   return values;
+}
+
+Index Group::rows(const std::string& name) const {
+  if (!has(name)) return 0;
+  const Source source = dataset_of(*this, name, "an array");
+  source.require_that(source.dimensions() == 1 || source.dimensions() == 2);
+  hsize_t extent[] = {0, 1};
+  H5Sget_simple_extent_dims(source.space, extent, nullptr);
+  return static_cast<Index>(extent[0]);
 }
 
 std::int64_t Group::integer(const std::string& name) const {
@@ -86,51 +101,46 @@ std::string Group::text(const std::string& name) const {
     H5free_memory(text);
     return result;
   }
-  const std::size_t size = H5Tget_size(source.type);
-  source.require_that(size <= largest_dataset);
-  std::string bytes(size, '\0');
+  require_readable(source.size(), of(name));
+  std::string bytes(source.size(), '\0');
   read_into(source, source.type, bytes.data(), of(name));
   return until_zero(bytes);
 }
 
-std::vector<std::string> Group::texts(const std::string& name) const {
-  const Source source = array_of(*this, name, "a one-dimensional dataset of texts");
-  source.require_that(source.kind() == H5T_STRING && H5Tis_variable_str(source.type) == 0);
-  const std::size_t length = H5Tget_size(source.type);
-  source.require_that(length * source.extent() <= largest_dataset);
-  std::string bytes(length * source.extent(), '\0');
+std::vector<Cell> Group::cells(const std::string& name) const {
+  const auto as_cells = [](const auto& values) { return std::vector<Cell>(values.begin(), values.end()); };
+  const Source source = dataset_of(*this, name, "a one-dimensional dataset");
+  source.require_that(source.dimensions() == 1);
+  if (source.kind() == H5T_FLOAT) return as_cells(numbers<double>(name));
+  if (source.kind() == H5T_INTEGER && source.size() > 1) return as_cells(numbers<std::int64_t>(name));
+  std::vector<Cell> cells;
+  if (source.kind() == H5T_INTEGER) {
+    for (const std::int8_t flag : numbers<std::int8_t>(name)) cells.emplace_back(flag != 0);
+    return cells;
+  }
+  source.require_that(source.of_texts());
+  require_readable(source.extent() * source.size(), of(name));
+  std::string bytes(source.extent() * source.size(), '\0');
   read_into(source, source.type, bytes.data(), of(name));
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < source.extent(); ++i)
-    texts.push_back(until_zero(std::string_view(bytes).substr(i * length, length)));
-  return texts;
-}
-
-H5T_class_t Group::kind(const std::string& name) const { return array_of(*this, name, "an array").kind(); }
-
-std::size_t Group::element_size(const std::string& name) const {
-  return H5Tget_size(array_of(*this, name, "an array").type);
+  for (std::size_t start = 0; start < bytes.size(); start += source.size())
+    cells.emplace_back(until_zero(std::string_view(bytes).substr(start, source.size())));
+  return cells;
 }
 
 std::string Group::text_attribute(const std::string& name, const std::string& member) const {
-  const Source source = attribute_of(*this, member, name, "a text");
-  source.require_that(source.kind() == H5T_STRING && H5Tis_variable_str(source.type) == 0 && source.extent() == 1);
-  std::string text(H5Tget_size(source.type), '\0');
-  require(H5Aread(source.id, source.type, text.data()), source.unlike);
+  const std::string unlike = fmt::format("{}: expected a text in the attribute '{}', met none", path_, name);
+  Handle id(H5Aopen_by_name(id_, member.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, unlike);
+  Handle type(H5Aget_type(id), H5Tclose, unlike), space(H5Aget_space(id), H5Sclose, unlike);
+  const Source source{std::move(id), std::move(type), std::move(space), unlike};
+  source.require_that(source.of_texts() && source.extent() == 1);
+  std::string text(source.size(), '\0');
+  require(H5Aread(source.id, source.type, text.data()), unlike);
   return until_zero(text);
 }
 
-double Group::number_attribute(const std::string& name) const {
-  const Source source = attribute_of(*this, ".", name, "a number");
-  source.require_that((source.kind() == H5T_FLOAT || source.kind() == H5T_INTEGER) && source.extent() == 1);
-  double value = 0;
-  require(H5Aread(source.id, H5T_NATIVE_DOUBLE, &value), source.unlike);
-  return value;
-}
-
-template std::vector<double> Group::numbers(const std::string&) const;
-template std::vector<std::int64_t> Group::numbers(const std::string&) const;
-template std::vector<std::int32_t> Group::numbers(const std::string&) const;
-template std::vector<std::int8_t> Group::numbers(const std::string&) const;
+template std::vector<double> Group::numbers(const std::string&, std::optional<Rows>) const;
+template std::vector<std::int64_t> Group::numbers(const std::string&, std::optional<Rows>) const;
+template std::vector<std::int32_t> Group::numbers(const std::string&, std::optional<Rows>) const;
+template std::vector<std::int8_t> Group::numbers(const std::string&, std::optional<Rows>) const;
 
 }  // namespace nscdd::hdf5

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/hdf5_types.hpp"
+#include "files/hdf5_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace nscdd::hdf5 {
 namespace {
@@ -16,129 +17,118 @@ Handle text_type(std::size_t length, H5T_str_t padding = H5T_STR_NULLPAD) {
   return type;
 }
 
-// Texts of equal length, filled up with zeros.
-std::string padded(std::span<const std::string> texts, std::size_t length) {
-  std::string bytes;
-  for (const std::string& text : texts) {
-    bytes.append(text, 0, length);
-    bytes.append(length - std::min(length, text.size()), '\0');
-  }
-  return bytes;
-}
-
 Handle scalar_space() { return Handle(H5Screate(H5S_SCALAR), H5Sclose); }
 
-Handle new_dataset(const Group& group, const std::string& name, hid_t type, hsize_t extent, Chunk chunk,
-                   Attributes attributes) {
+void make_attribute(hid_t object, const char* name, std::string_view text) {
+  const Handle type = text_type(text.size());
+  const Handle attribute(H5Acreate2(object, name, type, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require(H5Awrite(attribute, type, text.empty() ? "" : text.data()));
+}
+
+using Extent = std::array<hsize_t, 2>;
+
+// Rows and numbers per row: 1 in one dimension.
+Extent extent_of(std::size_t size, const ArrayForm& form) {
+  return form.rows ? Extent{*form.rows, size / *form.rows} : Extent{size, 1};
+}
+
+Handle new_array(const Group& group, const std::string& name, hid_t type, const Extent& extent, const ArrayForm& form) {
+  constexpr Extent unlimited{H5S_UNLIMITED, H5S_UNLIMITED};
+  const int dimensions = form.rows ? 2 : 1;
+  const hsize_t width = std::max<hsize_t>(extent[1], 1);
+  const Extent chunk{std::max<hsize_t>(form.chunk / width, 1), width};
   const Handle properties = without_times(H5P_DATASET_CREATE);
-  const hsize_t unlimited = H5S_UNLIMITED, size = static_cast<hsize_t>(chunk);
-  if (chunk > 0) require(H5Pset_chunk(properties, 1, &size));
-  const Handle space(H5Screate_simple(1, &extent, chunk > 0 ? &unlimited : nullptr), H5Sclose);
+  if (form.chunk > 0) require(H5Pset_chunk(properties, dimensions, chunk.data()));
+  const Handle space(H5Screate_simple(dimensions, extent.data(), form.chunk > 0 ? unlimited.data() : nullptr),
+                     H5Sclose);
   Handle dataset(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
                  fmt::format("{}: cannot be made", group.of(name)));
-  for (const auto& [key, text] : attributes) {
-    const Handle text_of = text_type(text.size());
-    const Handle attribute(H5Acreate2(dataset, key, text_of, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    require(H5Awrite(attribute, text_of, text.empty() ? "" : text.data()));
-  }
+  for (const auto& [key, text] : form.attributes) make_attribute(dataset, key, text);
   return dataset;
 }
 
-Handle open_dataset(const Group& group, const std::string& name) {
-  return Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose,
-                fmt::format("{}: cannot be opened", group.of(name)));
+template <class Value>
+std::vector<Value> gather(const Table& table, std::size_t column) {
+  std::vector<Value> values;
+  values.reserve(table.rows.size());
+  for (const Row& row : table.rows) values.push_back(std::get<Value>(row[column]));
+  return values;
 }
 
 }  // namespace
 
-template <class Value>
-void Group::put(const std::string& name, std::span<const Value> values, Attributes attributes, Chunk chunk) const {
-  const Types types = types_of<Value>();
-  const hsize_t extent = values.size();
+void Group::put_array(const std::string& name, Types types, const void* data, std::size_t size,
+                      const ArrayForm& form) const {
+  const Extent more = extent_of(size, form);
+  Extent start{0, 0};
   const bool there = has(name);
-  const Handle dataset =
-      there ? open_dataset(*this, name) : new_dataset(*this, name, types.file, extent, chunk, attributes);
   const std::string failure = fmt::format("{}: cannot be written", of(name));
-  if (there && chunk > 0) require(H5Dset_extent(dataset, &extent), failure);
-  if (extent == 0) return;
-  const Handle space(H5Screate_simple(1, &extent, nullptr), H5Sclose);
-  require(H5Dwrite(dataset, types.memory, space, H5S_ALL, H5P_DEFAULT, values.data()), failure);
-}
-
-void Group::put_texts(const std::string& name, std::span<const std::string> texts, Attributes attributes) const {
-  std::size_t length = 1;
-  for (const std::string& text : texts) length = std::max(length, text.size());
-  const Handle type = text_type(length);
-  const Handle dataset = new_dataset(*this, name, type, texts.size(), 0, attributes);
-  if (texts.empty()) return;
-  require(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded(texts, length).data()));
-}
-
-void Group::append_bytes(const std::string& name, hid_t file_type, hid_t memory_type, std::size_t size,
-                         const void* data, Attributes attributes, Chunk chunk) const {
+  const Handle dataset = there ? Handle(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose, failure)
+                               : new_array(*this, name, types.file, more, form);
+  if (there && form.append)
+    require(H5Sget_simple_extent_dims(Handle(H5Dget_space(dataset), H5Sclose), start.data(), nullptr), failure);
+  start[1] = 0;
+  const Extent extent{start[0] + more[0], more[1]};
+  if (there && form.chunk > 0) require(H5Dset_extent(dataset, extent.data()), failure);
   if (size == 0) return;
-  const Handle dataset =
-      has(name) ? open_dataset(*this, name) : new_dataset(*this, name, file_type, 0, chunk, attributes);
-  const std::string failure = fmt::format("{}: cannot be written", of(name));
-  hsize_t extent = 0;
-  const Handle before(H5Dget_space(dataset), H5Sclose, failure);
-  H5Sget_simple_extent_dims(before, &extent, nullptr);
-  const hsize_t more = size, longer = extent + more;
-  require(H5Dset_extent(dataset, &longer), failure);
-  const Handle target(H5Dget_space(dataset), H5Sclose, failure);
-  require(H5Sselect_hyperslab(target, H5S_SELECT_SET, &extent, nullptr, &more, nullptr), failure);
-  const Handle source(H5Screate_simple(1, &more, nullptr), H5Sclose);
-  require(H5Dwrite(dataset, memory_type, source, target, H5P_DEFAULT, data), failure);
+  const Handle target(H5Dget_space(dataset), H5Sclose);
+  require(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, more.data(), nullptr), failure);
+  const Handle source(H5Screate_simple(form.rows ? 2 : 1, more.data(), nullptr), H5Sclose);
+  require(H5Dwrite(dataset, types.memory, source, target, H5P_DEFAULT, data), failure);
 }
 
 template <class Value>
-void Group::append(const std::string& name, std::span<const Value> values, Attributes attributes, Chunk chunk) const {
-  const Types types = types_of<Value>();
-  append_bytes(name, types.file, types.memory, values.size(), values.data(), attributes, chunk);
+void Group::put(const std::string& name, std::span<const Value> values, const ArrayForm& form) const {
+  put_array(name, types_of<Value>(), values.data(), values.size(), form);
 }
 
-void Group::append_texts(const std::string& name, std::span<const std::string> texts, std::size_t longest,
-                         Attributes attributes, Chunk chunk) const {
-  const Handle type = text_type(longest);
-  append_bytes(name, type, type, texts.size(), padded(texts, longest).data(), attributes, chunk);
+// Texts of equal length, filled up with zeros.
+void Group::put_texts(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const {
+  std::size_t length = std::max<std::size_t>(form.longest_text, 1);
+  if (form.longest_text == 0)
+    for (const std::string& text : texts) length = std::max(length, text.size());
+  std::string bytes;
+  for (std::size_t i = 0; i < texts.size(); ++i) bytes.append(texts[i], 0, length).resize((i + 1) * length);
+  const Handle type = text_type(length);
+  put_array(name, {type, type}, bytes.data(), texts.size(), form);
+}
+
+void Group::put_columns(const Table& table, ArrayForm form) const {
+  for (std::size_t j = 0; j < table.columns.size(); ++j) {
+    const auto& [name, unit, description] = table.columns[j];
+    form.attributes = {{"unit", unit}, {"description", description}};
+    const Cell first = table.rows.empty() ? Cell{0.0} : table.rows[0][j];
+    if (std::holds_alternative<double>(first)) {
+      put<double>(name, gather<double>(table, j), form);
+    } else if (std::holds_alternative<std::int64_t>(first)) {
+      put<std::int64_t>(name, gather<std::int64_t>(table, j), form);
+    } else if (std::holds_alternative<bool>(first)) {
+      const std::vector<bool> flags = gather<bool>(table, j);
+      put<std::int8_t>(name, std::vector<std::int8_t>(flags.begin(), flags.end()), form);
+    } else {
+      put_texts(name, gather<std::string>(table, j), form);
+    }
+  }
 }
 
 // A dataset holds a text of any length; an attribute holds 64 KiB at the most.
-void Group::put_text_bytes(const std::string& name, hid_t type, const std::string& bytes) const {
+void Group::put_text(const std::string& name, const std::string& text, bool terminated) const {
+  const Handle type = text_type(text.size() + (terminated ? 1 : 0), terminated ? H5T_STR_NULLTERM : H5T_STR_NULLPAD);
   const Handle dataset(
       H5Dcreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT, without_times(H5P_DATASET_CREATE), H5P_DEFAULT),
       H5Dclose, fmt::format("{}: cannot be made", of(name)));
-  require(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
+  require(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()),
           fmt::format("{}: cannot be written", of(name)));
-}
-
-void Group::put_text(const std::string& name, const std::string& text) const {
-  put_text_bytes(name, text_type(text.size()), text);
-}
-
-void Group::put_terminated_text(const std::string& name, const std::string& text) const {
-  put_text_bytes(name, text_type(text.size() + 1, H5T_STR_NULLTERM), text);
 }
 
 void Group::put_attribute(const std::string& name, std::string_view text) const {
   if (H5Aexists(id_, name.c_str()) > 0) H5Adelete(id_, name.c_str());
-  const Handle type = text_type(text.size());
-  const Handle attribute(H5Acreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require(H5Awrite(attribute, type, text.empty() ? "" : text.data()));
+  make_attribute(id_, name.c_str(), text);
 }
 
-void Group::put_attribute(const std::string& name, double value) const {
-  if (H5Aexists(id_, name.c_str()) > 0) H5Adelete(id_, name.c_str());
-  const Handle attribute(H5Acreate2(id_, name.c_str(), H5T_IEEE_F64LE, scalar_space(), H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
-  require(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value));
-}
-
-template void Group::put(const std::string&, std::span<const double>, Attributes, Chunk) const;
-template void Group::put(const std::string&, std::span<const std::int64_t>, Attributes, Chunk) const;
-template void Group::put(const std::string&, std::span<const std::int32_t>, Attributes, Chunk) const;
-template void Group::put(const std::string&, std::span<const std::int8_t>, Attributes, Chunk) const;
-template void Group::append(const std::string&, std::span<const double>, Attributes, Chunk) const;
-template void Group::append(const std::string&, std::span<const std::int64_t>, Attributes, Chunk) const;
+template void Group::put(const std::string&, std::span<const double>, const ArrayForm&) const;
+template void Group::put(const std::string&, std::span<const std::int64_t>, const ArrayForm&) const;
+template void Group::put(const std::string&, std::span<const std::int32_t>, const ArrayForm&) const;
+template void Group::put(const std::string&, std::span<const std::int8_t>, const ArrayForm&) const;
 
 }  // namespace nscdd::hdf5

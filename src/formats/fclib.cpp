@@ -16,7 +16,9 @@ namespace {
 using hdf5::Group;
 
 constexpr std::int64_t largest_index = std::numeric_limits<int>::max();
-constexpr std::array<const char*, 3> problem_groups{"fclib_local", "fclib_global", "fclib_global_rolling"};
+constexpr const char* problem_groups[] = {"fclib_local", "fclib_global", "fclib_global_rolling"};
+constexpr std::pair<const char*, std::optional<std::string> FclibInfo::*> info_texts[] = {
+    {"title", &FclibInfo::title}, {"description", &FclibInfo::description}, {"math_info", &FclibInfo::math_info}};
 
 Vector vector_of(const Group& group, const std::string& name) {
   const std::vector<double> values = group.numbers<double>(name);
@@ -33,17 +35,19 @@ Vector numbers_of(const Group& group, const std::string& name, Index expected) {
   return values;
 }
 
-// The position of the first index outside 0 ... bound - 1, or -1 if there is none.
+// The position of the first index outside 0 ... bound - 1, or their number if there is none.
 Index first_outside(const std::vector<std::int64_t>& indices, std::int64_t bound) {
-  for (Index k = 0; k < count(indices); ++k)
-    if (indices[at(k)] < 0 || indices[at(k)] >= bound) return k;
-  return -1;
+  return std::ranges::find_if(indices, [=](std::int64_t i) { return i < 0 || i >= bound; }) - indices.begin();
+}
+
+bool all_inside(const std::vector<std::int64_t>& indices, std::int64_t bound) {
+  return first_outside(indices, bound) == count(indices);
 }
 
 void require_inside(const Group& group, const std::string& name, const std::vector<std::int64_t>& indices,
                     std::int64_t bound) {
   const Index k = first_outside(indices, bound);
-  if (k >= 0)
+  if (k < count(indices))
     throw Error(fmt::format("{}: expected indices in 0..{}, met {} at position {}", group.of(name), bound - 1,
                             indices[at(k)], k));
 }
@@ -57,9 +61,8 @@ Triplets triplet_entries(const Group& group, std::int64_t rows, std::int64_t col
   require_length(group, "p", count(p), entries);
   require_length(group, "i", count(i), entries);
   if (x.size() < entries) require_length(group, "x", x.size(), entries);  // longer where nzmax is
-  const bool documented = first_outside(p, rows) < 0 && first_outside(i, columns) < 0;
-  const bool exchanged = first_outside(p, columns) < 0 && first_outside(i, rows) < 0;
-  if (!documented && exchanged) std::swap(p, i);
+  const bool documented = all_inside(p, rows) && all_inside(i, columns);
+  if (!documented && all_inside(p, columns) && all_inside(i, rows)) std::swap(p, i);
   require_inside(group, "p", p, rows);
   require_inside(group, "i", i, columns);
   Triplets found;
@@ -117,25 +120,23 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
   return matrix;
 }
 
-[[noreturn]] void not_supported(const Group& group, const std::string& what, std::int64_t columns,
-                                std::int64_t dimension) {
-  throw Error(
-      fmt::format("{}: not supported: {} ({} contacts, spacedim {}); expected a plane problem, spacedim "
-                  "2, with contacts alone",
-                  group.path(), what, dimension > 0 ? columns / dimension : 0, dimension));
-}
-
 // The number of contacts. Refuses everything but a plane problem with contacts alone.
 Index plane_contacts(const Group& group, const std::string& kind, const std::string& matrix,
                      std::initializer_list<std::pair<const char*, const char*>> refused) {
   const std::int64_t dimension = group.integer("spacedim");
   const Group counted = group.group(matrix);
   const std::int64_t columns = size_of(counted, "n");
-  if (dimension == 3) not_supported(group, fmt::format("a {} problem in three dimensions", kind), columns, dimension);
+  const auto require_absent = [&](bool met, const std::string& what) {
+    if (met)
+      throw Error(
+          fmt::format("{}: not supported: a {} problem {} ({} contacts, spacedim {}); expected a plane problem, "
+                      "spacedim 2, with contacts alone",
+                      group.path(), kind, what, columns / dimension, dimension));
+  };
+  require_absent(dimension == 3, "in three dimensions");
   if (dimension != 2) throw Error(fmt::format("{}: expected 2, met {}", group.of("spacedim"), dimension));
   for (const auto& [member, meaning] : refused)
-    if (group.has(member))
-      not_supported(group, fmt::format("a {} problem with {} ({})", kind, meaning, member), columns, dimension);
+    require_absent(group.has(member), fmt::format("with {} ({})", meaning, member));
   if (columns % 2 != 0)
     throw Error(fmt::format("{}: expected two columns per contact, met {} columns", counted.of("n"), columns));
   return columns / 2;
@@ -170,12 +171,8 @@ FclibInfo read_info(const Group& problem) {
   FclibInfo info;
   if (!problem.has("info")) return info;
   const Group group = problem.group("info");
-  const auto text = [&](const char* name, std::optional<std::string>& value) {
-    if (group.has(name)) value = group.text(name);
-  };
-  text("title", info.title);
-  text("description", info.description);
-  text("math_info", info.math_info);
+  for (const auto& [name, text] : info_texts)
+    if (group.has(name)) info.*text = group.text(name);
   return info;
 }
 
@@ -195,18 +192,52 @@ FclibSolution read_solution(const Group& group, std::array<Index, 2> expected) {
   return solution;
 }
 
-std::vector<FclibSolution> read_guesses(const Group& group, std::array<Index, 2> expected) {
-  const std::int64_t number = size_of(group, "number_of_guesses");
-  std::vector<FclibSolution> guesses;
-  for (std::int64_t k = 1; k <= number; ++k) guesses.push_back(read_solution(group.group(std::to_string(k)), expected));
-  return guesses;
-}
-
 std::vector<std::string> problems_in(const Group& root) {
   std::vector<std::string> found;
   for (const char* name : problem_groups)
     if (root.has(name)) found.emplace_back(name);
   return found;
+}
+
+void write_integer(const Group& group, const std::string& name, Index value) {
+  const auto number = static_cast<std::int32_t>(value);
+  group.put<std::int32_t>(name, {&number, 1});
+}
+
+void write_numbers(const Group& group, const std::string& name, const Vector& values) {
+  group.put<double>(name, {values.data(), at(values.size())});
+}
+
+void write_matrix(const Group& parent, const std::string& name, SparseMatrix matrix) {
+  matrix.makeCompressed();
+  const Group group = parent.make_group(name);
+  write_integer(group, "nzmax", matrix.nonZeros());
+  write_integer(group, "m", matrix.rows());
+  write_integer(group, "n", matrix.cols());
+  write_integer(group, "nz", -1);
+  group.put<std::int32_t>("p", {matrix.outerIndexPtr(), at(matrix.cols() + 1)});
+  group.put<std::int32_t>("i", {matrix.innerIndexPtr(), at(matrix.nonZeros())});
+  group.put<double>("x", {matrix.valuePtr(), at(matrix.nonZeros())});
+}
+
+template <class Value>
+using Named = std::vector<std::pair<const char*, const Value*>>;
+
+void write_problem(const Group& group, const Named<SparseMatrix>& matrices, const Named<Vector>& vectors,
+                   const FclibInfo& info) {
+  write_integer(group, "spacedim", 2);
+  for (const auto& [name, matrix] : matrices) write_matrix(group, name, *matrix);
+  const Group parent = group.make_group("vectors");
+  for (const auto& [name, values] : vectors) write_numbers(parent, name, *values);
+  for (const auto& [name, text] : info_texts)
+    if (info.*text) group.make_group("info").put_text(name, *(info.*text), true);
+}
+
+void write_solution(const Group& parent, const std::string& name, const FclibSolution& solution) {
+  const Group group = parent.make_group(name);
+  if (solution.v.size() > 0) write_numbers(group, "v", solution.v);
+  write_numbers(group, "u", solution.u);
+  write_numbers(group, "r", solution.r);
 }
 
 }  // namespace
@@ -237,7 +268,11 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
   }
   result.info = read_info(group);
   if (root.has("solution")) result.solution = read_solution(root.group("solution"), sizes(result));
-  if (root.has("guesses")) result.guesses = read_guesses(root.group("guesses"), sizes(result));
+  if (!root.has("guesses")) return result;
+  const Group guesses = root.group("guesses");
+  const std::int64_t number = size_of(guesses, "number_of_guesses");
+  for (std::int64_t k = 1; k <= number; ++k)
+    result.guesses.push_back(read_solution(guesses.group(std::to_string(k)), sizes(result)));
   return result;
 }
 
@@ -248,6 +283,24 @@ GlobalFrictionProblem read_global_problem(const std::string& path) {
   if (auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return std::move(*global);
   throw Error(fmt::format(
       "{}: expected a global problem, with M and H, met a local one, in which bodies cannot be told", path));
+}
+
+std::string to_hdf5(const FclibFile& content, const Provenance& provenance) {
+  return hdf5::new_file_bytes([&](const Group& root) {
+    if (!provenance.empty()) hdf5::put_provenance(root, provenance);
+    if (const auto* local = std::get_if<LocalFrictionProblem>(&content.problem))
+      write_problem(root.make_group("fclib_local"), {{"W", &local->w}}, {{"q", &local->q}, {"mu", &local->friction}},
+                    content.info);
+    else if (const auto* global = std::get_if<GlobalFrictionProblem>(&content.problem))
+      write_problem(root.make_group("fclib_global"), {{"M", &global->mass}, {"H", &global->h}},
+                    {{"f", &global->f}, {"w", &global->w}, {"mu", &global->friction}}, content.info);
+    if (content.solution) write_solution(root, "solution", *content.solution);
+    if (content.guesses.empty()) return;
+    const Group guesses = root.make_group("guesses");
+    write_integer(guesses, "number_of_guesses", count(content.guesses));
+    for (std::size_t k = 0; k < content.guesses.size(); ++k)
+      write_solution(guesses, std::to_string(k + 1), content.guesses[k]);
+  });
 }
 
 }  // namespace nscdd

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/csv.hpp"
-#include "files/hdf5.hpp"
-#include <nscdd/core/error.hpp>
+#include "files/hdf5_file.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
@@ -23,37 +22,28 @@ struct PackingColumn {
   bool required;
 };
 
-const std::array<PackingColumn, 4>& packing_columns() {
-  static const std::array<PackingColumn, 4> columns{{
-      {"x",
-       &Packing::x,
-       {.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100},
-       true},
-      {"y",
-       &Packing::y,
-       {.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100},
-       true},
-      {"radius",
-       &Packing::radius,
-       {.description = "radius", .unit = "m", .minimum = 0, .minimum_excluded = true, .maximum = 1e100},
-       true},
-      {"mass",
-       &Packing::mass,
-       {.description = "mass", .unit = "kg", .minimum = 0, .minimum_excluded = true, .maximum = 1e100},
-       false},
-  }};
-  return columns;
+constexpr PackingColumn place(std::string_view name, std::vector<double> Packing::*values) {
+  return {name, values, {.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100}, true};
 }
+constexpr PackingColumn positive(std::string_view name, std::string_view unit, std::vector<double> Packing::*values,
+                                 bool required) {
+  return {name,
+          values,
+          {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100},
+          required};
+}
+constexpr std::array packing_columns{place("x", &Packing::x), place("y", &Packing::y),
+                                     positive("radius", "m", &Packing::radius, true),
+                                     positive("mass", "kg", &Packing::mass, false)};
 
 const PackingColumn* find_column(std::string_view name) {
-  for (const PackingColumn& known : packing_columns())
-    if (known.name == name) return &known;
-  return nullptr;
+  const auto found = std::ranges::find(packing_columns, name, &PackingColumn::name);
+  return found == packing_columns.end() ? nullptr : &*found;
 }
 
 // Throws unless every required column is among those met; `where` says what should have it.
 void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where, std::string_view kind) {
-  for (const PackingColumn& known : packing_columns())
+  for (const PackingColumn& known : packing_columns)
     if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
       throw Error(fmt::format("{}: expected a {} '{}', met none", where, kind, known.name));
 }
@@ -77,9 +67,15 @@ double read_value(const CsvReader& reader, std::size_t column, const PackingColu
 
 std::vector<const PackingColumn*> columns_of(const Packing& packing) {
   std::vector<const PackingColumn*> columns;
-  for (const PackingColumn& column : packing_columns())
+  for (const PackingColumn& column : packing_columns)
     if (column.required || !packing.mass.empty()) columns.push_back(&column);
   return columns;
+}
+
+std::vector<Column> headings_of(const std::vector<const PackingColumn*>& columns) {
+  std::vector<Column> headings;
+  for (const PackingColumn* column : columns) headings.push_back({std::string(column->name), "", ""});
+  return headings;
 }
 
 // Remarks, each on lines that begin with '#', even if a command line holds line feeds.
@@ -124,8 +120,11 @@ Packing parse_packing(std::string_view text, const std::string& name) {
 Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
   Packing packing;
   std::vector<const PackingColumn*> met;
-  for (auto& [dataset, values] : numbers_from_hdf5(bytes, name, "packing")) {
-    const std::string where = fmt::format("{}: packing/{}", name, dataset);
+  const hdf5::File file(bytes, name);
+  const hdf5::Group group = file.root().group("packing");
+  for (const std::string& dataset : group.members()) {
+    const std::vector<double> values = group.numbers<double>(dataset);
+    const std::string where = group.of(dataset);
     met.push_back(find_column(dataset));
     if (met.back() == nullptr)
       throw Error(fmt::format("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset));
@@ -150,9 +149,7 @@ Packing read_packing(const std::string& path) {
 
 std::string packing_csv(const Packing& packing) {
   const auto columns = columns_of(packing);
-  std::vector<std::string> names;
-  for (const PackingColumn* column : columns) names.emplace_back(column->name);
-  std::string text = csv_line(names) + '\n';
+  std::string text = csv_header(headings_of(columns)) + '\n';
   Row row(columns.size());
   for (std::size_t i = 0; i < packing.x.size(); ++i) {
     for (std::size_t j = 0; j < columns.size(); ++j) row[j] = (packing.*(columns[j]->values))[i];
@@ -163,12 +160,15 @@ std::string packing_csv(const Packing& packing) {
 
 std::string packing_bytes(PackingFormat format, const Packing& packing, const Provenance& provenance) {
   if (format == PackingFormat::csv) return remarks(provenance) + packing_csv(packing);
-  std::vector<NumberColumn> columns;
-  for (const PackingColumn* column : columns_of(packing))
-    columns.push_back(
-        {{std::string(column->name), std::string(column->field.unit), std::string(column->field.description)},
-         packing.*(column->values)});
-  return to_hdf5(provenance, "packing", columns);
+  return hdf5::new_file_bytes([&](const hdf5::Group& root) {
+    hdf5::put_provenance(root, provenance);
+    const hdf5::Group group = root.make_group("packing");
+    const auto columns = columns_of(packing);
+    group.put_attribute("columns", csv_header(headings_of(columns)));
+    for (const PackingColumn* column : columns)
+      group.put<double>(std::string(column->name), packing.*(column->values),
+                        {.attributes = {{"unit", column->field.unit}, {"description", column->field.description}}});
+  });
 }
 
 }  // namespace nscdd

@@ -42,7 +42,7 @@ TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved
 std::vector<std::string> names_beside(const std::string& path);
 
 /// Writes the trajectory of a run as HDF5. Its layout is in docs/formats.md: /provenance, /case, /system,
-/// /steps/NNNNNN for the steps that are kept, /last for the newest step, and /summary with a row per step.
+/// /steps for the steps that are kept, /last for the newest step, and /summary with a row per step.
 /// Two copies take turns under the name of the file, so that it holds whole steps at every moment, however
 /// the program ends, and can be read while the run goes on. Steps are gathered in memory and reach the file
 /// together, with `commit`. Throws Error if the system refuses (no room left, no permission) or another run

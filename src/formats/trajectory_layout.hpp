@@ -4,11 +4,6 @@
 #include "files/hdf5_file.hpp"
 #include "formats/trajectory.hpp"
 
-#include <fmt/format.h>
-
-#include <functional>
-#include <string>
-
 /// Names and units of a trajectory, the same for writing and for reading.
 namespace nscdd::layout {
 
@@ -24,22 +19,15 @@ inline constexpr StateArray state_arrays[] = {{"x", "m", &GranularState::x},
                                               {"velocity_y", "m/s", &GranularState::velocity_y},
                                               {"spin", "rad/s", &GranularState::spin}};
 
-/// The number of a struct within another one, or within an array of two, as `get` of a column.
-template <class Whole, class Part, class Number>
-auto within(Part Whole::*part, Number Part::*number) {
-  return [=](auto& whole) -> auto& { return whole.*part.*number; };
-}
-template <class Whole, class Part, class Pair>
-auto within(Part Whole::*part, Pair Part::*pair, std::size_t i) {
-  return [=](auto& whole) -> auto& { return (whole.*part.*pair)[i]; };
-}
-template <class Whole, class Pair>
-auto entry(Pair Whole::*pair, std::size_t i) {
-  return [=](auto& whole) -> auto& { return (whole.*pair)[i]; };
-}
-
-/// Visits the columns of a list of structs: `visit(name, unit, get)`, where std::invoke(get, element) is a
+/// Each visits the columns of a list of structs: `visit(name, unit, get)`, where std::invoke(get, element) is a
 /// reference to the number, double, Index or ContactStatus.
+inline constexpr auto state_columns = [](auto&& visit) {
+  visit("step", "1", &GranularState::step);
+  visit("time", "s", &GranularState::time);
+  visit("decomposed_at", "1", &GranularState::decomposed_at);
+  visit("eta", "1/kg", &GranularState::eta);
+};
+
 inline constexpr auto pose_columns = [](auto&& visit) {
   visit("x", "m", &Pose::x);
   visit("y", "m", &Pose::y);
@@ -47,16 +35,24 @@ inline constexpr auto pose_columns = [](auto&& visit) {
 };
 
 inline constexpr auto contact_columns = [](auto&& visit) {
-  constexpr auto geometry = &TrajectoryContact::geometry;
-  visit("a", "1", within(geometry, &StepContact::a));
-  visit("b", "1", within(geometry, &StepContact::b));
-  visit("normal_x", "1", within(geometry, &StepContact::normal, 0));
-  visit("normal_y", "1", within(geometry, &StepContact::normal, 1));
-  visit("point_x", "m", within(geometry, &StepContact::point, 0));
-  visit("point_y", "m", within(geometry, &StepContact::point, 1));
-  visit("gap", "m", within(geometry, &StepContact::gap));
-  visit("impulse_n", "N s", within(&TrajectoryContact::impulse, &LocalVector::n));
-  visit("impulse_t", "N s", within(&TrajectoryContact::impulse, &LocalVector::t));
+  visit(
+      "a", "1", [](auto& c) -> auto& { return c.geometry.a; });
+  visit(
+      "b", "1", [](auto& c) -> auto& { return c.geometry.b; });
+  visit(
+      "normal_x", "1", [](auto& c) -> auto& { return c.geometry.normal[0]; });
+  visit(
+      "normal_y", "1", [](auto& c) -> auto& { return c.geometry.normal[1]; });
+  visit(
+      "point_x", "m", [](auto& c) -> auto& { return c.geometry.point[0]; });
+  visit(
+      "point_y", "m", [](auto& c) -> auto& { return c.geometry.point[1]; });
+  visit(
+      "gap", "m", [](auto& c) -> auto& { return c.geometry.gap; });
+  visit(
+      "impulse_n", "N s", [](auto& c) -> auto& { return c.impulse.n; });
+  visit(
+      "impulse_t", "N s", [](auto& c) -> auto& { return c.impulse.t; });
   visit("status", "1", &TrajectoryContact::status);
   visit("subdomain", "1", &TrajectoryContact::subdomain);
 };
@@ -70,15 +66,16 @@ inline constexpr auto gluing_columns = [](auto&& visit) {
 };
 
 inline constexpr auto wall_columns = [](auto&& visit) {
-  visit("point_x", "m", entry(&Wall::point, 0));
-  visit("point_y", "m", entry(&Wall::point, 1));
-  visit("normal_x", "1", entry(&Wall::normal, 0));
-  visit("normal_y", "1", entry(&Wall::normal, 1));
+  visit(
+      "point_x", "m", [](auto& wall) -> auto& { return wall.point[0]; });
+  visit(
+      "point_y", "m", [](auto& wall) -> auto& { return wall.point[1]; });
+  visit(
+      "normal_x", "1", [](auto& wall) -> auto& { return wall.normal[0]; });
+  visit(
+      "normal_y", "1", [](auto& wall) -> auto& { return wall.normal[1]; });
   visit("boundary", "1", &Wall::boundary);
 };
-
-/// Name of the group of a kept step.
-inline std::string step_name(Index step) { return fmt::format("{:06}", step); }
 
 /// Type in the file of a number.
 inline double stored(double value) { return value; }

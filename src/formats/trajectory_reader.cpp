@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/case_file.hpp"
 #include "formats/trajectory_layout.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
@@ -6,13 +7,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 namespace nscdd {
 namespace {
 
 using hdf5::Group;
+using hdf5::Rows;
 
 // A trajectory that is read. Its last step and every other part are found from `root`.
 struct OpenTrajectory {
@@ -34,72 +35,69 @@ struct OpenTrajectory {
   }
 };
 
-template <class Number, class Target>
-void set(Target& target, Number value) {
-  target = static_cast<Target>(value);
-}
-
 template <class Element, class Columns>
-std::vector<Element> get_structs(const Group& parent, const std::string& name, Columns&& columns) {
-  const Group group = parent.group(name);
+std::vector<Element> get_structs(const Group& group, Columns&& columns, std::optional<Rows> rows = std::nullopt) {
   std::vector<Element> elements;
   bool first = true;
   columns([&](const char* column, const char*, auto get) {
     Element probe{};
-    const auto values = group.numbers<decltype(layout::stored(std::invoke(get, probe)))>(column);
+    using Number = std::remove_reference_t<decltype(std::invoke(get, probe))>;
+    const auto values = group.numbers<decltype(layout::stored(Number{}))>(column, rows);
     if (first) elements.resize(values.size());
     first = false;
     if (values.size() != elements.size())
       throw Error(fmt::format("{}: expected {} values as in the other columns, met {}", group.of(column),
                               elements.size(), values.size()));
-    for (std::size_t i = 0; i < values.size(); ++i) set(std::invoke(get, elements[i]), values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i) std::invoke(get, elements[i]) = static_cast<Number>(values[i]);
   });
   return elements;
 }
 
-// A number that counts steps.
-Index get_count(const Group& group, const std::string& name, Index lowest) {
-  constexpr double highest = 1e15;  // below it every integer is a double
-  const double value = group.number_attribute(name);
-  if (!(value >= static_cast<double>(lowest) && value <= highest && std::floor(value) == value))
-    throw Error(fmt::format("{}: expected an integer from {} to {} in the attribute '{}', met {}", group.path(), lowest,
-                            highest, name, value));
-  return static_cast<Index>(value);
+// Those of one step where their number changes from step to step.
+template <class Element, class Columns>
+std::vector<Element> get_list(const Group& group, Columns&& columns, Rows step) {
+  const auto rows = group.numbers<std::int64_t>("rows", step);
+  if (rows.size() != 2 || rows[0] < 0 || rows[1] < rows[0])
+    throw Error(fmt::format("{}: expected the first row of each step and the one behind its last, met other numbers",
+                            group.of("rows")));
+  return get_structs<Element>(group, columns, Rows{rows[0], rows[1] - rows[0]});
 }
 
-void require_below(Index value, Index bound, const char* array, const Group& step) {
-  if (value < 0 || value >= bound)
-    throw Error(fmt::format("{}: expected a number in 0..{}, met {}", step.of(array), bound - 1, value));
+void require_within(Index value, Index lowest, Index bound, const char* array, const Group& group) {
+  if (value < lowest || value >= bound)
+    throw Error(fmt::format("{}: expected a number in {}..{}, met {}", group.of(array), lowest, bound - 1, value));
 }
 
-// Throws unless the numbers of bodies and subdomains are within their ranges.
+// Throws unless the numbers of steps, bodies and subdomains are within their ranges.
 void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) {
-  constexpr Index most_subdomains = 1'000'000;  // of any partitioner
+  constexpr Index most_steps = 1'000'000'001, most_subdomains = 1'000'000;  // of any run, of any partitioner
   const Index disks = count(step.state.x), bodies = disks + walls;
+  require_within(step.state.step, 0, most_steps, "step", group);
+  require_within(step.state.decomposed_at, -1, most_steps, "decomposed_at", group);
   for (const TrajectoryContact& c : step.contacts) {
-    require_below(c.geometry.a, bodies, "contacts/a", group);
-    require_below(c.geometry.b, bodies, "contacts/b", group);
-    require_below(c.subdomain, most_subdomains, "contacts/subdomain", group);
+    require_within(c.geometry.a, 0, bodies, "contacts/a", group);
+    require_within(c.geometry.b, 0, bodies, "contacts/b", group);
+    require_within(c.subdomain, 0, most_subdomains, "contacts/subdomain", group);
   }
   for (const RememberedGluing& gluing : step.state.gluing) {
-    require_below(gluing.grain, disks, "interface/grain", group);
-    require_below(gluing.subdomain, most_subdomains, "interface/subdomain", group);
+    require_within(gluing.grain, 0, disks, "interface/grain", group);
+    require_within(gluing.subdomain, 0, most_subdomains, "interface/subdomain", group);
   }
 }
 
-TrajectoryStep get_step(const Group& group, const Group& root) {
-  TrajectoryStep step;
+// The step in one row of a group, /steps or /last.
+TrajectoryStep get_step(const Group& root, const char* name, Index row) {
+  const Group group = root.group(name);
+  const Rows here{row, 1};
+  const auto states = get_structs<GranularState>(group, layout::state_columns, here);
+  if (states.size() != 1) throw Error(fmt::format("{}: expected one number per step, met others", group.of("step")));
+  TrajectoryStep step{states[0], {}};
   GranularState& state = step.state;
-  state.step = get_count(group, "step", 0);
-  state.time = group.number_attribute("time");
-  state.decomposed_at = get_count(group, "decomposed_at", -1);
-  state.eta = group.number_attribute("eta");
-  for (const auto& array : layout::state_arrays) state.*(array.values) = group.numbers<double>(array.name);
-  state.poses = get_structs<Pose>(group, "poses", layout::pose_columns);
-  step.contacts = get_structs<TrajectoryContact>(group, "contacts", layout::contact_columns);
-  state.gluing = get_structs<RememberedGluing>(group, "interface", layout::gluing_columns);
-  const Index walls = count(root.group("system").group("walls").numbers<double>("point_x"));
-  check_numbers(step, walls, group);
+  for (const auto& array : layout::state_arrays) state.*(array.values) = group.numbers<double>(array.name, here);
+  state.poses = get_structs<Pose>(group.group("poses"), layout::pose_columns, here);
+  step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns, here);
+  state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns, here);
+  check_numbers(step, root.group("system").group("walls").rows("point_x"), group);
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
     if (c.impulse.n != 0 || c.impulse.t != 0) state.impulses.push_back({c.geometry.a, c.geometry.b, c.impulse});
@@ -113,7 +111,7 @@ GranularSystem get_system(const Group& root) {
   system.radius = group.numbers<double>("radius");
   system.mass = group.numbers<double>("mass");
   for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
-  system.walls = get_structs<Wall>(group, "walls", layout::wall_columns);
+  system.walls = get_structs<Wall>(group.group("walls"), layout::wall_columns);
   const std::string names = group.text("boundaries");
   for (std::size_t begin = 0; begin < names.size();) {
     const std::size_t end = std::min(names.find('\n', begin), names.size());
@@ -123,16 +121,16 @@ GranularSystem get_system(const Group& root) {
   return system;
 }
 
-// A step that is kept, or that is the newest if `newest_too`.
-std::optional<TrajectoryStep> find_step(const std::string& path, Index step, bool newest_too) {
+// A step that is in one of the groups.
+std::optional<TrajectoryStep> find_step(const std::string& path, Index step,
+                                        std::initializer_list<const char*> groups) {
   const OpenTrajectory trajectory(path);
-  const Group steps = trajectory.root.group("steps");
-  const std::string name = layout::step_name(step);
-  if (step >= 0 && steps.has(name)) return get_step(steps.group(name), trajectory.root);
-  if (!newest_too) return std::nullopt;
-  const Group last = trajectory.root.group("last");
-  if (last.number_attribute("step") != static_cast<double>(step)) return std::nullopt;
-  return get_step(last, trajectory.root);
+  for (const char* name : groups) {
+    const auto steps = trajectory.root.group(name).numbers<std::int64_t>("step");
+    const auto found = std::ranges::find(steps, step);
+    if (found != steps.end()) return get_step(trajectory.root, name, found - steps.begin());
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -153,29 +151,22 @@ TrajectoryHeader read_trajectory_header(const std::string& path) {
 }
 
 std::vector<Index> trajectory_steps(const std::string& path) {
-  const OpenTrajectory trajectory(path);
-  std::vector<Index> steps;
-  for (const std::string& name : trajectory.root.group("steps").members())
-    steps.push_back(parse_integer(name, path + ": steps"));
-  std::sort(steps.begin(), steps.end());
-  return steps;
+  const auto steps = OpenTrajectory(path).root.group("steps").numbers<std::int64_t>("step");
+  return {steps.begin(), steps.end()};
 }
 
 TrajectoryStep read_trajectory_step(const std::string& path, Index step) {
-  if (auto found = find_step(path, step, false)) return *std::move(found);
+  if (auto found = find_step(path, step, {"steps"})) return *std::move(found);
   const std::vector<Index> kept = trajectory_steps(path);
   throw Error(fmt::format("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path, kept.size(),
                           kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(), step));
 }
 
 std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step) {
-  return find_step(path, step, true);
+  return find_step(path, step, {"steps", "last"});
 }
 
-TrajectoryStep read_last_step(const std::string& path) {
-  const OpenTrajectory trajectory(path);
-  return get_step(trajectory.root.group("last"), trajectory.root);
-}
+TrajectoryStep read_last_step(const std::string& path) { return get_step(OpenTrajectory(path).root, "last", 0); }
 
 std::string read_end(const std::string& path) { return OpenTrajectory(path).root.text_attribute("ended"); }
 
@@ -184,6 +175,35 @@ std::vector<double> read_summary(const std::string& path, const std::string& col
   const Group group = trajectory.root.group("summary");
   if (!group.has(column) && group.members().empty()) return {};
   return group.numbers<double>(column);
+}
+
+void require_fit(const std::string& path, const Simulation& simulation) {
+  try {
+    check(simulation.system, simulation.state);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
+  // The grains are those of the trajectory, wherever the case has them from.
+  const CaseSpec spec = parse_case(header.case_text, path + ": case");
+  if (!spec.dynamics) throw Error(fmt::format("{}: case: expected a section [dynamics], met a case without", path));
+  const auto& specs = spec.dynamics->boundaries;
+  GranularSystem system = header.system;
+  if (system.boundaries.size() != specs.size())
+    throw Error(fmt::format("{}: expected the {} boundaries of its case, met {}", path, specs.size(),
+                            system.boundaries.size()));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    if (system.boundaries[k].name != specs[k].name)
+      throw Error(fmt::format("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name,
+                              system.boundaries[k].name));
+    system.boundaries[k].motion = specs[k].motion;
+    system.boundaries[k].orientation = specs[k].orientation;
+  }
+  Simulation simulation{std::move(system), std::move(state), *spec.dynamics, spec.partition};
+  require_fit(path, simulation);
+  return simulation;
 }
 
 }  // namespace nscdd

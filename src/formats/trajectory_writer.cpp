@@ -10,85 +10,81 @@
 namespace nscdd {
 namespace {
 
-using hdf5::Chunk;
+using hdf5::ArrayForm;
 using hdf5::Group;
 using Clock = std::chrono::steady_clock;
+using Steps = std::span<const TrajectoryStep>;
 
-constexpr std::size_t longest_status = 16;
-constexpr Chunk summary_chunk = 256;
 // Bringing the file up to date takes some milliseconds, as long as a hundred steps of a few disks.
 constexpr std::chrono::seconds commit_interval{1};
 
-template <class Element, class Columns>
-void put_structs(const Group& parent, const char* name, const std::vector<Element>& elements, Columns&& columns,
-                 Chunk chunk) {
-  const Group group = parent.make_group(name);
+// The structs that `list` finds in each owner, those of one owner behind those of another.
+template <class Owner, class List, class Columns>
+void put_structs(const Group& group, std::span<const Owner> owners, List list, Columns&& columns, ArrayForm form) {
   columns([&](const char* column, const char* unit, auto get) {
-    using Number = decltype(layout::stored(std::invoke(get, elements.front())));
+    using Number = decltype(layout::stored(std::invoke(get, list(owners[0])[0])));
     std::vector<Number> values;
-    values.reserve(elements.size());
-    for (const Element& element : elements) values.push_back(layout::stored(std::invoke(get, element)));
-    group.put<Number>(column, values, {{"unit", unit}}, chunk);
+    for (const Owner& owner : owners)
+      for (const auto& element : list(owner)) values.push_back(layout::stored(std::invoke(get, element)));
+    form.attributes = {{"unit", unit}};
+    group.put<Number>(column, values, form);
   });
 }
 
-// Arrays that change their size from step to step lie in chunks in /last. Kept steps never change.
-void put_step(const Group& group, const TrajectoryStep& step, Chunk chunk) {
-  const GranularState& state = step.state;
-  group.put_attribute("step", static_cast<double>(state.step));
-  group.put_attribute("time", state.time);
-  group.put_attribute("decomposed_at", static_cast<double>(state.decomposed_at));
-  group.put_attribute("eta", state.eta);
-  for (const auto& array : layout::state_arrays)
-    group.put<double>(array.name, state.*(array.values), {{"unit", array.unit}});
-  put_structs(group, "poses", state.poses, layout::pose_columns, 0);
-  put_structs(group, "contacts", step.contacts, layout::contact_columns, chunk);
-  put_structs(group, "interface", state.gluing, layout::gluing_columns, chunk);
+// The same where their number changes from step to step. Of each step, the array `rows` has the number of its
+// first struct and that of the one behind its last.
+template <class List, class Columns>
+void put_lists(const Group& group, Steps steps, List list, Columns&& columns, ArrayForm form) {
+  put_structs(group, steps, list, columns, form);
+  const Index before = form.append ? group.rows("rows") : 0;
+  std::int64_t end = before > 0 ? group.numbers<std::int64_t>("rows", hdf5::Rows{before - 1}).back() : 0;
+  std::vector<std::int64_t> rows;
+  for (const TrajectoryStep& step : steps) {
+    rows.push_back(end);
+    rows.push_back(end += count(list(step)));
+  }
+  form.attributes = {{"unit", "1"}};
+  form.rows = steps.size();
+  group.put<std::int64_t>("rows", rows, form);
 }
 
-// About one chunk for the contacts of a dense packing.
-void put_last(const Group& root, const TrajectoryStep& step) {
-  put_step(root.make_group("last"), step, std::clamp<Chunk>(2 * count(step.state.x), 64, 65536));
-}
-
-void put_kept(const Group& root, const TrajectoryStep& step) {
-  put_step(root.make_group("steps").make_group(layout::step_name(step.state.step)), step, 0);
+// One array per quantity holds all steps, so that a step costs few calls of HDF5 if many are written at once.
+// A chunk takes about the contacts of a dense packing.
+void put_steps(const Group& group, Steps steps, bool append) {
+  if (steps.empty()) return;
+  ArrayForm form{.chunk = std::clamp<std::size_t>(2 * steps[0].state.x.size(), 256, 65536), .append = append};
+  const auto state = [](const TrajectoryStep& step) { return std::span(&step.state, 1); };
+  const auto poses = [](const TrajectoryStep& step) -> auto& { return step.state.poses; };
+  const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
+  const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
+  put_structs(group, steps, state, layout::state_columns, form);
+  put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns, form);
+  put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns, form);
+  form.rows = steps.size();
+  put_structs(group.make_group("poses"), steps, poses, layout::pose_columns, form);
+  for (const auto& array : layout::state_arrays) {
+    std::vector<double> values;
+    for (const TrajectoryStep& step : steps) {
+      const std::vector<double>& own = step.state.*(array.values);
+      values.insert(values.end(), own.begin(), own.end());
+    }
+    form.attributes = {{"unit", array.unit}};
+    group.put<double>(array.name, values, form);
+  }
 }
 
 void put_system(const Group& root, const GranularSystem& system) {
   const Group group = root.make_group("system");
-  group.put<double>("radius", system.radius, {{"unit", "m"}});
-  group.put<double>("mass", system.mass, {{"unit", "kg"}});
+  group.put<double>("radius", system.radius, {.attributes = {{"unit", "m"}}});
+  group.put<double>("mass", system.mass, {.attributes = {{"unit", "kg"}}});
   std::vector<std::int32_t> driven;
   for (const Index boundary : system.driven_by) driven.push_back(layout::stored(boundary));
-  group.put<std::int32_t>("driven_by", driven, {{"unit", "1"}});
-  put_structs(group, "walls", system.walls, layout::wall_columns, 0);
+  group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
+  const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
+  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns, {});
   std::string names;
   for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
   group.put_text("boundaries", names);
-}
-
-template <class Value>
-std::vector<Value> gather(const Table& table, std::size_t column) {
-  std::vector<Value> values;
-  for (const Row& row : table.rows) values.push_back(std::get<Value>(row[column]));
-  return values;
-}
-
-void append_summary(const Group& root, const Table& rows) {
-  if (rows.rows.empty()) return;
-  const Group group = root.make_group("summary");
-  for (std::size_t j = 0; j < rows.columns.size(); ++j) {
-    const auto& [name, unit, description] = rows.columns[j];
-    const hdf5::Attributes attributes{{"unit", unit}, {"description", description}};
-    const Cell& first = rows.rows.front()[j];
-    if (std::holds_alternative<std::string>(first))
-      group.append_texts(name, gather<std::string>(rows, j), longest_status, attributes, summary_chunk);
-    else if (std::holds_alternative<std::int64_t>(first))
-      group.append<std::int64_t>(name, gather<std::int64_t>(rows, j), attributes, summary_chunk);
-    else
-      group.append<double>(name, gather<double>(rows, j), attributes, summary_chunk);
-  }
 }
 
 // The line joins those of earlier restarts. The provenance of the beginning of the run stays.
@@ -110,22 +106,19 @@ void change_file(const std::string& name, Change&& change) {
   file.flush();
 }
 
-struct PendingStep {
-  TrajectoryStep step;
-  bool keep = false;
-};
-
 // What the file lacks. Of the steps that are not kept only the newest one is needed, for /last.
 struct Pending {
-  std::vector<PendingStep> steps;
-  Table summary;
-  std::string ended;
+  std::vector<TrajectoryStep> steps{};
+  bool newest_kept = true;
+  Table summary{};
+  std::string ended{};
 
   void write(const Group& root) const {
-    for (const PendingStep& one : steps)
-      if (one.keep) put_kept(root, one.step);
-    if (!steps.empty()) put_last(root, steps.back().step);
-    append_summary(root, summary);
+    const Steps all = steps;
+    put_steps(root.group("steps"), newest_kept ? all : all.first(all.size() - 1), true);
+    put_steps(root.group("last"), all.last(std::min<std::size_t>(all.size(), 1)), false);
+    if (!summary.rows.empty())
+      root.group("summary").put_columns(summary, {.chunk = 256, .append = true, .longest_text = 16});
     if (!ended.empty()) root.put_attribute("ended", ended);
   }
 };
@@ -152,12 +145,12 @@ TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved
 struct TrajectoryWriter::Implementation {
   AlternatingFile file;
   std::vector<Column> columns;
-  Pending pending{{}, {columns, {}}, {}};
+  Pending pending{.summary = {columns, {}}};
   Clock::time_point committed = Clock::now();
 
   void commit() {
     if (pending.steps.empty() && pending.ended.empty()) return;
-    const auto batch = std::make_shared<const Pending>(std::exchange(pending, Pending{{}, {columns, {}}, {}}));
+    const auto batch = std::make_shared<const Pending>(std::exchange(pending, Pending{.summary = {columns, {}}}));
     file.change(
         [batch](const std::string& name) { change_file(name, [&](const Group& root) { batch->write(root); }); });
     committed = Clock::now();
@@ -175,8 +168,7 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
     root.put_text("case", header.case_text);
     root.put_attribute("ended", "running");
     put_system(root, header.system);
-    put_kept(root, first);
-    put_last(root, first);
+    for (const char* group : {"steps", "last"}) put_steps(root.make_group(group), {&first, 1}, false);
     root.make_group("summary");
     file.flush();
   });
@@ -205,8 +197,9 @@ void TrajectoryWriter::go_on(const std::string& case_text, const std::string& re
 
 void TrajectoryWriter::append(TrajectoryStep step, const Row& summary, bool keep) {
   Pending& pending = implementation_->pending;
-  if (!pending.steps.empty() && !pending.steps.back().keep) pending.steps.pop_back();
-  pending.steps.push_back({std::move(step), keep});
+  if (!pending.newest_kept) pending.steps.pop_back();
+  pending.steps.push_back(std::move(step));
+  pending.newest_kept = keep;
   pending.summary.rows.push_back(summary);
 }
 

@@ -162,6 +162,6 @@ TEST_CASE("wrong lengths and indices out of range are refused, saying where") {
 
 TEST_CASE("whether a file holds a problem") {
   CHECK(holds_fclib(changed([](RawFclib&) {}), "p.hdf5"));
-  CHECK_FALSE(holds_fclib(to_hdf5({}, "packing", {}), "p.hdf5"));
+  CHECK_FALSE(holds_fclib(to_hdf5({}, std::vector<NamedTable>{{"packing", {}}}), "p.hdf5"));
   CHECK_THROWS_AS(holds_fclib("nothing", "p.hdf5"), Error);
 }

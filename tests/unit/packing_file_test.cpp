@@ -2,7 +2,7 @@
 // Packings in files: every double comes back bit for bit, and files that hold no packing are refused.
 #include "../support/run_program.hpp"
 #include "files/csv.hpp"
-#include "files/hdf5.hpp"
+#include "files/hdf5_file.hpp"
 #include "files/output_file.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>
@@ -61,9 +61,10 @@ Packing read_back(const std::string& content, const std::string& name) {
 
 // The bytes of an HDF5 file with these columns in the group.
 std::string file_of(const std::string& group, const std::vector<std::pair<std::string, std::vector<double>>>& columns) {
-  std::vector<NumberColumn> all;
-  for (const auto& [name, values] : columns) all.push_back({{name, "m", "a column"}, values});
-  return to_hdf5({}, group, all);
+  return hdf5::new_file_bytes([&](const hdf5::Group& root) {
+    const hdf5::Group all = root.make_group(group);
+    for (const auto& [name, values] : columns) all.put<double>(name, values);
+  });
 }
 
 void refused(const std::string& bytes, const std::string& part) {

@@ -10,6 +10,7 @@
 #include "simulation/run_simulation.hpp"
 #include "study/simulation_tables.hpp"
 #include <nscdd/core/error.hpp>
+#include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
@@ -204,7 +205,7 @@ TEST_CASE("trajectory: reading and writing leave HDF5's error handler as it was,
   CHECK(nscdd::testing::keeps_error_handler([&] { writer->end("completed"); }));
   CHECK(nscdd::testing::keeps_error_handler([&] { read_last_step(path); }));
   for (const std::string& bytes : {std::string("no HDF5"), to_hdf5({}, std::vector<NamedTable>{})})
-    CHECK(nscdd::testing::keeps_error_handler([&] { CHECK_THROWS_AS(numbers_from_hdf5(bytes, "x", "y"), Error); }));
+    CHECK(nscdd::testing::keeps_error_handler([&] { CHECK_THROWS_AS(packing_from_hdf5(bytes, "x"), Error); }));
 }
 
 TEST_CASE("trajectory: a reader neither disturbs the writer nor is disturbed") {
@@ -277,8 +278,10 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
     CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains(part.c_str()), Error);
     CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains("run.h5"), Error);
   };
-  require_refused([](TrajectoryStep& s) { s.state.step = Index{1} << 60; }, "attribute 'step', met 1.15");
-  require_refused([](TrajectoryStep& s) { s.state.decomposed_at = -2; }, "'decomposed_at', met -2");
+  require_refused([](TrajectoryStep& s) { s.state.step = 2'000'000'000; }, "last/step: expected a number in 0..");
+  require_refused([](TrajectoryStep& s) { s.state.step = -1; }, "last/step: expected a number in 0..");
+  require_refused([](TrajectoryStep& s) { s.state.decomposed_at = -2; },
+                  "last/decomposed_at: expected a number in -1..");
   require_refused([](TrajectoryStep& s) { s.contacts[0].geometry.a = -5; }, "contacts/a: expected");
   require_refused([&](TrajectoryStep& s) { s.contacts[0].geometry.b = bodies; }, "contacts/b: expected");
   require_refused([](TrajectoryStep& s) { s.contacts[0].subdomain = -5; }, "contacts/subdomain: expected");
