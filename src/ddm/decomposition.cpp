@@ -14,18 +14,6 @@ Index local_number(const std::vector<Index>& ascending, Index global) {
   return std::lower_bound(ascending.begin(), ascending.end(), global) - ascending.begin();
 }
 
-void check(const ReferenceProblem& problem, const Partition& partition) {
-  if (count(partition.subdomain_of_contact) != problem.contacts())
-    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}", problem.contacts(),
-                            partition.subdomain_of_contact.size()));
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    const Index e = partition.subdomain_of_contact[at(c)];
-    if (e < 0 || e >= partition.subdomains)
-      throw Error(fmt::format("partition: expected a subdomain in 0..{} for contact {}, met {}",
-                              partition.subdomains - 1, c, e));
-  }
-}
-
 // Subdomain-local rows of the columns `contacts` of H.
 SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain& subdomain) {
   const Index d = problem.dofs_per_grain;
@@ -38,8 +26,18 @@ SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain
 
 }  // namespace
 
+void check(const Partition& partition, Index contacts) {
+  if (count(partition.subdomain_of_contact) != contacts)
+    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}", contacts,
+                            partition.subdomain_of_contact.size()));
+  for (Index c = 0; c < contacts; ++c)
+    if (const Index e = partition.subdomain_of_contact[at(c)]; e < 0 || e >= partition.subdomains)
+      throw Error(fmt::format("partition: expected a subdomain in 0..{} for contact {}, met {}",
+                              partition.subdomains - 1, c, e));
+}
+
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
-  check(problem, partition);
+  check(partition, problem.contacts());
   const Index d = problem.dofs_per_grain;
   Decomposition parts;
   parts.contacts = problem.contacts();

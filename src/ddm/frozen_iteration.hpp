@@ -3,7 +3,6 @@
 
 #include "ddm/granular_decomposition.hpp"
 #include "ddm/map_radius.hpp"
-#include "linalg/arpack.hpp"
 #include "linalg/range_projector.hpp"
 #include "mechanics/contact_law.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
@@ -27,21 +26,20 @@ class FrozenIteration {
  public:
   /// `parts`: the decomposition of the step (its velocities and impulses are not used); `statuses`: of the
   /// contacts of the step problem; `sweeps`: n_GS; `enriched`: X_eta, empty for the generic algorithm.
-  FrozenIteration(GranularDecomposition parts, const std::vector<ContactStatus>& statuses, Index sweeps,
+  FrozenIteration(GranularDecomposition parts, std::vector<ContactStatus> statuses, Index sweeps,
                   std::optional<InterfaceOperator> enriched, double relaxation = 1);
-  Index rows() const { return size_; }
-  Index cols() const { return size_; }
+  Index rows() const { return root_.size(); }
   Vector apply(const Vector& y) const;
   Vector project(const Vector& y) const { return range_->apply(y); }
 
  private:
   GranularDecomposition parts_;
-  GranularDecomposition copies_;                      // the same without contacts: what an application changes
-  std::vector<std::vector<ContactStatus>> statuses_;  // per subdomain, in the order of its sweep
+  GranularDecomposition resting_;  // the same at rest and without contacts: what an application changes
+  std::vector<ContactStatus> statuses_;
   Index sweeps_;
   std::optional<InterfaceOperator> enriched_;
   double relaxation_;
-  Index size_ = 0;
+  Vector root_;  // of the inertia of every entry of y
   std::shared_ptr<const RangeProjector> range_;
 };
 

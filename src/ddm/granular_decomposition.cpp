@@ -2,24 +2,11 @@
 #include "ddm/granular_decomposition.hpp"
 
 #include "mechanics/connectivity.hpp"
-#include "mechanics/contact_order.hpp"
-#include <nscdd/core/error.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
+#include <utility>
 
 namespace nscdd {
 namespace {
-
-void check(const StepProblem& problem, const Partition& partition) {
-  if (partition.subdomain_of_contact.size() != problem.contacts.size())
-    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}", problem.contacts.size(),
-                            partition.subdomain_of_contact.size()));
-  for (const Index e : partition.subdomain_of_contact)
-    if (e < 0 || e >= partition.subdomains)
-      throw Error(fmt::format("partition: expected a subdomain in 0..{}, met {}", partition.subdomains - 1, e));
-}
 
 // Puts the contacts of one subdomain in sweep order and numbers its bodies in the order in which the sweep
 // meets them. Neighbours in the sweep are then neighbours in memory, however the packing numbers its grains.
@@ -31,8 +18,7 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
     natural.push_back(problem.contacts[at(c)]);
     points.push_back(problem.geometry[at(c)].point);
   }
-  const std::vector<Index> visit = contact_order(order, natural, problem.free, seed, points);
-  const std::vector<Index> numbers = subdomain.numbers;
+  const std::vector<Index> numbers = std::exchange(subdomain.numbers, {});
   ContactRows& rows = subdomain.contacts;
   rows.friction = problem.friction;
   rows.boundary_friction = problem.boundary_friction;
@@ -46,14 +32,14 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
     }
     return known;
   };
-  for (std::size_t k = 0; k < visit.size(); ++k) {
-    const DiskContact& c = natural[at(visit[k])];
+  for (const Index k : contact_order(order, natural, problem.free, seed, points)) {
+    const DiskContact& c = natural[at(k)];
     const std::int32_t a = number(c.a), b = number(c.b);
     rows.rows.push_back({a, b, c.normal_x, c.normal_y, c.bias_n});
     rows.impulses.push_back({c.impulse_n, c.impulse_t});
     if (problem.tangential_bias) rows.bias_t.push_back(c.bias_t);
     if (problem.pulls) rows.pull.push_back(c.pull);
-    subdomain.numbers[k] = numbers[at(visit[k])];
+    subdomain.numbers.push_back(numbers[at(k)]);
   }
   for (const Index i : subdomain.bodies) {
     subdomain.velocities.push_back(problem.free[at(i)]);
@@ -61,11 +47,15 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
   }
 }
 
+const DiskVelocity& copy_of(const GranularDecomposition& parts, const GrainCopy& copy) {
+  return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
+}
+
 }  // namespace
 
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
                                 std::uint64_t seed) {
-  check(problem, partition);
+  check(partition, count(problem.contacts));
   GranularDecomposition parts;
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
@@ -81,6 +71,46 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
       subdomain.velocities[i].inverse_mass *= static_cast<double>(parts.interface.multiplicity(subdomain.bodies[i]));
   return parts;
+}
+
+Vector interface_jumps(const GranularDecomposition& parts) {
+  return parts.interface.exchange([&](Index e, Index grain, Index k) {
+    const DiskVelocity& v = copy_of(parts, {e, grain});
+    return k == 0 ? v.x : k == 1 ? v.y : v.rim;
+  });
+}
+
+double glued_speed_squared(const GranularDecomposition& parts) {
+  double sum = 0;
+  Index before = -1;
+  for (const Gluing& row : parts.interface.gluing()) {
+    if (row.grain == std::exchange(before, row.grain)) continue;
+    for (const GrainCopy& copy : parts.interface.copies(row.grain)) {
+      const DiskVelocity& v = copy_of(parts, copy);
+      sum += v.x * v.x + v.y * v.y + v.rim * v.rim;
+    }
+  }
+  return sum;
+}
+
+Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g) {
+  return parts.interface.solve_generic(
+      [&](const GrainCopy& copy, Index k) {
+        const double mass = 1 / copy_of(parts, copy).inverse_mass;
+        return k < 2 ? mass : mass / rim_mass_ratio;
+      },
+      g);
+}
+
+void apply_interface_impulses(GranularDecomposition& parts, const Vector& change) {
+  for (Index e = 0; e < count(parts.subdomains); ++e)
+    for (const Tie& tie : parts.interface.ties(e)) {
+      DiskVelocity& v = parts.subdomains[at(e)].velocities[at(tie.grain)];
+      const auto impulse = [&](Index k) { return tie.sign * change[3 * tie.row + k]; };
+      v.x -= v.inverse_mass * impulse(0);
+      v.y -= v.inverse_mass * impulse(1);
+      v.rim -= rim_mass_ratio * v.inverse_mass * impulse(2);
+    }
 }
 
 ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
@@ -109,10 +139,8 @@ ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
 Partition partition_of_columns(const Partition& of_contacts) {
   Partition result{.subdomains = of_contacts.subdomains, .subdomain_of_contact = {}};
   result.subdomain_of_contact.reserve(2 * of_contacts.subdomain_of_contact.size());
-  for (const Index e : of_contacts.subdomain_of_contact) {
-    result.subdomain_of_contact.push_back(e);
-    result.subdomain_of_contact.push_back(e);
-  }
+  for (const Index e : of_contacts.subdomain_of_contact)
+    result.subdomain_of_contact.insert(result.subdomain_of_contact.end(), 2, e);
   return result;
 }
 

@@ -4,9 +4,7 @@
 #include "mechanics/contact_order.hpp"
 #include "mechanics/contact_rows.hpp"
 #include "mechanics/time_stepping.hpp"
-#include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
-#include <nscdd/mechanics/reference_problem.hpp>
 
 #include <vector>
 
@@ -34,6 +32,18 @@ struct GranularDecomposition {
 /// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
                                 std::uint64_t seed);
+
+/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma.
+Vector interface_jumps(const GranularDecomposition& parts);
+
+/// Sum over the copies of shared grains of |V|^2, rim speed included.
+double glued_speed_squared(const GranularDecomposition& parts);
+
+/// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
+Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g);
+
+/// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
+void apply_interface_impulses(GranularDecomposition& parts, const Vector& change);
 
 /// M and H of a step for the linear analysis. A disk has three rows (x, y, rim; inertia m, m, m/2), empty
 /// ones in H if it is driven. Columns 2 c and 2 c + 1 are the normal and the tangential direction of contact

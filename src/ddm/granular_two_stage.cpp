@@ -1,32 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/granular_two_stage.hpp"
 
-#include "ddm/granular_interface.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace nscdd {
 namespace {
-
-SweepSums sweep(const ContactLaw& law, const StepSolver& solver, GranularSubdomain& subdomain) {
-  SweepSums sums;
-  for (Index k = 0; k < solver.gauss_seidel_sweeps; ++k)
-    sums = gauss_seidel_sweep(law, subdomain.contacts, subdomain.velocities, solver.contact_relaxation);
-  return sums;
-}
-
-double change_since(const std::vector<LocalVector>& before, const GranularSubdomain& subdomain) {
-  double sum = 0;
-  for (std::size_t k = 0; k < before.size(); ++k) {
-    const double n = subdomain.contacts.impulses[k].n - before[k].n;
-    const double t = subdomain.contacts.impulses[k].t - before[k].t;
-    sum += n * n + t * t;
-  }
-  return sum;
-}
 
 constexpr double rounding_of_impulses = 1e-24;  // squared, relative
 
@@ -98,8 +82,12 @@ SweepSums GranularTwoStage::stage_one() {
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     GranularSubdomain& subdomain = parts_.subdomains[at(e)];
     if (compare) before_[at(e)] = subdomain.contacts.impulses;
-    sums[at(e)] = sweep(law_, solver_, subdomain);
-    if (compare) sums[at(e)].change = change_since(before_[at(e)], subdomain);
+    for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
+      sums[at(e)] = gauss_seidel_sweep(law_, subdomain.contacts, subdomain.velocities, solver_.contact_relaxation);
+    if (!compare) return;
+    const auto& now = subdomain.contacts.impulses;
+    sums[at(e)].change = std::inner_product(now.begin(), now.end(), before_[at(e)].begin(), 0.0, std::plus<>{},
+                                            [](LocalVector r, LocalVector old) { return squared(r - old); });
   });
   sweeps_ += solver_.gauss_seidel_sweeps;
   SweepSums total;
@@ -228,19 +216,17 @@ std::vector<DiskVelocity> GranularTwoStage::velocities(const StepProblem& proble
 }
 
 std::vector<RememberedGluing> GranularTwoStage::gluing() const {
+  std::vector<Vector> impulses;  // A_E^T F
+  for (Index e = 0; e < count(parts_.subdomains); ++e)
+    impulses.push_back(parts_.interface.distribute(e, interface_impulses_));
   std::vector<RememberedGluing> result;
-  const auto add = [](RememberedGluing& one, const auto& f) {
-    one.x += f[0];
-    one.y += f[1];
-    one.rim += f[2];
-  };
-  for (Index row = 0; row < count(parts_.interface.gluing()); ++row) {
-    const Gluing& g = parts_.interface.gluing()[at(row)];
-    if (result.empty() || result.back().grain != g.grain) result.push_back({g.grain, g.first.subdomain});
-    result.push_back({g.grain, g.second.subdomain});
-    const Eigen::Vector3d f = interface_impulses_.segment<3>(3 * row);
-    add(*(result.end() - 2), f);
-    add(result.back(), -f);
+  Index before = -1;
+  for (const Gluing& row : parts_.interface.gluing()) {
+    if (row.grain == std::exchange(before, row.grain)) continue;
+    for (const GrainCopy& copy : parts_.interface.copies(row.grain)) {
+      const auto f = impulses[at(copy.subdomain)].segment<3>(3 * copy.grain);
+      result.push_back({row.grain, copy.subdomain, f[0], f[1], f[2]});
+    }
   }
   return result;
 }

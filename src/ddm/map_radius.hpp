@@ -32,9 +32,4 @@ struct MapRadius {
 MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units);
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units);
 
-template <LinearOperator Operator>
-MapRadius map_radius(const Operator& op, const SpectralOptions& options, UnitEigenvalues units) {
-  return map_radius(op.rows(), linear_map(op), options, units);
-}
-
 }  // namespace nscdd

@@ -3,127 +3,89 @@
 
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
-
-#include <variant>
 
 namespace nscdd {
 namespace {
 
 // Exact Stage 1 of one subdomain: (W + epsilon I)^-1, or in the rigid limit the pseudo-inverse of W. There
 // the impulses of a hyperstatic network are not unique, but the velocities that they give are.
-using ExactStageOne = std::variant<std::monostate, SparseCholesky, Eigen::CompleteOrthogonalDecomposition<Matrix>>;
-
-ExactStageOne factorise(const ContactSystem& contacts, double epsilon) {
-  if (contacts.h.cols() == 0) return {};
+LinearMap exact_stage_one(const ContactSystem& contacts, double epsilon) {
+  if (contacts.h.cols() == 0) return [](const Vector& right) { return right; };
   SparseMatrix w = contacts.h.transpose() * contacts.response;  // W = H^T M^-1 H
   if (epsilon == 0) {
     Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
     decomposition.setThreshold(1e-12);
     decomposition.compute(Matrix(w));
-    return decomposition;
+    return [decomposition](const Vector& right) -> Vector { return decomposition.solve(right); };
   }
   w.diagonal().array() += epsilon;
-  return SparseCholesky(CholeskyAnalysis(w), w);
-}
-
-Vector solve(const ExactStageOne& stage, const Vector& right) {
-  if (const auto* cholesky = std::get_if<SparseCholesky>(&stage)) return cholesky->solve(right);
-  if (const auto* orthogonal = std::get_if<Eigen::CompleteOrthogonalDecomposition<Matrix>>(&stage))
-    return orthogonal->solve(right);
-  return Vector(0);
+  return [cholesky = SparseCholesky(CholeskyAnalysis(w), w)](const Vector& right) -> Vector {
+    return cholesky.solve(right);
+  };
 }
 
 }  // namespace
 
-class TwoStageIteration::Implementation {
- public:
-  Decomposition parts;
-  Law law;
-  InterfaceOperator preconditioner;
-  std::optional<Index> sweeps;
-  double relaxation;
-  std::vector<ContactSystem> contacts;
-  std::vector<ExactStageOne> exact;
-
-  // Stage 1 of subdomain e: updates its impulses and returns its velocities.
-  Vector stage_one(std::size_t e, const Vector& impulse_on_grains, Vector& r) const {
-    const Subdomain& subdomain = parts.subdomains[e];
-    const Vector free_velocity = impulse_on_grains.cwiseQuotient(subdomain.inertia);  // M^-1 (F^d - A^T F)
-    if (!sweeps) {
-      if (r.size() > 0) r = solve(exact[e], -(subdomain.h.transpose() * free_velocity));
-      return free_velocity + contacts[e].response * r;
-    }
-    Vector velocity = free_velocity + contacts[e].response * r;
-    std::visit(
-        [&](const auto& one) {
-          for (Index sweep = 0; sweep < *sweeps; ++sweep) gauss_seidel_sweep(contacts[e], one, r, velocity);
-        },
-        law);
-    return velocity;
-  }
-};
-
 TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
-                                     std::optional<Index> sweeps, double relaxation) {
+                                     std::optional<Index> sweeps, double relaxation)
+    : parts_(stage_one),
+      law_(law),
+      preconditioner_(std::move(preconditioner)),
+      sweeps_(sweeps),
+      relaxation_(relaxation) {
   const OneBlasThread serial_blas;
   if (sweeps && *sweeps < 1) throw Error(fmt::format("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps));
-  auto prepared = std::make_shared<Implementation>(
-      Implementation{stage_one, law, std::move(preconditioner), sweeps, relaxation, {}, {}});
-  for (const Subdomain& subdomain : stage_one.subdomains) {
-    prepared->contacts.push_back(prepare_contacts(subdomain.inertia, subdomain.h));
-    if (!sweeps) prepared->exact.push_back(factorise(prepared->contacts.back(), flexibility(law)));
+  for (const Subdomain& subdomain : parts_.subdomains) {
+    contacts_.push_back(prepare_contacts(subdomain.inertia, subdomain.h));
+    if (!sweeps) exact_.push_back(exact_stage_one(contacts_.back(), flexibility(law)));
   }
-  implementation_ = std::move(prepared);
 }
 
-bool TwoStageIteration::rigid() const { return flexibility(implementation_->law) == 0; }
-
-Index TwoStageIteration::interface_size() const { return implementation_->parts.interface_size(); }
-
-Index TwoStageIteration::contacts() const {
-  Index all = 0;
-  for (const Subdomain& subdomain : implementation_->parts.subdomains) all += subdomain.h.cols();
-  return all;
+Index TwoStageIteration::rows() const {
+  Index rows = interface_size();
+  for (const Subdomain& subdomain : parts_.subdomains) rows += subdomain.h.cols();
+  return rows;
 }
 
-TwoStageState TwoStageIteration::zero_state() const {
-  TwoStageState state{Vector::Zero(interface_size()), {}};
-  for (const Subdomain& subdomain : implementation_->parts.subdomains)
-    state.impulses.push_back(Vector::Zero(subdomain.h.cols()));
-  return state;
+// Stage 1 of subdomain e: updates its impulses and returns its velocities. `on_grains`: F^d - A^T F.
+Vector TwoStageIteration::stage_one(std::size_t e, const Vector& on_grains, Vector& r) const {
+  const Subdomain& subdomain = parts_.subdomains[e];
+  const Vector free_velocity = on_grains.cwiseQuotient(subdomain.inertia);
+  if (!sweeps_) {
+    r = exact_[e](-(subdomain.h.transpose() * free_velocity));
+    return free_velocity + contacts_[e].response * r;
+  }
+  Vector velocity = free_velocity + contacts_[e].response * r;
+  const auto sweep = [&](const auto& law) { gauss_seidel_sweep(contacts_[e], law, r, velocity); };
+  for (Index k = 0; k < *sweeps_; ++k) std::visit(sweep, law_);
+  return velocity;
 }
 
-TwoStageState TwoStageIteration::iterate(TwoStageState state, const std::vector<Vector>* loads) const {
+Vector TwoStageIteration::iterate(Vector z, const std::vector<Vector>* loads) const {
   const OneBlasThread serial_blas;
-  const Interface& interface = implementation_->parts.interface;
+  const Vector f = z.tail(interface_size());
   std::vector<Vector> velocities;
-  for (std::size_t e = 0; e < state.impulses.size(); ++e) {
-    // F^d - A^T F
-    Vector on_grains = -interface.distribute(static_cast<Index>(e), state.interface_impulses);
+  Index first = 0;
+  for (std::size_t e = 0; e < parts_.subdomains.size(); ++e) {
+    Vector on_grains = -parts_.interface.distribute(static_cast<Index>(e), f);
     if (loads != nullptr) on_grains += (*loads)[e];
-    velocities.push_back(implementation_->stage_one(e, on_grains, state.impulses[e]));
+    Vector r = z.segment(first, parts_.subdomains[e].h.cols());
+    velocities.push_back(stage_one(e, on_grains, r));
+    z.segment(first, r.size()) = r;
+    first += r.size();
   }
-  state.interface_impulses +=
-      implementation_->relaxation * implementation_->preconditioner.solve(interface.exchange(velocities));
-  return state;
+  z.tail(f.size()) += relaxation_ * preconditioner_.solve(parts_.interface.exchange(velocities));
+  return z;
 }
 
-std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriving_velocity) {
-  std::vector<Vector> loads;
-  const Index d = parts.dofs_per_grain();
-  for (const Subdomain& subdomain : parts.subdomains) {
-    Vector load(subdomain.inertia.size());
-    for (Index i = 0; i < count(subdomain.grains); ++i)
-      load.segment(d * i, d) =
-          subdomain.inertia.segment(d * i, d).cwiseProduct(arriving_velocity.segment(d * subdomain.grains[at(i)], d));
-    loads.push_back(std::move(load));
-  }
-  return loads;
+MapRadius inexact_radius(const TwoStageIteration& iteration, const SpectralOptions& options) {
+  const LinearMap map = [&](const Vector& z) { return iteration.iterate(z); };
+  return map_radius(iteration.rows(), map, options,
+                    iteration.rigid() ? UnitEigenvalues::counted : UnitEigenvalues::none);
 }
 
 }  // namespace nscdd

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
-#include <nscdd/ddm/decomposition.hpp>
+#include "ddm/map_radius.hpp"
+#include "mechanics/gauss_seidel.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/mechanics/law.hpp>
 
-#include <memory>
 #include <optional>
 #include <vector>
 
 namespace nscdd {
-
-/// What Algorithm 1 carries from one iteration to the next.
-struct TwoStageState {
-  Vector interface_impulses;     ///< F_Gamma, n_Gamma
-  std::vector<Vector> impulses;  ///< r_E of every subdomain, c_E each: start of the Gauss-Seidel sweeps
-};
 
 /// The two-stage iteration itself ([ADI12] Algorithm 1 and its enriched form) with the linear law:
 ///   Stage 1  (W_E + epsilon I) r_E = -v_E^d + Ahat_E^T F    exactly, or by n_GS Gauss-Seidel sweeps
@@ -24,6 +17,9 @@ struct TwoStageState {
 ///   Stage 2  F <- F + omega X_eta^-1 sum_E A_E V_E
 /// Stage 2 in this form is the paper's (16), with any eta and any law. For its right-hand side
 /// F^d + H (r + v/eta) equals M_{E,eta} V_E + A_E^T F, so X_eta F' = sum A_E V_E + X_eta F.
+///
+/// What one iteration passes to the next is z = (r_1, ..., r_N, F): the impulses of every subdomain, c_E each,
+/// from which its sweeps start, and F_Gamma, n_Gamma. A time step starts from z = 0.
 class TwoStageIteration {
  public:
   /// `stage_one`: the decomposition with the contacts Stage 1 works with (all, or the active ones);
@@ -32,24 +28,30 @@ class TwoStageIteration {
   TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
                     std::optional<Index> sweeps, double relaxation = 1.0);
 
-  /// All unknowns are zero, as at the start of a time step in Algorithm 1.
-  TwoStageState zero_state() const;
+  /// One iteration under local loads F_E^d, one vector d n_E per subdomain. Without loads it is the linear map
+  /// J_n, which propagates the error of the linear problem.
+  Vector iterate(Vector z, const std::vector<Vector>* loads = nullptr) const;
 
-  /// One iteration under local loads F_E^d, one vector d n_E per subdomain. Without loads it propagates the
-  /// error of the linear problem.
-  TwoStageState iterate(TwoStageState state, const std::vector<Vector>* loads = nullptr) const;
-
-  bool rigid() const;  ///< the law is the rigid limit, epsilon = 0
-  Index interface_size() const;
-  Index contacts() const;  ///< of all subdomains together
-
-  class Implementation;
+  Index rows() const;                                               ///< of z
+  Index interface_size() const { return parts_.interface_size(); }  ///< n_Gamma
+  bool rigid() const { return flexibility(law_) == 0; }             ///< the law is the rigid limit
 
  private:
-  std::shared_ptr<const Implementation> implementation_;
+  Vector stage_one(std::size_t e, const Vector& on_grains, Vector& r) const;
+
+  Decomposition parts_;
+  Law law_;
+  InterfaceOperator preconditioner_;
+  std::optional<Index> sweeps_;
+  double relaxation_;
+  std::vector<ContactSystem> contacts_;
+  std::vector<LinearMap> exact_;  // (W_E + epsilon I)^-1 of every subdomain, where Stage 1 is exact
 };
 
-/// The loads M_E V_E^- of grains that arrive with velocity V^- (d n entries).
-std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriving_velocity);
+/// The radius of J_n; in the rigid limit unit eigenvalues are counted. J_n is not symmetric, and its
+/// eigenvalues may be complex. For the generic algorithm its nonzero spectrum is that of
+///     T^n + (I - T^n) W_eps^-1 Ahat^T X^-1 Ahat,   T = -(D + L)^-1 L^T,   W_eps = D + L + L^T
+/// and tends to that of B as n grows.
+MapRadius inexact_radius(const TwoStageIteration& iteration, const SpectralOptions& options = {});
 
 }  // namespace nscdd

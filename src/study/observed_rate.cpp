@@ -15,18 +15,6 @@ namespace {
 // A correction this much smaller than the one before means that the algorithm is done: its radius is 0.
 constexpr double done_ratio = 1e-13;
 
-TwoStageState difference(const TwoStageState& next, const TwoStageState& previous) {
-  TwoStageState d{next.interface_impulses - previous.interface_impulses, {}};
-  for (std::size_t e = 0; e < next.impulses.size(); ++e) d.impulses.push_back(next.impulses[e] - previous.impulses[e]);
-  return d;
-}
-
-TwoStageState scaled(TwoStageState state, double factor) {
-  state.interface_impulses *= factor;
-  for (Vector& r : state.impulses) r *= factor;
-  return state;
-}
-
 // Follows the corrections F_{i+1} - F_i of a run without loads. The iteration is linear, so the corrections
 // obey it themselves. They are iterated in place of F, which keeps their digits however small they get. They
 // are rescaled on the way, so that a long run never underflows.
@@ -34,10 +22,10 @@ class Run {
  public:
   Run(const TwoStageIteration& iteration, const InterfaceOperator& preconditioner, std::uint64_t seed)
       : iteration_(iteration), preconditioner_(preconditioner) {
-    TwoStageState start = iteration.zero_state();
-    start.interface_impulses = RandomStream(seed).normal_vector(iteration.interface_size());
+    Vector start = Vector::Zero(iteration.rows());
+    start.tail(iteration.interface_size()) = RandomStream(seed).normal_vector(iteration.interface_size());
     const double before = norm(start);
-    correction_ = difference(iteration_.iterate(start), start);
+    correction_ = iteration_.iterate(start) - start;
     record(norm(correction_), before);
   }
 
@@ -50,7 +38,7 @@ class Run {
     record(after, before);
     if (!vanished_ && iteration_.rigid() && after < 1e-6 * last_cleaned_) clean(after);
     if (!vanished_ && (after < 1e-100 || after > 1e100)) {  // the map is linear: a factor changes the offset only
-      correction_ = scaled(correction_, 1 / after);
+      correction_ *= 1 / after;
       offset_ += std::log(after);
       last_cleaned_ = 1;
     }
@@ -60,8 +48,8 @@ class Run {
   std::vector<double> logarithms;  // of the norms of the corrections
 
  private:
-  double norm(const TwoStageState& state) const {
-    const Vector& f = state.interface_impulses;
+  double norm(const Vector& z) const {
+    const Vector f = z.tail(iteration_.interface_size());
     return std::sqrt(std::max(0.0, f.dot(preconditioner_.apply(f))));
   }
   void record(double norm, double before) {
@@ -72,15 +60,15 @@ class Run {
   // Unit eigenvalues of a hyperstatic rigid limit have components that do not decay, and rounding feeds them.
   // A further difference removes them before they show. It costs one constant factor, which is scaled away.
   void clean(double size) {
-    correction_ = difference(iteration_.iterate(correction_), correction_);
+    correction_ = iteration_.iterate(correction_) - correction_;
     const double cleaned = norm(correction_);
-    if (cleaned > 0) correction_ = scaled(correction_, size / cleaned);
+    if (cleaned > 0) correction_ *= size / cleaned;
     last_cleaned_ = size;
   }
 
   const TwoStageIteration& iteration_;
   const InterfaceOperator& preconditioner_;
-  TwoStageState correction_;
+  Vector correction_;  // of z, see TwoStageIteration
   double offset_ = 0, last_cleaned_ = 0;
   bool vanished_ = false;
 };

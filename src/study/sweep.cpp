@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/continuation.hpp"
-#include "ddm/inexact_stage_one.hpp"
+#include "ddm/two_stage.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 
@@ -76,9 +76,9 @@ void set_exact(SweepResult& result, const SpectralRadius& plain, double toleranc
 void set_inexact(SweepResult& result, const Decomposition& stage_one, const InterfaceOperator& preconditioner,
                  const SpectralOptions& options) {
   const SweepPoint& point = result.point;
-  const InexactIteration j{TwoStageIteration(stage_one, LinearViscous{point.epsilon}, preconditioner,
-                                             Index{*point.gauss_seidel_sweeps}, *point.relaxation)};
-  const MapRadius radius = inexact_radius(j, options);
+  const TwoStageIteration iteration(stage_one, LinearViscous{point.epsilon}, preconditioner, point.gauss_seidel_sweeps,
+                                    *point.relaxation);
+  const MapRadius radius = inexact_radius(iteration, options);
   result.radius.value = radius.value;
   result.radius.unit_multiplicity = radius.unit_multiplicity;
   result.radius.subdominant = radius.subdominant;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dense against sparse subdomains, dense pencils against ARPACK, matrices against applications.
 #include "../support/problems.hpp"
-#include "ddm/inexact_stage_one.hpp"
+#include "ddm/two_stage.hpp"
 #include "linalg/linear_operator.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
@@ -116,7 +116,7 @@ TEST_CASE("J_n: dense against ARPACK's nonsymmetric driver, complex pairs includ
   for (const double epsilon : {0.05, 1.0})
     for (const double eta : {0.3, infinity})
       for (const Index sweeps : {1, 3, 20}) {
-        const InexactIteration j{TwoStageIteration(model.parts, LinearViscous{epsilon}, family.at(eta), sweeps)};
+        const TwoStageIteration j(model.parts, LinearViscous{epsilon}, family.at(eta), sweeps);
         const MapRadius dense = inexact_radius(j, {.solver = SpectralSolver::dense});
         const MapRadius arpack = inexact_radius(j, {.solver = SpectralSolver::arpack});
         REQUIRE(dense.converged);

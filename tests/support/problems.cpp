@@ -103,6 +103,17 @@ Model moved(const Case& one, double angle, double shift_x, double shift_y) {
   return model;
 }
 
+std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriving_velocity) {
+  std::vector<Vector> loads;
+  const Index d = parts.dofs_per_grain();
+  for (const Subdomain& subdomain : parts.subdomains) {
+    Vector& load = loads.emplace_back(subdomain.inertia);
+    for (Index i = 0; i < count(subdomain.grains); ++i)
+      load.segment(d * i, d).array() *= arriving_velocity.segment(d * subdomain.grains[at(i)], d).array();
+  }
+  return loads;
+}
+
 Index cross_points(const Decomposition& parts) {
   Index result = 0;
   for (Index g = 0; g < parts.interface.grains(); ++g) result += parts.interface.multiplicity(g) > 2;

@@ -27,6 +27,9 @@ Case renumbered(const Case& one, std::uint64_t seed);
 /// The model of `one` with all coordinates rotated and shifted but the partition of `one` kept.
 Model moved(const Case& one, double angle, double shift_x, double shift_y);
 
+/// The loads M_E V_E^- of grains that arrive with velocity V^- (d n entries), for every subdomain.
+std::vector<Vector> impact_loads(const Decomposition& parts, const Vector& arriving_velocity);
+
 /// Number of grains shared by more than two subdomains.
 Index cross_points(const Decomposition& parts);
 

@@ -15,6 +15,9 @@ struct Partition {
   std::vector<Index> subdomain_of_contact;  ///< one per column of H
 };
 
+/// Throws Error unless every one of `contacts` contacts has a subdomain that there is.
+void check(const Partition& partition, Index contacts);
+
 /// One subdomain E: the grains its contacts touch, with their share of mass.
 struct Subdomain {
   std::vector<Index> grains;    ///< global numbers, ascending: n_E of them
