@@ -176,26 +176,6 @@ double kolmogorov_limit(Index n) { return 2.23 / std::sqrt(static_cast<double>(n
 
 }  // namespace
 
-TEST_CASE("drop and roll: a disk falls onto another along a line") {
-  CHECK(*fall_onto({0, 1, 1}, 0, 1) == 3);
-  CHECK(*fall_onto({0, 1, 2}, 3, 3) == 5);  // 3-4-5
-  CHECK(*fall_onto({0, 1, 2}, -3, 3) == 5);
-  CHECK_FALSE(fall_onto({0, 1, 1}, 2, 1));
-  CHECK_FALSE(fall_onto({0, 1, 1}, -7, 1));
-}
-
-TEST_CASE("drop and roll: a disk rolls into the gap between two, from either side") {
-  const Disk left{0, 1, 1}, right{3, 1, 1};
-  const double height = 1 + std::sqrt(4 - 2.25);
-  const Point from_left = *roll_against(left, right, 1, Side::right);
-  CHECK(from_left[0] == doctest::Approx(1.5));
-  CHECK(from_left[1] == doctest::Approx(height));
-  const Point from_right = *roll_against(right, left, 1, Side::left);
-  CHECK(from_right[0] == doctest::Approx(1.5));
-  CHECK(from_right[1] == doctest::Approx(height));
-  CHECK_FALSE(roll_against(left, {4.1, 1, 1}, 1, Side::right));
-}
-
 TEST_CASE("drop and roll: grains come to rest on the floor, at a wall, in a gap, and roll past a top") {
   Heap heap(10, 1, {1, 1, 1, 1, 0.25});
   const Disk first = heap.settle(5, 1);
@@ -281,14 +261,6 @@ TEST_CASE("deposit: the same for sizes and boxes at random, sizes up to 1 : 10^4
     deposit.width = 2 * deposit.sizes.radius_max * widths[random.below(3)];
     check_deposit(deposit, deposit.width);
   }
-}
-
-TEST_CASE("drop and roll: a small disk between a small one and a huge one touches both") {
-  const Disk huge{0, 5000, 5000}, small{5000.4, 4999, 0.5};
-  const Point c = *roll_against(huge, small, 0.5, Side::right);
-  CHECK(std::abs(std::hypot(c[0] - huge.x, c[1] - huge.y) - 5000.5) < 2e-12);
-  CHECK(std::abs(std::hypot(c[0] - small.x, c[1] - small.y) - 1) < 2e-12);
-  CHECK(c[1] > small.y);
 }
 
 TEST_CASE("deposit: a hundred thousand grains") {
