@@ -84,6 +84,12 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   CHECK((frozen_contraction(parts, stick, {}) - generic).norm() < 1e-9 * generic.norm());
   const Matrix enriched = dense(contraction(linear, Enriched{.eta = 0.5}, LinearViscous{.epsilon = 0}));
   CHECK((frozen_contraction(parts, stick, InterfaceFamily(linear).at(0.5)) - enriched).norm() < 1e-8 * enriched.norm());
+  for (const double omega : {0.4, 1.7}) {
+    Contraction b = contraction(linear, Generic{}, LinearViscous{.epsilon = 0});
+    b.relaxation = omega;
+    const Matrix relaxed = dense(b);
+    CHECK((frozen_contraction(parts, stick, {}, omega) - relaxed).norm() < 1e-9 * relaxed.norm());
+  }
 }
 
 TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding contacts too") {

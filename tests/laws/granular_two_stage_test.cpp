@@ -3,6 +3,8 @@
 // subdomains comes to the same velocities, whatever the variant, and no bit depends on threads.
 #include "../support/granular.hpp"
 #include "../support/granular_solution.hpp"
+#include "ddm/granular_interface.hpp"
+#include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 
 #include <doctest/doctest.h>
@@ -265,6 +267,68 @@ TEST_CASE("METIS parts come to the velocities of the whole as well") {
   const Close step = closely(simulation);
   CHECK(step.gluing < 1e-9);
   CHECK(largest_difference(step.velocities, reference.velocities, simulation.system.disks()) < 1e-8);
+}
+
+TEST_CASE("the generic Stage 2 brings the copies of every grain together at once, and keeps their momentum") {
+  Dynamics dynamics = shaking("coulomb");
+  set(dynamics.solver, {.name = "generic"});
+  const PreparedStep step = prepare_solution(shaken_lattice(6, 6, dynamics, {3, 3}));
+  GranularDecomposition parts = step.iteration.parts();
+  RandomStream random(5);
+  for (GranularSubdomain& subdomain : parts.subdomains)
+    for (DiskVelocity& v : subdomain.velocities)
+      for (double* component : {&v.x, &v.y, &v.rim}) *component = 2 * random.uniform() - 1;
+  const auto momentum = [&] {
+    Eigen::Vector3d sum{0, 0, 0};
+    for (const GranularSubdomain& subdomain : parts.subdomains)
+      for (const DiskVelocity& v : subdomain.velocities)
+        sum += Eigen::Vector3d(v.x, v.y, v.rim) / v.inverse_mass;  // of equal disks
+    return sum;
+  };
+  const Vector jumps = interface_jumps(parts);
+  const Eigen::Vector3d before = momentum();
+  REQUIRE(jumps.norm() > 1);
+  apply_interface_impulses(parts, generic_interface_solve(parts, jumps));
+  CHECK(interface_jumps(parts).norm() < 1e-13 * jumps.norm());
+  CHECK((momentum() - before).norm() < 1e-12);
+}
+
+TEST_CASE("a step that starts from the impulses and the gluing of another is where that was, cross points too") {
+  Dynamics dynamics = shaking("coulomb");
+  set(dynamics.solver, {.name = "generic"});
+  const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 3});
+  PreparedStep step = prepare_solution(simulation);
+  Index cross_points = 0;
+  for (Index grain = 0; grain < simulation.system.disks(); ++grain)
+    cross_points += step.iteration.parts().interface.multiplicity(grain) > 2;
+  REQUIRE(cross_points > 0);
+  for (int k = 0; k < 7; ++k) step.iteration.iterate();
+  const GranularTwoStage& met = step.iteration;
+  StepProblem problem = step.problem;
+  problem.contacts = met.contacts(step.problem);
+  GranularTwoStage started(decompose(problem, step.partition, dynamics.solver.order, 1),
+                           contact_law(dynamics.interaction, problem.h), dynamics.solver, {});
+  started.start(met.gluing());
+  CHECK((started.interface_impulses() - met.interface_impulses()).norm() < 1e-12 * met.interface_impulses().norm());
+  for (std::size_t e = 0; e < met.parts().subdomains.size(); ++e) {
+    const auto& copies = met.parts().subdomains[e].velocities;
+    CHECK(largest_difference(started.parts().subdomains[e].velocities, copies, count(copies)) < 1e-12);
+  }
+}
+
+TEST_CASE("conjugate gradients glue a linear step of n interface unknowns in n iterations") {
+  Dynamics dynamics = shaking("linear_viscous");
+  dynamics.interaction.epsilon = 1;
+  set(dynamics.solver, {.name = "", .sweeps = 300, .method = "conjugate_gradient"});
+  PreparedStep step = prepare_solution(shaken_lattice(4, 4, dynamics, {2, 1}));
+  const Index n = step.iteration.parts().interface_size();
+  REQUIRE(n >= 9);
+  double first = 0, last = 0;
+  for (Index k = 1; k <= n + 1; ++k) {
+    last = step.iteration.iterate().gluing;
+    if (k == 1) first = last;
+  }
+  CHECK(last < 1e-11 * first);
 }
 
 TEST_CASE("semi-implicit: the interface is solved once, then left alone") {
