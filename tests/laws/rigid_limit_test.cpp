@@ -94,6 +94,22 @@ TEST_CASE("rigid limit along eta: what does not depend on it is found once, and 
   CHECK(warm < 0.9 * static_cast<double>(cold));
 }
 
+TEST_CASE("rigid limit: a number of unit eigenvalues that no count next to zero confirms is no result") {
+  const InterfaceFamily family(build(hexagons(24, 24, {4, 1})).parts);
+  const Contraction b{family.at(infinity), family.at(0)};
+  Continuation memory;
+  const SpectralRadius right = shift_inverted(b, &memory);
+  REQUIRE(right.converged);
+  REQUIRE(right.unit_multiplicity > 1);
+  for (const Index wrong : {right.unit_multiplicity - 1, right.unit_multiplicity + 1}) {
+    CAPTURE(wrong);
+    memory.forget_ends();
+    memory.limit->kernel = wrong;  // as if a rank had been wrong by one
+    memory.limit->confirmed = false;
+    CHECK_FALSE(shift_inverted(b, &memory).converged);
+  }
+}
+
 TEST_CASE("rigid limit along eta: a point that cannot be proved spoils none of the others") {
   const InterfaceFamily family(build(hexagons(384, 12, {32, 1})).parts);
   const auto at = [&](double eta) { return Contraction{family.at(eta), family.at(0)}; };

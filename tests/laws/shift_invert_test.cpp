@@ -105,6 +105,34 @@ TEST_CASE("shift-invert: ends, certificates and multiplicities of every packing"
   CHECK(counted > 0.9 * compared);
 }
 
+TEST_CASE("shift-invert: a list has both copies of every double eigenvalue") {
+  int lists = 0;
+  for (const Case& one : packings_up_to(400)) {
+    if (one.spec.name.find("twice") == std::string::npos) continue;
+    const InterfaceFamily family(build(one).parts);
+    for (const auto& [epsilon, eta] : {Flexibilities{1e-2, infinity}, {1.0, infinity}, {1.0, 0.1}})
+      for (const Index wanted : {3, 4, 7}) {
+        CAPTURE(epsilon);
+        CAPTURE(eta);
+        CAPTURE(wanted);
+        const Contraction b{family.at(eta), family.at(epsilon)};
+        const DenseSpectrum dense(b);
+        const Index n = dense.lambda.size();
+        const SpectralRadius found = judged_radius(b, shift_invert(wanted, false));
+        REQUIRE(found.converged);
+        REQUIRE(count(found.low) == wanted);
+        REQUIRE(count(found.high) == wanted);
+        const double slack = found.residual + rounding(dense, epsilon);
+        for (Index k = 0; k < wanted; ++k) {
+          CHECK(std::abs(found.low[at(k)] - (1 - dense.lambda[n - 1 - k])) <= slack);
+          CHECK(std::abs(found.high[at(k)] - (1 - dense.lambda[k])) <= slack);
+        }
+        ++lists;
+      }
+  }
+  CHECK(lists > 0);
+}
+
 TEST_CASE("shift-invert: contacts restricted in Stage 1") {
   for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(200, {4, 1})}) {
     CAPTURE(one.spec.name);

@@ -2,6 +2,7 @@
 // Laws of the contraction operator, stated once and run on every problem.
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "../support/spectra.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
@@ -11,6 +12,7 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 
 using namespace nscdd;
@@ -133,6 +135,25 @@ TEST_CASE("rigid limit: the multiplicity of 1 is that counted from ranks, for ev
       CHECK((scaled * limit.kernel().kernel).norm() < 1e-10);
     }
   });
+}
+
+TEST_CASE("certificates of the dense solver count the eigenvalues in the interval of each end") {
+  constexpr double rounding = 1e-11;  // of eigenvalues found by two solvers
+  Index unlike = 0;
+  on_every_problem([&](const Model& model) {
+    const InterfaceFamily family(model.parts);
+    const Contraction b{family.at(infinity), family.at(0.1)};
+    const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::dense, .certify = true});
+    REQUIRE(found.certified);
+    const DenseSpectrum all(b);
+    const auto counted = [&](const std::array<double, 2>& interval) {
+      return all.between(1 - interval[1] - rounding, 1 - interval[0] + rounding);
+    };
+    CHECK(found.within_min == counted(found.interval_min));
+    CHECK(found.within_max == counted(found.interval_max));
+    unlike += found.within_min != found.within_max;
+  });
+  CHECK(unlike > 0);
 }
 
 TEST_CASE("isostatic: rho(B_0,eta) goes to 0 linearly with eta (4 disks: 0.626 eta)") {

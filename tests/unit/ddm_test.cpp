@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
+#include "ddm/map_radius.hpp"
 #include "ddm/two_stage.hpp"
 #include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -225,6 +226,20 @@ TEST_CASE("two-stage iteration: sweeps below 1 are refused") {
   const Model model = build(strip(4));
   CHECK_THROWS_AS(TwoStageIteration(model.parts, LinearViscous{1}, InterfaceFamily(model.parts).at(1), Index{0}),
                   Error);
+}
+
+TEST_CASE("radius of a map: converged where the residual is as small as asked for, not where ARPACK stops") {
+  const Vector values = Vector::LinSpaced(300, 0.1, 0.9);
+  const LinearMap map = [&](const Vector& x) -> Vector { return values.cwiseProduct(x); };
+  for (const double tolerance : {1e-12, 0.1}) {
+    const SpectralOptions options{
+        .solver = SpectralSolver::arpack, .tolerance = tolerance, .arpack = {.tolerance = 1e-2}};
+    const MapRadius found = map_radius(300, map, options, UnitEigenvalues::none);
+    REQUIRE(found.solver == "arpack");
+    REQUIRE(found.residual > 1e-12);
+    REQUIRE(found.residual < 0.1);
+    CHECK(found.converged == (tolerance == 0.1));
+  }
 }
 
 TEST_CASE("optimum: spectra that do not converge make no optimum") {

@@ -232,6 +232,22 @@ TEST_CASE("relaxed: an empty interface and a search without result stay what the
   CHECK_FALSE(relaxed(failed, 0.5, 1e-8).converged);  // however small its residual
 }
 
+TEST_CASE("shift-invert: what rounding takes counts as residual, and there is no convergence beyond the tolerance") {
+  const InterfaceFamily family(build(with_unequal_masses(random_lattice(2, 8, 6, {3, 2}), 7)).parts);
+  int lost = 0;
+  for (const double epsilon : {1e-6, 1e-4})
+    for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= 0.8) {
+      CAPTURE(epsilon);
+      CAPTURE(tolerance);
+      const SpectralRadius found = spectral_radius({family.at(infinity), family.at(epsilon)},
+                                                   {.solver = SpectralSolver::shift_invert, .tolerance = tolerance});
+      REQUIRE(found.value < 1);
+      CHECK(found.converged == (found.residual <= tolerance));
+      lost += !found.converged;
+    }
+  CHECK(lost > 0);
+}
+
 TEST_CASE("matrix-free: the residual is that of the worse end") {
   const InterfaceFamily family(build(random_lattice(2, 8, 6, {3, 2})).parts);
   const Contraction b{family.at(0.3), family.at(0.05)};
