@@ -9,8 +9,10 @@
 #include "linalg/range_projector.hpp"
 #include "linalg/scalar_search.hpp"
 #include "linalg/sparse_cholesky.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 
+#include <Eigen/Cholesky>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -45,6 +47,16 @@ TEST_CASE("pencil: the residual tells a wrong eigenvalue: scaled error seen thro
   const PencilEnds ill = pencil_ends(a, p);
   REQUIRE(ill.definite);
   CHECK(ill.residual > 1e3 * well);
+}
+
+TEST_CASE("pencil: a value that is off by d leaves the residual d, whatever P") {
+  const KnownPencil pencil(Vector::LinSpaced(20, -1, 2), 9);
+  const PencilEnds ends = pencil_ends(pencil.a, pencil.p, 3);
+  const Matrix p = pencil.p, lower = p.llt().matrixL();
+  for (const double d : {1e-3, -0.1, 5.0}) {
+    const Vector values = ends.low.array() + d;
+    CHECK(pair_residual(pencil.a, p, lower, values, ends.low_vectors) == doctest::Approx(std::abs(d)).epsilon(1e-9));
+  }
 }
 
 TEST_CASE("pencil: multiple eigenvalues, the zero matrix, an indefinite P, numbers that are none") {
@@ -190,6 +202,39 @@ TEST_CASE("ranks: a column counts from the tolerance on, not from a few times th
   }
 }
 
+TEST_CASE("ranks: where factors with tolerances next to the one asked for disagree, the eigenvalues decide") {
+  const double tolerance = 1e-3;
+  // Pairs of unit columns whose smaller eigenvalues lie between the tolerances that are tried.
+  const std::vector<double> shares{0.17, 0.55, 1.7, 5.5};
+  Matrix pairs = Matrix::Zero(8, 8);
+  for (Index k = 0; k < 4; ++k) {
+    const double angle = std::acos(1 - shares[at(k)] * tolerance * tolerance);
+    pairs.block(2 * k, 2 * k, 2, 2) << 1, std::cos(angle), 0, std::sin(angle);
+  }
+  const SparseMatrix a = pairs.sparseView();
+  CHECK_FALSE(RangeProjector(a, tolerance).conclusive());
+  CHECK(sparse_rank(a, tolerance) == 6);
+}
+
+TEST_CASE("ranks: one that rounding may have decided is not conclusive") {
+  int doubtful = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    for (const Index rank : {3, 20}) {
+      CAPTURE(seed);
+      CAPTURE(rank);
+      const Matrix product = random_matrix(60, rank, seed) * random_matrix(rank, 40, seed + 100);
+      const SparseMatrix a = product.sparseView();
+      for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9}) {
+        CAPTURE(tolerance);
+        const RangeProjector range(a, tolerance);
+        if (range.conclusive()) CHECK(range.rank() == rank);
+        if (tolerance == 1e-6) CHECK(range.conclusive());
+        doubtful += !range.conclusive();
+      }
+    }
+  CHECK(doubtful > 0);
+}
+
 TEST_CASE("dense least squares: directions within rounding of none do not count, the solution has least norm") {
   const Matrix product = random_matrix(30, 5, 5) * random_matrix(5, 12, 6);
   const Vector b = RandomStream(3).normal_vector(30);
@@ -252,4 +297,18 @@ TEST_CASE("sparse least squares: the solution of least norm, wide and tall, of a
     }
     CHECK(minimum_norm_least_squares(a, Vector::Zero(rows)).norm() == 0);
   }
+}
+
+TEST_CASE("sparse least squares: differences of neighbours, whose inverse is the sum, thousands of them") {
+  // The condition of A^T A grows with n^2: conjugate gradients without a good inverse need n iterations.
+  const Index n = 4000;
+  SparseEntries entries;
+  for (Index i = 0; i < n; ++i) {
+    entries.add(i, i, 1);
+    if (i > 0) entries.add(i, i - 1, -1);
+  }
+  const Vector b = RandomStream(11).normal_vector(n);
+  Vector sums = b;
+  for (Index i = 1; i < n; ++i) sums[i] += sums[i - 1];
+  CHECK((minimum_norm_least_squares(entries.matrix(n, n), b) - sums).norm() < 1e-8 * sums.norm());
 }

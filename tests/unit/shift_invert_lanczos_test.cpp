@@ -169,6 +169,24 @@ TEST_CASE("shift-invert Lanczos: too small a problem is refused, too few steps a
     CHECK((spread(150).array() - found.values[k]).abs().minCoeff() <= found.bounds[k]);
 }
 
+TEST_CASE("shift-invert Lanczos: bounds hold where they are nearly sharp") {
+  // Two steps on two pairs of neighbours, fifty copies of each: either Ritz value lies between those of a pair, as far
+  // from the eigenvalues as its residual says.
+  const double inverses[] = {0.9, 1.1, 2.9, 3.1};
+  const Index n = 200;
+  Vector nu(n);
+  for (Index i = 0; i < n; ++i) nu[i] = inverses[i % 4];
+  const LinearMap inverse = [&](const Vector& x) -> Vector { return nu.cwiseProduct(x); };
+  const LinearMap mass = [](const Vector& x) { return x; };
+  const ShiftInvertResult found =
+      shift_invert_lanczos(n, inverse, mass, 0, SpectrumEnd::smallest, 1, {.maximum_steps = 2});
+  CHECK(found.applications == 2);
+  REQUIRE(found.values.size() == 1);
+  const double distance = (nu.cwiseInverse().array() - found.values[0]).abs().minCoeff();
+  CHECK(distance <= found.bounds[0]);
+  CHECK(distance > 0.3 * found.bounds[0]);
+}
+
 TEST_CASE("pencil ends: several eigenvalues against Eigen's generalised solver") {
   for (const Index n : {1, 2, 5, 30, 90}) {
     const Dense random = random_matrix(n, n, 6);
