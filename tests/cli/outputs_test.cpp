@@ -181,9 +181,9 @@ TEST_CASE("output: a killed run with --force destroys nothing") {
 
 TEST_CASE("output: two outputs under one name are refused") {
   const Session session;
-  check_refused(session, "sweep disks4 --epsilon 1 --csv same --hdf5 same", {"same"});
-  check_refused(session, "sweep disks4 --epsilon 1 --csv same --hdf5 ./same --force", {"same"});
-  check_refused(session, "network disks4 --csv same --grains same --force", {"same"});
+  check_refused(session, "sweep disks4 --epsilon 1 --csv same --hdf5 same", {"same", "each output"});
+  check_refused(session, "sweep disks4 --epsilon 1 --csv same --hdf5 ./same --force", {"same", "each output"});
+  check_refused(session, "network disks4 --csv same --grains same --force", {"same", "each output"});
 }
 
 TEST_CASE("output: an unwritable place is refused") {

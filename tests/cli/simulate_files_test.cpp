@@ -3,6 +3,7 @@
 #include "../support/moving_case.hpp"
 #include "formats/trajectory.hpp"
 #include "session.hpp"
+#include <nscdd/core/version.hpp>
 
 #include <doctest/doctest.h>
 
@@ -46,6 +47,14 @@ TEST_CASE("simulate: a second name of a trajectory keeps the version it has") {
   answer(session, "simulate shear.toml --steps 5 --restart -o run.h5");
   CHECK(session.read("kept.h5") == before);
   CHECK(session.last_step("run.h5") == 5);
+}
+
+TEST_CASE("simulate: a trajectory of another build of the program is not gone on with") {
+  const MovingSession session;
+  answer(session, "simulate shear.toml --steps 2 -o run.h5");
+  const std::string build = nscdd::build_fingerprint(), other(build.size(), 'x');
+  session.file("run.h5", replaced(session.read("run.h5"), build, other));
+  check_refused(session, "simulate shear.toml --steps 4 --restart -o run.h5", {"run.h5", "build", build, other});
 }
 
 TEST_CASE("simulate: a restart that is refused for its table leaves the trajectory as it was") {

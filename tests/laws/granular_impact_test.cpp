@@ -158,3 +158,21 @@ TEST_CASE("a chain of equal touching disks hit by another with e = 0 moves as on
   advance(simulation);
   for (const double v : simulation.state.velocity_x) CHECK(v == doctest::Approx(1.0).epsilon(1e-10));
 }
+
+TEST_CASE("a disk that moves away from another is not driven into it by a third, whatever the restitution") {
+  // Disks 0, 1 and 2 touch in a row. Disk 1 moves away from disk 0 when disk 2 hits it. Disks 0 and 1, which did not
+  // approach each other, move on with one velocity u; disk 2 is thrown back: 3 u + e (1 + 3) = 1 - 3.
+  for (const double e : {0.25, 0.5, 1.0}) {
+    CAPTURE(e);
+    Dynamics dynamics = without_gravity();
+    dynamics.interaction.restitution = e;
+    dynamics.time.theta = 1;  // contacts are found where the disks are
+    Simulation simulation = simulation_of({{}, {.x = 1, .velocity_x = 1}, {.x = 2, .velocity_x = -3}}, dynamics);
+    advance(simulation);
+    const double together = -(2 + 4 * e) / 3;
+    const std::vector<double>& v = simulation.state.velocity_x;
+    CHECK(v[0] == doctest::Approx(together).epsilon(1e-8));
+    CHECK(v[1] == doctest::Approx(together).epsilon(1e-8));
+    CHECK(v[2] == doctest::Approx(together + 4 * e).epsilon(1e-8));
+  }
+}

@@ -389,3 +389,18 @@ TEST_CASE("warm start: a column at rest is solved at a fraction of its first cos
     CHECK(advance(simulation).last.iteration <= cold / 5);
   }
 }
+
+TEST_CASE("warm start: a pile that friction holds is solved at a fraction of its first cost") {
+  Dynamics dynamics = tight();
+  dynamics.interaction.friction = 0.5;
+  dynamics.solver.criterion = "zeta";
+  dynamics.solver.tolerance = 1e-12;
+  dynamics.solver.warm_start = true;
+  dynamics.boundaries = {floor_wall()};
+  Simulation simulation =
+      simulation_of({{.x = -0.5, .y = 0.5}, {.x = 0.5, .y = 0.5}, {.x = 0, .y = 0.5 + std::sqrt(0.75)}}, dynamics);
+  const Index cold = advance(simulation).last.iteration;
+  CHECK(cold > 20);
+  advance(simulation, 3);
+  CHECK(advance(simulation).last.iteration <= cold / 5);
+}

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a step ends: every status, and nothing that is no number passes for converged.
 #include "../support/granular.hpp"
+#include "simulation/iteration_watch.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace nscdd;
@@ -36,6 +38,35 @@ TEST_CASE("status: stalled when rounding keeps a criterion from falling for 10 0
   CHECK(step.report.status == SolverStatus::stalled);
   CHECK(step.report.last.iteration < 20'000);
   CHECK(step.report.residual.relative_natural_map() < 1e-13);
+}
+
+TEST_CASE("status: an iteration that took long to make progress is waited for four times as long") {
+  StepSolver solver;
+  solver.criterion = "zeta";
+  solver.tolerance = 0;
+  solver.maximum_iterations = 1'000'000;
+  for (const Index progress : {100, 5000}) {
+    CAPTURE(progress);
+    IterationWatch watch(solver);
+    Index iteration = 0;
+    std::optional<SolverStatus> status;
+    while (!status) {
+      ++iteration;
+      const double zeta = 1 / static_cast<double>(std::min(iteration, progress));
+      status = watch.judge({.iteration = iteration, .zeta = zeta, .impulses = 1}, {});
+    }
+    CHECK(*status == SolverStatus::stalled);
+    CHECK(iteration == progress + std::max<Index>(10'000, 4 * progress));
+  }
+}
+
+TEST_CASE("status: diverged as soon as impulses are a million times those of the first iterations") {
+  StepSolver solver;
+  solver.criterion = "zeta";
+  IterationWatch watch(solver);
+  for (Index k = 1; k <= 20; ++k) CHECK_FALSE(watch.judge({.iteration = k, .zeta = 1, .impulses = 4}, {}));
+  CHECK_FALSE(watch.judge({.iteration = 21, .zeta = 1, .impulses = 3.9e12}, {}));  // squares
+  CHECK(watch.judge({.iteration = 22, .zeta = 1, .impulses = 4.1e12}, {}) == SolverStatus::diverged);
 }
 
 TEST_CASE("status: diverged under an enrichment that is far too stiff, and the state is as it was") {

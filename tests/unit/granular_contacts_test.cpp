@@ -189,23 +189,28 @@ TEST_CASE("a table of velocities moves a boundary by its integral, exactly where
   CHECK(s.state.x[2] == doctest::Approx(path - 2 * std::sin(angle)).epsilon(1e-11));
 }
 
-TEST_CASE("a disk on a spinning drum is set going as on a belt of the speed of its surface") {
+TEST_CASE("a disk on a spinning drum is set going as on a belt of the speed of its surface, wherever the drum is") {
   // The top of the drum moves at -2.25 m/s; sticking, the disk gets a third of it and spins the other way.
-  Dynamics dynamics = tight();
-  dynamics.interaction.friction = 100;
-  BoundarySpec drum;
-  drum.name = "drum";
-  drum.shape = BoundaryShape::grains;
-  drum.first = drum.last = 1;
-  drum.motion = moving({0, 0, 3}, {0, 0});
-  dynamics.boundaries = {drum};
-  Simulation s = simulation_of({{.y = 1.25, .radius = 0.5, .mass = 2}, {.radius = 0.75}}, dynamics);
-  const StepReport report = advance(s);
-  CHECK(s.state.velocity_x[0] == doctest::Approx(-0.75).epsilon(1e-12));
-  CHECK(s.state.spin[0] == doctest::Approx(-1.5 / 0.5).epsilon(1e-12));
-  CHECK(s.state.spin[1] == 3);
-  // The drum gives the impulse 2 kg x 0.75 m/s at 2.25 m/s.
-  CHECK(report.energy.boundary_work == doctest::Approx(2 * 0.75 * 2.25).epsilon(1e-12));
+  for (const std::array<double, 2> centre : {std::array{0.0, 0.0}, std::array{4.0, -2.0}}) {
+    CAPTURE(centre[0]);
+    Dynamics dynamics = tight();
+    dynamics.interaction.friction = 100;
+    BoundarySpec drum;
+    drum.name = "drum";
+    drum.shape = BoundaryShape::grains;
+    drum.first = drum.last = 1;
+    drum.motion = moving({0, 0, 3}, centre);
+    dynamics.boundaries = {drum};
+    Simulation s = simulation_of({{.x = centre[0], .y = centre[1] + 1.25, .radius = 0.5, .mass = 2},
+                                  {.x = centre[0], .y = centre[1], .radius = 0.75}},
+                                 dynamics);
+    const StepReport report = advance(s);
+    CHECK(s.state.velocity_x[0] == doctest::Approx(-0.75).epsilon(1e-12));
+    CHECK(s.state.spin[0] == doctest::Approx(-1.5 / 0.5).epsilon(1e-12));
+    CHECK(s.state.spin[1] == 3);
+    // The drum gives the impulse 2 kg x 0.75 m/s at 2.25 m/s.
+    CHECK(report.energy.boundary_work == doctest::Approx(2 * 0.75 * 2.25).epsilon(1e-12));
+  }
 }
 
 TEST_CASE("prepare_step refuses what cannot be computed, and names it") {

@@ -65,6 +65,8 @@ TEST_CASE("case file: written and read back it is the same case") {
   CHECK(parse(to_toml(metis)).loads.compression == metis.loads.compression);
   CHECK(parse(to_toml(metis)).loads.shear == metis.loads.shear);
   CHECK(std::get<MetisPartitioner>(parse(to_toml(metis)).partition).seed == 9);
+  metis.title = "two\nlines, a\ttab, \"quotes\" and \\, \x7f";
+  CHECK(parse(to_toml(metis)).title == metis.title);
 }
 
 TEST_CASE("case file: every error names file, line and key") {

@@ -2,7 +2,9 @@
 // What resuming rests on: rows known by number, records that tell work apart, cells that read back to the
 // bit.
 #include "../support/problems.hpp"
+#include "../support/run_program.hpp"
 #include "core/fingerprint.hpp"
+#include "files/resumable_table.hpp"
 #include "files/table_record.hpp"
 #include "study/memory_estimate.hpp"
 #include "study/work_identity.hpp"
@@ -121,6 +123,8 @@ TEST_CASE("work records: equal for equal work, different for anything that rows 
   CHECK(changed([](StudyTable& t) { t.cases[1].spec.masses = {MassModel::density, 2.0}; }).find("case") < 10);
   for (const std::string& found : {changed([](StudyTable& t) { t.sweep.epsilon[0] = 0.5000000001; }),
                                    changed([](StudyTable& t) { t.sweep.eta.pop_back(); }),
+                                   changed([](StudyTable& t) { t.sweep.relative_epsilon = true; }),
+                                   changed([](StudyTable& t) { t.sweep.relative_eta = true; }),
                                    changed([](StudyTable& t) { t.sweep.relaxation.pop_back(); }),
                                    changed([](StudyTable& t) { t.sweep.gauss_seidel_sweeps = {3}; }),
                                    changed([](StudyTable& t) { t.sweep.contacts = ContactSet::active; }),
@@ -176,6 +180,31 @@ TEST_CASE("record files: read back to what was written, whatever it holds") {
   CHECK_THROWS_AS(parse_record(to_toml(record) + "more = 1\n", "x"), Error);
 }
 
+TEST_CASE("resumed rows: whole ones are kept, one cut short is not, and no more than the work has are taken") {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder / "table.csv", partial = path + ".partial";
+  const TableWork work{
+      {"version", "cases", "options", "effort"}, {{"row", "", ""}, {"square", "", ""}}, 3, [](Index row) {
+        return std::vector<std::pair<std::string, Cell>>{{"row", row}};
+      }};
+  const Reopening resume{.resume = true};
+  {
+    ResumableTable table(path, work, resume);
+    table.write({std::int64_t{0}, 0.0});
+    table.leave();
+  }
+  const auto kept = [&](const std::string& rows) {
+    testing::write_file(partial, "row,square\n" + rows);
+    return kept_rows(path, work, resume).rows;
+  };
+  CHECK(kept("0,0\n1,1\n") == 2);
+  CHECK(kept("0,0\n1,1\n2") == 2);
+  CHECK(kept("0,0\n1,1\n2\n") == 2);
+  CHECK(kept("0,0\n1,1\n2,4\n") == 3);
+  CHECK_THROWS_WITH_AS(kept("0,0\n1,1\n2,4\n3,9\n"), doctest::Contains("3 rows at the most"), Error);
+  CHECK_THROWS_WITH_AS(kept("0,0\n2,4\n"), doctest::Contains("expected 1, met 2"), Error);
+}
+
 TEST_CASE("cells read back to the last bit") {
   const Row row{std::int64_t{-3},    0.1 + 0.2, 5e-324, -0.0, infinity, -infinity, not_a_number, true, false,
                 std::string("true"), 1.0};
@@ -206,6 +235,9 @@ TEST_CASE("memory: six matrices for a dense pencil, and the case that needs most
   SweepParameters rigid = dense;
   rigid.epsilon = {1.0, 0.0};
   CHECK(estimated_bytes(model, rigid) > 2 * matrices);
+  SweepParameters chosen = sparse;
+  chosen.contacts = ContactSet::active;
+  CHECK(estimated_bytes(model, chosen) > 1.5 * estimated_bytes(model, sparse));  // impulses, to choose contacts by
   StudyTable table = two_variations();
   const MemoryNeed largest = largest_need(table);
   CHECK(largest.name == "strip4");  // both bases are varied alike: the first of equals

@@ -49,6 +49,12 @@ TEST_CASE("run: steps that were quiet before count") {
   CHECK(simulation.state.step == rest_steps - 7);
 }
 
+TEST_CASE("run: a fast step among slow ones makes them count anew") {
+  Simulation simulation = one_disk(0);
+  CHECK(run_simulation(simulation, {}, {0, 0, 0, 0, 0, 0, 1, 0}).end == RunEnd::at_rest);
+  CHECK(simulation.state.step == rest_steps - 1);
+}
+
 TEST_CASE("run: the slow beginning of a fall is no rest") {
   Simulation simulation = one_disk(0.1);
   simulation.dynamics.time.step = 1e-3;
