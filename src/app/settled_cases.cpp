@@ -5,7 +5,7 @@
 #include "files/csv.hpp"
 #include "files/output_file.hpp"
 #include "formats/case_file.hpp"
-#include "simulation/run_simulation.hpp"
+#include "simulation/simulation.hpp"
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/version.hpp>
 #include <nscdd/formats/packing_file.hpp>

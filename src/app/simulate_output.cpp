@@ -2,7 +2,6 @@
 #include "app/simulate_output.hpp"
 
 #include "app/progress.hpp"
-#include "study/simulation_tables.hpp"
 #include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>

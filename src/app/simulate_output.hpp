@@ -3,7 +3,7 @@
 
 #include "files/csv.hpp"
 #include "formats/trajectory.hpp"
-#include "simulation/run_simulation.hpp"
+#include "simulation/simulation.hpp"
 
 #include <map>
 #include <memory>

@@ -5,7 +5,6 @@
 #include "app/work_options.hpp"
 #include "files/output_file.hpp"
 #include "linalg/threads.hpp"
-#include "study/simulation_tables.hpp"
 #include <nscdd/core/version.hpp>
 
 #include <fmt/format.h>

@@ -2,9 +2,12 @@
 #include "simulation/dynamics.hpp"
 
 #include <nscdd/core/error.hpp>
+#include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace nscdd {
@@ -79,6 +82,142 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
   result.state = initial_state(system, std::move(x), std::move(y));
   check(system, result.state);
   return result;
+}
+
+namespace {
+
+// A parameter that has an effect only if another one has one of these values.
+struct Effect {
+  std::string_view path, with;
+  std::vector<std::string_view> values;
+};
+
+const std::vector<Effect>& effects() {
+  static const std::vector<std::string_view> with_friction{"coulomb", "cohesive"}, divided{"generic", "enriched"},
+      criteria{"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"};
+  static const std::vector<Effect> all{
+      {"interaction.friction", "interaction.law", with_friction},
+      {"interaction.boundary_friction", "interaction.law", with_friction},
+      {"interaction.cohesion", "interaction.law", {"cohesive"}},
+      {"interaction.epsilon", "interaction.law", {"linear_viscous"}},
+      {"interaction.tangential_restitution", "interaction.law", {"coulomb", "cohesive", "linear_viscous"}},
+      {"dynamics.penetration_correction", "interaction.restitution", {"0"}},
+      {"dynamics.maximum_push_speed", "interaction.restitution", {"0"}},
+      {"solver.tolerance", "solver.criterion", criteria},
+      {"solver.gluing_tolerance", "solver.algorithm", divided},
+      {"solver.gluing_tolerance", "solver.criterion", criteria},
+      {"solver.seed", "solver.order", {"random"}},
+      {"solver.eta", "solver.algorithm", {"enriched"}},
+      {"solver.network", "solver.algorithm", {"enriched"}},
+      {"solver.network", "solver.enrichment", {"every_iteration", "first_iteration"}},
+      {"solver.enrichment", "solver.algorithm", {"enriched"}},
+      {"solver.interface_method", "solver.algorithm", divided},
+      {"solver.interface_relaxation", "solver.algorithm", divided},
+      {"solver.interface_relaxation", "solver.interface_method", {"richardson"}},
+      {"solver.redecompose", "solver.algorithm", divided},
+  };
+  return all;
+}
+
+// The value of a parameter of the interaction or the solver as a text without quotes.
+std::string value_of(const Dynamics& dynamics, std::string_view path) {
+  std::string text;
+  for (const FieldDescription& field :
+       path.starts_with("solver.") ? describe_fields(dynamics.solver) : describe_fields(dynamics.interaction))
+    if (path.substr(path.find('.') + 1) == field.key) text = field.value;
+  std::erase(text, '"');
+  return text == "-0.0" ? "0" : text;
+}
+
+// The first entry of the list that keeps the parameter from having an effect; none if it has one.
+const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
+  const auto missing = std::ranges::find_if(effects(), [&](const Effect& effect) {
+    return effect.path == path && std::ranges::count(effect.values, value_of(dynamics, effect.with)) == 0;
+  });
+  return missing == effects().end() ? nullptr : &*missing;
+}
+
+}  // namespace
+
+bool has_effect(const Dynamics& dynamics, std::string_view path) { return missing_for(dynamics, path) == nullptr; }
+
+void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where) {
+  const Effect* missing = missing_for(dynamics, path);
+  if (missing == nullptr) return;
+  std::string values = fmt::format("{}", fmt::join(missing->values, ", "));
+  if (const auto last = values.rfind(", "); last != std::string::npos) values.replace(last, 2, " or ");
+  throw Error(fmt::format("{}: expected {} {} with it, met {}", where, missing->with, values,
+                          value_of(dynamics, missing->with)));
+}
+
+void check(const BoundarySpec& spec) {
+  if (spec.shape == BoundaryShape::grains) return;
+  const double length = length_of(spec);
+  if (!(length > 0) || !std::isfinite(length))
+    throw Error(fmt::format("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})", spec.name,
+                            spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
+  if (spec.shape == BoundaryShape::wall) return;
+  if (!(spec.radius > 0))
+    throw Error(fmt::format("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius));
+  constexpr double most = 1e7;
+  if (!(length / spec.distance() < most))
+    throw Error(fmt::format("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name,
+                            most, length, spec.distance()));
+}
+
+namespace {
+
+std::string motion_lines(const Motion& motion) {
+  std::string text;
+  if (motion.centre != std::array<double, 2>{0, 0}) text += fmt::format("centre = {}\n", field_text(motion.centre));
+  if (motion.velocity.empty()) return text;
+  if (motion.velocity.size() == 1 && motion.time.front() == 0) {
+    const RigidVelocity& v = motion.velocity.front();
+    return text + fmt::format("velocity = [{}, {}]\nspin = {}\n", field_text(v.x), field_text(v.y), field_text(v.spin));
+  }
+  text += "motion = [";
+  for (std::size_t k = 0; k < motion.velocity.size(); ++k) {
+    const RigidVelocity& v = motion.velocity[k];
+    text += fmt::format("{}[{}, {}, {}, {}]", k == 0 ? "" : ", ", field_text(motion.time[k]), field_text(v.x),
+                        field_text(v.y), field_text(v.spin));
+  }
+  return text + "]\n";
+}
+
+// A parameter without effect is written with its default, so that equal runs have equal texts.
+template <class Parameters>
+std::string effective_lines(const Dynamics& dynamics, std::string_view section, const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
+  std::string lines;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const bool effective = has_effect(dynamics, fmt::format("{}.{}", section, now[k].key));
+    lines += fmt::format("{} = {}\n", now[k].key, effective ? now[k].value : by_default[k].value);
+  }
+  return lines;
+}
+
+std::string boundary_lines(const BoundarySpec& spec) {
+  std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
+  if (spec.shape == BoundaryShape::grains) {
+    text += fmt::format("first = {}\nlast = {}\n", spec.first, spec.last);
+  } else {
+    text += fmt::format("from = {}\nto = {}\n", field_text(spec.from), field_text(spec.to));
+    if (spec.shape == BoundaryShape::disks)
+      text += fmt::format("radius = {}\nspacing = {}\n", field_text(spec.radius), field_text(spec.spacing));
+  }
+  if (spec.orientation != Orientation::turning)
+    text += fmt::format("orientation = \"{}\"\n", to_string(spec.orientation));
+  return text + motion_lines(spec.motion);
+}
+
+}  // namespace
+
+std::string to_toml(const Dynamics& dynamics) {
+  std::string text = "\n[interaction]\n" + effective_lines(dynamics, "interaction", dynamics.interaction);
+  text += "\n[dynamics]\n" + effective_lines(dynamics, "dynamics", dynamics.time);
+  text += "\n[solver]\n" + effective_lines(dynamics, "solver", dynamics.solver);
+  for (const BoundarySpec& spec : dynamics.boundaries) text += "\n[[boundary]]\n" + boundary_lines(spec);
+  return text;
 }
 
 }  // namespace nscdd

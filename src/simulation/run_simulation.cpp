@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation/run_simulation.hpp"
-
+#include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <utility>
+#include <span>
 
 namespace nscdd {
 namespace {
@@ -18,9 +16,8 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
                                            std::string& reason) {
   try {
     SolvedStep step = solve_step(simulation, sink);
-    const SolverStatus status = step.report.status;
-    if (status != SolverStatus::diverged && status != SolverStatus::no_number) return step;
-    reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, to_string(status),
+    if (!step.report.broke_down()) return step;
+    reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, to_string(step.report.status),
                          step.report.last.iteration, describe_breakdown(simulation, step));
   } catch (const Error& error) {
     if (simulation.state.step == 0) throw;
@@ -31,24 +28,12 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
 
 // Whether grains have come to rest: they were slow for `rest_steps` steps, and not faster from each step to
 // the next, which is how a fall begins.
-class RestWatch {
- public:
-  explicit RestWatch(double rest_speed) : rest_speed_(rest_speed) {}
-
-  void add(double speed) {
-    if (!(speed < rest_speed_)) slow_.clear();
-    if (speed < rest_speed_) slow_.push_back(speed);
-  }
-  bool at_rest() const {
-    if (count(slow_) < rest_steps) return false;
-    const auto begin = slow_.end() - rest_steps;
-    return std::adjacent_find(begin, slow_.end(), std::greater_equal<>()) != slow_.end();
-  }
-
- private:
-  double rest_speed_;
-  std::vector<double> slow_;
-};
+bool at_rest(const std::vector<double>& speeds, double rest_speed) {
+  if (count(speeds) < rest_steps) return false;
+  const auto last = std::span(speeds).last(at(rest_steps));
+  return std::ranges::all_of(last, [&](double speed) { return speed < rest_speed; }) &&
+         std::ranges::adjacent_find(last, std::ranges::greater_equal()) != last.end();
+}
 
 }  // namespace
 
@@ -59,32 +44,18 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
   return std::sqrt(2 * kinetic_energy / mass);
 }
 
-RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, const std::vector<double>& speeds_before) {
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::vector<double> speeds) {
   const TimeStepping time = simulation.dynamics.time;
-  RunOutcome outcome;
-  RestWatch rest(time.rest_speed);
-  for (const double speed : speeds_before) rest.add(speed);
-  while (simulation.state.step < time.steps && !rest.at_rest()) {
-    std::optional<SolvedStep> solved = solve_or_explain(simulation, sinks.iteration, outcome.reason);
-    if (!solved) {
-      outcome.end = RunEnd::broke_down;
-      return outcome;
-    }
-    StepReport report;
-    if (sinks.step) {
-      report = take_step(simulation, *solved);
-      sinks.step(simulation, *solved, report);
-    } else {
-      report = take_step(simulation, *std::move(solved));
-    }
-    rest.add(mean_speed(simulation.system, report.energy.kinetic));
-    if (!nscdd::report(sinks.monitor, simulation.state.step, time.steps)) {
-      outcome.end = RunEnd::stopped;
-      return outcome;
-    }
+  while (simulation.state.step < time.steps && !at_rest(speeds, time.rest_speed)) {
+    std::string reason;
+    const std::optional<SolvedStep> solved = solve_or_explain(simulation, sinks.iteration, reason);
+    if (!solved) return {RunEnd::broke_down, reason};
+    const StepReport report = take_step(simulation, *solved);
+    if (sinks.step) sinks.step(simulation, *solved, report);
+    speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));
+    if (!nscdd::report(sinks.monitor, simulation.state.step, time.steps)) return {RunEnd::stopped};
   }
-  if (rest.at_rest()) outcome.end = RunEnd::at_rest;
-  return outcome;
+  return {at_rest(speeds, time.rest_speed) ? RunEnd::at_rest : RunEnd::completed};
 }
 
 }  // namespace nscdd

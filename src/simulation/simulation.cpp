@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/simulation.hpp"
 
-#include "simulation/iteration_watch.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "simulation/step_partition.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
@@ -19,11 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-bool all_finite(const std::vector<DiskVelocity>& velocities) {
-  return std::all_of(velocities.begin(), velocities.end(), [](const DiskVelocity& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim);
-  });
-}
+bool is_finite(const DiskVelocity& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim); }
 
 // Contacts dissipate; only driven bodies and bodies that are pushed out of each other bring energy, and hand
 // on their speed at most twice over. A step that ends with so many times as much energy as there was went
@@ -59,7 +53,61 @@ Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus
   return changes;
 }
 
+// Rounding or cycling may keep a criterion from falling any further. That is taken for certain after so many
+// iterations without progress, and after four times as many as it took to get there: impulses may drift
+// within what the network carries for thousands of iterations until a contact opens.
+constexpr Index patience = 10000;
+constexpr double explosion = 1e6;
+
+// If F did not change (there is no interface, or Stage 2 leaves it alone) or nothing jumps, these two cannot
+// tell that the iterations ended, and zeta stands in for them.
+double criterion_value(Criterion criterion, const IterationRecord& record, const ContactResidual& residual) {
+  switch (criterion) {
+    case Criterion::zeta:
+      return record.zeta;
+    case Criterion::interface_change:
+      return record.interface_change == 0 ? record.zeta : record.interface_change;
+    case Criterion::gluing:
+      return record.gluing == 0 ? record.zeta : record.gluing;
+    case Criterion::natural_map:
+      return residual.relative_natural_map();
+    case Criterion::quad_dv:
+      return residual.quad_dv();
+    case Criterion::mean_dv_over_r:
+      return std::abs(residual.mean_dv_over_r());
+    case Criterion::none:
+      break;
+  }
+  return infinity;  // as many iterations as allowed
+}
+
 }  // namespace
+
+bool needs_residual(Criterion criterion) {
+  return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||
+         criterion == Criterion::mean_dv_over_r;
+}
+
+IterationWatch::IterationWatch(const StepSolver& solver)
+    : solver_(solver),
+      watch_({.tolerance = solver.tolerance,
+              .growth = explosion * explosion,  // of squares
+              .patience = patience,
+              .longer = 4},
+             SolverStatus::no_number) {}
+
+std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record, const ContactResidual& residual) {
+  const double value = criterion_value(solver_.criterion, record, residual);
+  if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
+  // Contacts may have settled within subdomains while their copies of shared grains still differ.
+  const bool semi_implicit =
+      solver_.algorithm == StepAlgorithm::enriched && solver_.enrichment == Enrichment::semi_implicit;
+  const bool glued = record.gluing <= solver_.gluing_tolerance || semi_implicit;
+  const auto status = watch_.judge(record.iteration, std::isfinite(record.gluing) ? value : not_a_number,
+                                   record.impulses, first_impulses_, glued);
+  const bool goes_on = !status || *status == SolverStatus::stalled;
+  return goes_on && record.iteration >= solver_.maximum_iterations ? SolverStatus::maximum_reached : status;
+}
 
 bool begins_interval(Index iteration, Index per_decade) {
   const auto interval = [&](Index i) {
@@ -108,13 +156,14 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   report.setup_seconds = seconds_since(begin);
   IterationWatch watch(solver);
   std::vector<ContactStatus> statuses;
-  for (;;) {
+  std::optional<SolverStatus> status;
+  while (!status) {
     const auto start = Clock::now();
     report.last = iteration.iterate();
     report.solve_seconds += seconds_since(start);
     bool look = sink.looks_at(report.last.iteration);
     if (look || needs_residual(solver.criterion)) report.residual = iteration.residual();
-    const std::optional<SolverStatus> status = watch.judge(report.last, report.residual);
+    status = watch.judge(report.last, report.residual);
     if (status && sink.row && !look) {
       look = true;
       report.residual = iteration.residual();
@@ -125,11 +174,8 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
                 .residual = report.residual,
                 .status_changes = changes_of(statuses, iteration.statuses()),
                 .seconds = report.solve_seconds});
-    if (status) {
-      report.status = *status;
-      break;
-    }
   }
+  report.status = *status;
   report.residual = iteration.residual();
   step.contacts = iteration.contacts(step.problem);
   step.velocities = iteration.velocities(step.problem);
@@ -140,7 +186,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   }
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look
   // well.
-  if (!all_finite(step.velocities))
+  if (!std::ranges::all_of(step.velocities, is_finite))
     report.status = SolverStatus::no_number;
   else if (energy_exploded(step.problem, step.velocities))
     report.status = SolverStatus::diverged;
@@ -152,44 +198,41 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   return step;
 }
 
-StepReport take_step(Simulation& simulation, SolvedStep step) {
-  step.report.energy = finish_step(simulation.system, simulation.state, step.problem, simulation.dynamics.time,
-                                   step.contacts, step.velocities);
+StepReport take_step(Simulation& simulation, const SolvedStep& step) {
+  StepReport report = step.report;
+  report.energy = finish_step(simulation.system, simulation.state, step.problem, simulation.dynamics.time,
+                              step.contacts, step.velocities);
   GranularState& state = simulation.state;
-  if (decomposes_afresh(simulation, step.report.step - 1)) {
-    state.decomposed_at = step.report.step - 1;
-    state.eta = std::isnan(step.report.eta) ? 0 : step.report.eta;
+  if (decomposes_afresh(simulation, report.step - 1)) {
+    state.decomposed_at = report.step - 1;
+    state.eta = std::isnan(report.eta) ? 0 : report.eta;
   }
-  state.gluing = std::move(step.gluing);
+  state.gluing = step.gluing;
   state.subdomains.clear();
   for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
     state.subdomains.push_back(
         {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
-  step.report.time = simulation.state.time;
-  return step.report;
+  report.time = state.time;
+  return report;
 }
 
 std::string describe_breakdown(const Simulation& before, const SolvedStep& step) {
-  const auto name = [&](const StepContact& c) {
+  const auto name = [&](auto contact) {
+    const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];
     return fmt::format("contact of {} and {} at ({:.6g}, {:.6g}) m", body_name(before.system, c.a),
                        body_name(before.system, c.b), c.point[0], c.point[1]);
   };
-  std::size_t largest = 0;
-  double size = -1;
-  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
-    const double impulse = std::hypot(step.contacts[k].impulse_n, step.contacts[k].impulse_t);
-    if (!std::isfinite(impulse)) return name(step.problem.geometry[k]) + ": impulse is no number";
-    if (impulse > size) {
-      size = impulse;
-      largest = k;
-    }
-  }
+  const auto impulse = [](const DiskContact& c) { return std::hypot(c.impulse_n, c.impulse_t); };
+  const auto wrong = std::ranges::find_if_not(
+      step.contacts, [](double size) { return std::isfinite(size); }, impulse);
+  if (wrong != step.contacts.end()) return name(wrong) + ": impulse is no number";
   for (std::size_t i = 0; i < step.velocities.size(); ++i)
-    if (!std::isfinite(step.velocities[i].x + step.velocities[i].y + step.velocities[i].rim))
+    if (!is_finite(step.velocities[i]))
       return fmt::format("{} at ({:.6g}, {:.6g}) m: velocity is no number",
                          body_name(before.system, static_cast<Index>(i)), before.state.x[i], before.state.y[i]);
   if (step.contacts.empty()) return "no contact";
-  return fmt::format("{}: largest impulse, {:.6g} N s", name(step.problem.geometry[largest]), size);
+  const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
+  return fmt::format("{}: largest impulse, {:.6g} N s", name(largest), impulse(*largest));
 }
 
 }  // namespace nscdd

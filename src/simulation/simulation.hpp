@@ -2,8 +2,9 @@
 #pragma once
 
 #include "ddm/granular_two_stage.hpp"
+#include "mechanics/progress_watch.hpp"
 #include "simulation/dynamics.hpp"
-#include <nscdd/core/choice.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <functional>
 #include <optional>
@@ -25,6 +26,22 @@ constexpr auto names_of(SolverStatus) {
   return std::to_array<std::string_view>({"converged", "stalled", "maximum_reached", "diverged", "no_number"});
 }
 
+/// Whether a criterion of StepSolver needs the residual of the contact law at every iteration.
+bool needs_residual(Criterion criterion);
+
+/// Decides when the iterations of a step end.
+class IterationWatch {
+ public:
+  explicit IterationWatch(const StepSolver& solver);
+  /// How the iterations ended, or nothing if they go on. `residual` counts only if the criterion needs it.
+  std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
+
+ private:
+  StepSolver solver_;
+  ProgressWatch<SolverStatus> watch_;
+  double first_impulses_ = 0;  // squared, the largest of the first ten iterations
+};
+
 /// One iteration with all its indicators.
 struct IterationRow {
   Index step = 0;  ///< from 1
@@ -33,6 +50,7 @@ struct IterationRow {
   Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the row before
   double seconds = 0;        ///< of the iterations of the step so far, without the indicators
 };
+const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate --convergence`
 
 /// Whether an iteration is the first one in its interval when every decade is cut into `per_decade` intervals
 /// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
@@ -60,7 +78,10 @@ struct StepReport {
   StepEnergy energy;
   double eta = not_a_number;  ///< of the enriched algorithm, 1/kg
   double setup_seconds = 0, solve_seconds = 0;
+
+  bool broke_down() const { return status == SolverStatus::diverged || status == SolverStatus::no_number; }
 };
+const ResultColumns<StepReport>& step_columns();  ///< of the group `summary` of a trajectory
 
 /// A step that is prepared, decomposed and solved, but not yet taken.
 struct SolvedStep {
@@ -88,16 +109,52 @@ PreparedStep prepare_solution(const Simulation& simulation);
 /// written.
 void check_next_step(const Simulation& simulation);
 
-/// Prepares and solves the next step from the state without taking it. The iterations that `sink` looks at go
-/// to it.
+/// Prepares and solves the next step without taking it. The iterations that `sink` looks at go to it.
 SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = {});
 
 /// Takes a solved step, which moves the state on.
-StepReport take_step(Simulation& simulation, SolvedStep step);
+StepReport take_step(Simulation& simulation, const SolvedStep& step);
 
 /// Where a solver broke down, by the names and places of bodies. That is the first contact with an impulse
 /// that is not finite, otherwise the first disk with such a velocity, otherwise the contact with the largest
 /// impulse. `before`: the simulation that the step was solved from.
 std::string describe_breakdown(const Simulation& before, const SolvedStep& step);
+
+/// Why a run of a simulation ended.
+enum class RunEnd {
+  completed,   ///< TimeStepping::steps are done
+  at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, without always rising
+  stopped,     ///< the monitor asked for it
+  broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values not finite
+};
+constexpr auto names_of(RunEnd) {
+  return std::to_array<std::string_view>({"completed", "at rest", "stopped", "broke down"});
+}
+
+/// So many steps in a row grains must be slow to count as at rest: a turning point of their motion is not rest.
+inline constexpr Index rest_steps = 10;
+
+struct RunOutcome {
+  RunEnd end = RunEnd::completed;
+  std::string reason = {};  ///< of a breakdown: the step, and the grain or contact
+};
+
+/// What may follow a run; each may be empty.
+struct RunSinks {
+  IterationSink iteration;
+  /// After each step taken, with the simulation behind it and the step as it was solved.
+  std::function<void(const Simulation& after, const SolvedStep& solved, const StepReport& report)> step;
+  Monitor monitor;  ///< after each step, of steps done and asked for
+};
+
+/// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks
+/// down. In the end the simulation is as the last good step left it. `speeds`: mean_speed after each step of
+/// the run that this one goes on with. Throws Error if the very first step cannot be prepared, because that is
+/// bad input.
+RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::vector<double> speeds = {});
+
+/// Root mean square velocity of the free grains, weighted by mass and with their spin, m/s: sqrt(2 E / m)
+/// with their kinetic energy E and their mass m.
+double mean_speed(const GranularSystem& system, double kinetic_energy);
 
 }  // namespace nscdd

@@ -3,7 +3,6 @@
 
 #include "ddm/granular_decomposition.hpp"
 #include "mechanics/contact_residual.hpp"
-#include "simulation/step_partition.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
 #include <algorithm>
@@ -17,22 +16,16 @@ void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus st
   kept[2 * contact + 1] = status == ContactStatus::stick;
 }
 
-// Columns that impulses may use: a contact without friction has no tangential one. Columns that no impulse
-// can use would make Stage 2 too stiff, and the iterations diverge.
-std::vector<char> usable_columns(const Simulation& simulation, const StepProblem& problem) {
-  const bool always = !opens(contact_law(simulation.dynamics.interaction, problem.h));
-  std::vector<char> kept(2 * problem.contacts.size(), 1);
-  for (std::size_t k = 0; k < problem.contacts.size(); ++k)
-    kept[2 * k + 1] = always || problem.contacts[k].friction > 0;
-  return kept;
-}
-
-// M, H and the partition of a step for the linear analysis, restricted to the columns that impulses may use.
+// M, H and the partition of a step for the linear analysis, restricted to the columns that impulses may use: a
+// contact without friction has no tangential one. Columns that no impulse can use would make Stage 2 too stiff,
+// and the iterations diverge.
 Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
-  const std::vector<char> usable = usable_columns(simulation, problem);
-  if (std::find(usable.begin(), usable.end(), 0) == usable.end()) return all;
-  return restrict_contacts(all, usable);
+  const bool always = !opens(contact_law(simulation.dynamics.interaction, problem.h));
+  std::vector<char> usable(2 * problem.contacts.size(), 1);
+  for (std::size_t k = 0; k < problem.contacts.size(); ++k)
+    usable[2 * k + 1] = always || problem.contacts[k].friction > 0;
+  return std::ranges::count(usable, 0) == 0 ? all : restrict_contacts(all, usable);
 }
 
 // Columns of the contacts that carried an impulse in the last step: both directions of those that stuck, the
@@ -78,10 +71,8 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
                                     const Partition& partition, double eta) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
-  if (solver.network == StageTwoNetwork::active ||
-      solver.enrichment == Enrichment::semi_implicit)  // frozen from the step before
-    return InterfaceFamily(restrict_contacts(all, active_columns(simulation, problem))).at(eta);
-  return InterfaceFamily(all).at(eta);
+  const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
+  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem)) : all).at(eta);
 }
 
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {

@@ -2,10 +2,19 @@
 #pragma once
 
 #include "simulation/dynamics.hpp"
-#include "simulation/step_partition.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
 namespace nscdd {
+
+/// The next step of a simulation before it is divided. Throws Error as prepare_step, and naming both bodies
+/// if two overlap by more than `largest_overlap`.
+StepProblem checked_problem(const Simulation& simulation);
+
+/// Whether a step is partitioned afresh, which happens every `redecompose` steps.
+bool decomposes_afresh(const Simulation& simulation, Index step);
+
+/// The partition of the contacts of a step. Between two fresh ones, known contacts stay where they are.
+Partition partition_step(const Simulation& simulation, const StepProblem& problem);
 
 /// The flexibility with the smallest predicted radius (see optimal_eta) for the network that 100 sweeps of
 /// the undecomposed step find. It is sought anew with every decomposition and kept in between, but raised to

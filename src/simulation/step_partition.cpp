@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation/step_partition.hpp"
-
 #include "ddm/granular_decomposition.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "simulation/simulation.hpp"
+#include "simulation/step_decomposition.hpp"
 
 #include <algorithm>
 

@@ -13,21 +13,19 @@ namespace nscdd {
 namespace {
 
 StepSolver plain_solver() {
-  StepSolver solver;
-  solver.warm_start = true;
-  solver.order = ContactOrder::interleaved;
-  solver.criterion = Criterion::zeta;
-  solver.tolerance = 1e-6;
-  solver.maximum_iterations = 2000;
-  return solver;
+  return {.maximum_iterations = 2000,
+          .criterion = Criterion::zeta,
+          .tolerance = 1e-6,
+          .order = ContactOrder::interleaved,
+          .warm_start = true};
 }
 
 void advance(Arrival& arrival) {
-  SolvedStep step = solve_step(arrival.simulation);
-  if (step.report.status == SolverStatus::diverged || step.report.status == SolverStatus::no_number)
+  const SolvedStep step = solve_step(arrival.simulation);
+  if (step.report.broke_down())
     throw Error(fmt::format("step {}: {}: {}", step.report.step, to_string(step.report.status),
                             describe_breakdown(arrival.simulation, step)));
-  arrival.totals.add(take_step(arrival.simulation, std::move(step)));
+  arrival.totals.add(take_step(arrival.simulation, step));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include "ddm/frozen_iteration.hpp"
 #include "linalg/linear_fit.hpp"
-#include "simulation/iteration_watch.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
@@ -119,7 +118,7 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
          to_string(dynamics.interaction.law));
 }
 
-PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor) {
+PredictedObserved predicted_observed(const Simulation& simulation) {
   require_comparable(simulation.dynamics, simulation.partitioner);
   const StepSolver& solver = simulation.dynamics.solver;
   PreparedStep step = prepare_solution(simulation);
@@ -129,17 +128,14 @@ PredictedObserved predicted_observed(const Simulation& simulation, const Monitor
   PredictedObserved result;
   result.eta = step.eta;
   result.interface_size = parts.interface_size();
-  for (;;) {
+  std::optional<SolverStatus> status;
+  while (!status) {
     const IterationRecord record = step.iteration.iterate();
     stretches.record(record, step.iteration.statuses());
     result.iterations = record.iteration;
-    const ContactResidual residual = needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{};
-    if (const auto status = watch.judge(record, residual)) {
-      result.status = *status;
-      break;
-    }
-    if (!report(monitor, record.iteration, solver.maximum_iterations)) break;
+    status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
   }
+  result.status = *status;
   const Stretch best = stretches.best();
   if (best.statuses.empty()) return result;
   count_statuses(result, best.statuses);

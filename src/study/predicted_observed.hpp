@@ -2,10 +2,6 @@
 #pragma once
 
 #include "simulation/simulation.hpp"
-#include <nscdd/core/table.hpp>
-#include <nscdd/core/types.hpp>
-
-#include <vector>
 
 namespace nscdd {
 
@@ -42,7 +38,7 @@ struct PredictedObserved {
 ///    |F_i - 2 F_{i-1} + F_{i-2}| over the last half of the stretch.
 /// 4. Compare it with the radius of the frozen iteration at the statuses of that stretch.
 /// Throws Error as require_comparable.
-PredictedObserved predicted_observed(const Simulation& simulation, const Monitor& monitor = {});
+PredictedObserved predicted_observed(const Simulation& simulation);
 
 /// Throws Error naming the key for settings whose rate is not predicted. Plain Gauss-Seidel and one subdomain
 /// have no interface. The frozen iteration has no conjugate gradients, no enrichment but that of every

@@ -4,7 +4,7 @@
 #include "../support/studies.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
-#include "simulation/run_simulation.hpp"
+#include "simulation/simulation.hpp"
 
 #include <doctest/doctest.h>
 

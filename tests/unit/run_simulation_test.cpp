@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a run of steps ends.
-#include "simulation/run_simulation.hpp"
-
-#include "study/simulation_tables.hpp"
+#include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>

@@ -7,8 +7,7 @@
 #include "../support/run_program.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
-#include "simulation/run_simulation.hpp"
-#include "study/simulation_tables.hpp"
+#include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 

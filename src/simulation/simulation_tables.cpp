@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/simulation_tables.hpp"
+#include "simulation/simulation.hpp"
 
 #include <cmath>
 
