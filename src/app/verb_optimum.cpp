@@ -5,7 +5,7 @@
 #include "linalg/threads.hpp"
 #include "study/optimum.hpp"
 #include "study/values.hpp"
-#include "study/work_identity.hpp"
+#include "study/study.hpp"
 
 #include <fmt/format.h>
 

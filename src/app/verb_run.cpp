@@ -8,7 +8,6 @@
 #include "formats/case_file.hpp"
 #include "linalg/threads.hpp"
 #include "study/study.hpp"
-#include "study/work_identity.hpp"
 
 #include <fmt/format.h>
 

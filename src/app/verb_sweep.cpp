@@ -5,7 +5,7 @@
 #include "files/hdf5.hpp"
 #include "linalg/threads.hpp"
 #include "study/values.hpp"
-#include "study/work_identity.hpp"
+#include "study/study.hpp"
 
 #include <fmt/format.h>
 

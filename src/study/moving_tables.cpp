@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/steps.hpp"
 
-#include <algorithm>
 #include <array>
+#include <set>
 
 namespace nscdd {
 namespace {
@@ -10,32 +10,20 @@ namespace {
 // Disks after some steps, and the contacts that carry an impulse in the step after them: Figures 8 and 10 of
 // [ADI12].
 
-// Subdomains that hold each disk after a fresh decomposition of the present step, and the lowest of them.
-struct Membership {
-  std::vector<Index> first, multiplicity;
-};
-
-Membership membership(const SolvedStep& step, Index disks) {
-  Membership result{std::vector<Index>(at(disks), -1), std::vector<Index>(at(disks), 0)};
-  std::vector<std::vector<Index>> of_disk(at(disks));
+// Subdomains that hold each disk after a fresh decomposition of the present step.
+std::vector<std::set<Index>> memberships(const SolvedStep& step, Index disks) {
+  std::vector<std::set<Index>> of_disk(at(disks));
   for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
     for (const Index i : {step.problem.geometry[k].a, step.problem.geometry[k].b})
-      if (i < disks) of_disk[at(i)].push_back(step.partition.subdomain_of_contact[k]);
-  for (std::size_t i = 0; i < of_disk.size(); ++i) {
-    auto& all = of_disk[i];
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    result.multiplicity[i] = count(all);
-    if (!all.empty()) result.first[i] = all.front();
-  }
-  return result;
+      if (i < disks) of_disk[at(i)].insert(step.partition.subdomain_of_contact[k]);
+  return of_disk;
 }
 
 struct PlacedDisk {
   const std::string& name;  // of the case
   const Simulation& simulation;
   Index number;
-  Index subdomain, multiplicity;  // see Membership
+  const std::set<Index>& subdomains;  // that hold it
 };
 
 const ResultColumns<PlacedDisk>& disk_columns() {
@@ -52,16 +40,16 @@ const ResultColumns<PlacedDisk>& disk_columns() {
       {"angle", "rad", "angle turned by", of(&GranularState::angle)},
       {"driven", "", "whether a boundary drives it",
        [](const PlacedDisk& disk) { return !disk.simulation.system.free(disk.number); }},
-      {"subdomain", "1", "lowest subdomain that holds it; -1 for a disk without contact", &PlacedDisk::subdomain},
-      {"multiplicity", "1", "subdomains that hold it", &PlacedDisk::multiplicity}};
+      {"subdomain", "1", "lowest subdomain that holds it; -1 for a disk without contact",
+       [](const PlacedDisk& disk) { return disk.subdomains.empty() ? -1 : *disk.subdomains.begin(); }},
+      {"multiplicity", "1", "subdomains that hold it", [](const PlacedDisk& disk) { return disk.subdomains.size(); }}};
   return columns;
 }
 
 Index disks(const ObservedCase& work, Index steps, const Sink<PlacedDisk>& sink) {
   const Simulation simulation = simulation_at(work, steps);
-  const Index number = simulation.system.disks();
-  const Membership of = membership(next_step(simulation, work.table.lead_in), number);
-  for (Index i = 0; i < number; ++i) sink({work.one.spec.name, simulation, i, of.first[at(i)], of.multiplicity[at(i)]});
+  const auto held = memberships(next_step(simulation, work.table.lead_in), simulation.system.disks());
+  for (Index i = 0; i < count(held); ++i) sink({work.one.spec.name, simulation, i, held[at(i)]});
   return 0;
 }
 
@@ -109,22 +97,14 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
 
 }  // namespace
 
-constinit const Observable observables::configuration{
-    .name = "configuration",
-    .summary = "disks of a case that moves after some steps, with their subdomains",
-    .keys = {"steps", "lead_in"},
-    .columns = [](const StudyTable&) { return headings(disk_columns()); },
-    .run = [](const ObservedCase& work) { return each_step(work, disk_columns(), disks); },
-    .moving = true,
-    .first_step = 0};
+constinit const Observable observables::configuration =
+    at_steps<disk_columns, disks>({.name = "configuration",
+                                   .summary = "disks of a case that moves after some steps, with their subdomains",
+                                   .first_step = 0});
 
-constinit const Observable observables::force_chains{
-    .name = "force_chains",
-    .summary = "contacts with their impulses of a case that moves after some steps",
-    .keys = {"steps", "lead_in"},
-    .columns = [](const StudyTable&) { return headings(chain_columns()); },
-    .run = [](const ObservedCase& work) { return each_step(work, chain_columns(), chains); },
-    .moving = true,
-    .first_step = 0};
+constinit const Observable observables::force_chains =
+    at_steps<chain_columns, chains>({.name = "force_chains",
+                                     .summary = "contacts with their impulses of a case that moves after some steps",
+                                     .first_step = 0});
 
 }  // namespace nscdd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/predicted_observed.hpp"
-#include "study/simulation_tables.hpp"
 #include "study/steps.hpp"
 
 #include <algorithm>
@@ -56,16 +55,15 @@ const ResultColumns<Iteration>& indicator_columns() {
   return columns;
 }
 
-// All of the first iterations, then about forty per decade: what a logarithmic axis can show.
-bool shown(Index iteration) { return iteration <= 20 || begins_interval(iteration, 40); }
-
 Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& sink) {
   const Simulation simulation = simulation_at(work, step - 1);
   std::vector<IterationRow> rows;
   const SolvedStep solved = solve_step(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
   const SolverSummary solver = summary(work.one, simulation, solved.report.eta, solved.report.interface_size);
+  // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
   for (const IterationRow& row : rows)
-    if (shown(row.record.iteration) || &row == &rows.back()) sink({solver, row});
+    if (const Index i = row.record.iteration; i <= 20 || begins_interval(i, 40) || &row == &rows.back())
+      sink({solver, row});
   return 0;
 }
 
@@ -157,48 +155,33 @@ Index compared_rates(const ObservedCase& work, Index step, const Sink<ComparedSt
   const PredictedObserved rates = predicted_observed(simulation);
   const ComparedStep result{summary(work.one, simulation, rates.eta, rates.interface_size), step, rates};
   sink(result);
-  return result.known() ? 0 : 1;
+  return Index{!result.known()};
 }
 
 Index row_per_step(const StudyTable& table) { return count(table.steps); }
 
+KnownCells known_step(const StudyTable& table, Index row) {
+  return {{table.observable->first_step == 0 ? "steps" : "step", table.steps[at(row)]}};
+}
+
 }  // namespace
 
-constinit const Observable observables::indicators{
-    .name = "indicators",
-    .summary = "indicators of every iteration of a step of a case that moves",
-    .keys = {"steps", "lead_in"},
-    .columns = [](const StudyTable&) { return headings(indicator_columns()); },
-    .run = [](const ObservedCase& work) { return each_step(work, indicator_columns(), iterations); },
-    .moving = true};
+constinit const Observable observables::indicators = at_steps<indicator_columns, iterations>(
+    {.name = "indicators", .summary = "indicators of every iteration of a step of a case that moves"});
 
-constinit const Observable observables::predicted_observed{
-    .name = "predicted_observed",
-    .summary = "rate of a step with friction, predicted at its frozen statuses and observed",
-    .keys = {"steps", "lead_in"},
-    .columns = [](const StudyTable&) { return headings(rate_columns()); },
-    .run = [](const ObservedCase& work) { return each_step(work, rate_columns(), compared_rates); },
-    .rows = row_per_step,
-    .known =
-        [](const StudyTable& table, Index row) {
-          return KnownCells{{"step", table.steps[at(row)]}};
-        },
-    .moving = true,
-    .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }};
+constinit const Observable observables::predicted_observed = at_steps<rate_columns, compared_rates>(
+    {.name = "predicted_observed",
+     .summary = "rate of a step with friction, predicted at its frozen statuses and observed",
+     .rows = row_per_step,
+     .known = known_step,
+     .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }});
 
-constinit const Observable observables::runs{
-    .name = "runs",
-    .summary = "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel",
-    .keys = {"steps", "lead_in"},
-    .columns = [](const StudyTable&) { return headings(run_columns()); },
-    .run = [](const ObservedCase& work) { return each_step(work, run_columns(), whole_run); },
-    .rows = row_per_step,
-    .known =
-        [](const StudyTable& table, Index row) {
-          return KnownCells{{"steps", table.steps[at(row)]}};
-        },
-    .moving = true,
-    .first_step = 0,
-    .own_solver = true};
+constinit const Observable observables::runs = at_steps<run_columns, whole_run>(
+    {.name = "runs",
+     .summary = "runs of a case that moves with its own solver: iterations, residuals, distance from Gauss-Seidel",
+     .rows = row_per_step,
+     .known = known_step,
+     .first_step = 0,
+     .own_solver = true});
 
 }  // namespace nscdd

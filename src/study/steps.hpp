@@ -5,19 +5,25 @@
 
 namespace nscdd {
 
-/// Hands the results of every one of the steps of a table on as rows. `observe` hands over those of one step
-/// (examined or done, see Observable::first_step) and returns how many of them are not known.
-template <class Result>
-Index each_step(const ObservedCase& work, const ResultColumns<Result>& columns,
-                Index (*observe)(const ObservedCase& work, Index step, const Sink<Result>& sink)) {
-  const std::vector<Index>& steps = work.table.steps;
-  const Sink<Result> sink = as_rows(columns, work.sink);
-  Index failed = 0;
-  for (Index k = work.first; k < count(steps); ++k) {
-    failed += observe(work, steps[at(k)], sink);
-    if (work.table.observable->rows != nullptr && !report(work.monitor, k + 1, count(steps))) break;
-  }
-  return failed;
+/// The record of an observable of cases that move. `observe(work, step, sink)` hands over the results at one of
+/// the steps of a table (examined or done, see Observable::first_step) and returns how many of them are not
+/// known; `columns()` are those of the results.
+template <auto columns, auto observe>
+constexpr Observable at_steps(Observable record) {
+  record.keys = {"steps", "lead_in"};
+  record.moving = true;
+  record.columns = [](const StudyTable&) { return headings(columns()); };
+  record.run = [](const ObservedCase& work) {
+    const std::vector<Index>& steps = work.table.steps;
+    const auto sink = as_rows(columns(), work.sink);
+    Index failed = 0;
+    for (Index k = work.first; k < count(steps); ++k) {
+      failed += observe(work, steps[at(k)], sink);
+      if (work.table.observable->rows != nullptr && !report(work.monitor, k + 1, count(steps))) break;
+    }
+    return failed;
+  };
+  return record;
 }
 
 /// The case of a table after some steps.

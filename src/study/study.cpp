@@ -15,29 +15,16 @@ std::optional<Index> rows_per_case(const StudyTable& table) {
   return table.observable->rows(table);
 }
 
-// A varied value as a cell: a number if it reads as one, else a text.
-Cell as_cell(const std::string& value) {
+// The value at a place of a list, as a cell. A column has one type: numbers if every value of the list is one,
+// else texts.
+Cell cell_of(const std::vector<std::string>& values, Index place) {
   try {
-    return parse_number(value, "value");
+    std::vector<double> numbers;
+    for (const std::string& value : values) numbers.push_back(parse_number(value, "value"));
+    return numbers[at(place)];
   } catch (const Error&) {
-    return value;
+    return values[at(place)];
   }
-}
-
-// A column has one type: numbers if every value of the parameter is a number, else texts.
-std::vector<Cell> as_cells(const std::vector<std::string>& values) {
-  std::vector<Cell> cells;
-  for (const std::string& value : values) cells.push_back(as_cell(value));
-  for (const Cell& cell : cells)
-    if (!std::holds_alternative<double>(cell)) return {values.begin(), values.end()};
-  return cells;
-}
-
-// The parameters of both kinds in the order of their columns.
-std::vector<Variation> variations(const StudyTable& table) {
-  std::vector<Variation> all = table.vary_together;
-  all.insert(all.end(), table.vary.begin(), table.vary.end());
-  return all;
 }
 
 // Places in the lists of the parameters that change at once.
@@ -45,60 +32,49 @@ Index places_together(const StudyTable& table) {
   return table.vary_together.empty() ? 1 : count(table.vary_together[0].values);
 }
 
-// Which of the cases, and which value of each of the `variations`.
+// One of the cases with a place in the list of each varied parameter, in the order of their columns.
 struct Combination {
-  Index base = 0;
-  std::vector<Index> values;
+  const Case& base;
+  std::vector<std::pair<const Variation&, Index>> places;
 };
 
 Combination combination_of(const StudyTable& table, Index number) {
   Index stride = varied_case_count(table) / count(table.cases);
-  Combination combination{number / stride, {}};
+  Combination combination{table.cases[at(number / stride)], {}};
   Index rest = number % stride;
   stride /= places_together(table);
-  combination.values.assign(table.vary_together.size(), rest / stride);
-  rest %= stride;
+  for (const Variation& variation : table.vary_together) combination.places.emplace_back(variation, rest / stride);
   for (const Variation& variation : table.vary) {
-    stride /= count(variation.values);
-    combination.values.push_back(rest / stride);
     rest %= stride;
+    stride /= count(variation.values);
+    combination.places.emplace_back(variation, rest / stride);
   }
   return combination;
-}
-
-Row varied_cells(const StudyTable& table, const Combination& combination) {
-  Row cells;
-  const std::vector<Variation> varied = variations(table);
-  for (std::size_t i = 0; i < varied.size(); ++i)
-    cells.push_back(as_cells(varied[i].values)[at(combination.values[i])]);
-  return cells;
 }
 
 }  // namespace
 
 std::vector<Column> study_columns(const StudyTable& table) {
   std::vector<Column> columns = table.observable->columns(table);
-  std::vector<Column> varied;
-  for (const Variation& variation : variations(table))
-    varied.push_back({variation.parameter, "", "parameter of the case, varied by the study"});
-  columns.insert(columns.begin() + 1, varied.begin(), varied.end());
+  auto place = columns.begin() + 1;
+  for (const auto& variations : {table.vary_together, table.vary})
+    for (const Variation& variation : variations)
+      place = columns.insert(place, {variation.parameter, "", "parameter of the case, varied by the study"}) + 1;
   return columns;
 }
 
 std::optional<Index> row_count(const StudyTable& table) {
   const auto rows = rows_per_case(table);
-  if (!rows) return std::nullopt;
-  return *rows * varied_case_count(table);
+  return rows ? std::optional(*rows * varied_case_count(table)) : std::nullopt;
 }
 
 KnownCells known_cells(const StudyTable& table, Index row) {
   const auto rows = rows_per_case(table);
   if (!rows) return {};
-  const Combination combination = combination_of(table, row / *rows);
-  const Row varied = varied_cells(table, combination);
-  KnownCells cells{{"case", table.cases[at(combination.base)].spec.name}};
-  const std::vector<Variation> parameters = variations(table);
-  for (std::size_t i = 0; i < varied.size(); ++i) cells.emplace_back(parameters[i].parameter, varied[i]);
+  const auto [base, places] = combination_of(table, row / *rows);
+  KnownCells cells{{"case", base.spec.name}};
+  for (const auto& [variation, place] : places)
+    cells.emplace_back(variation.parameter, cell_of(variation.values, place));
   const KnownCells more = table.observable->known(table, row % *rows);
   cells.insert(cells.end(), more.begin(), more.end());
   return cells;
@@ -111,11 +87,12 @@ Index varied_case_count(const StudyTable& table) {
 }
 
 VariedCase varied_case(const StudyTable& table, Index number) {
-  const Combination combination = combination_of(table, number);
-  VariedCase varied{table.cases[at(combination.base)], varied_cells(table, combination)};
-  const std::vector<Variation> parameters = variations(table);
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    override_case(varied.one.spec, parameters[i].parameter, parameters[i].values[at(combination.values[i])]);
+  const auto [base, places] = combination_of(table, number);
+  VariedCase varied{base, {}};
+  for (const auto& [variation, place] : places) {
+    varied.cells.push_back(cell_of(variation.values, place));
+    override_case(varied.one.spec, variation.parameter, variation.values[at(place)]);
+  }
   return varied;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "files/resumable_table.hpp"
 #include "study/case.hpp"
 #include "study/lead_in.hpp"
 #include <nscdd/core/table.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <algorithm>
@@ -22,7 +22,8 @@ namespace nscdd {
 struct StudyTable;
 struct ObservedCase;
 
-/// Cells of a row that are known before it is computed, by column.
+/// Cells of a row that are known before it is computed, by column: the case, varied parameters and the
+/// coordinates of its point.
 using KnownCells = std::vector<std::pair<std::string, Cell>>;
 
 /// What a table of a study measures: a file with its results, their columns and its record, and one word
@@ -30,10 +31,10 @@ using KnownCells = std::vector<std::pair<std::string, Cell>>;
 struct Observable {
   std::string_view name, summary;  ///< in study files and of `nscdd list`
   /// Those keys of a study file that it looks at, of those that not every observable does.
-  std::array<std::string_view, 8> keys;
-  std::vector<Column> (*columns)(const StudyTable&);  ///< of its results, `case` the first
+  std::array<std::string_view, 8> keys = {};
+  std::vector<Column> (*columns)(const StudyTable&) = nullptr;  ///< of its results, `case` the first
   /// Computes the rows of one case from `first` on; returns how many did not converge.
-  Index (*run)(const ObservedCase&);
+  Index (*run)(const ObservedCase&) = nullptr;
   /// How many rows each case has, and what is known of one of them (counted within its case) but for the name
   /// of the case. Null where the number is not known before the case is built.
   Index (*rows)(const StudyTable&) = nullptr;
@@ -109,22 +110,19 @@ std::vector<Column> study_columns(const StudyTable& table);
 /// Rows of a study table, where they are known before its cases are built: not so for links and grains.
 std::optional<Index> row_count(const StudyTable& table);
 
-/// What is known of a row (from 0) before it is computed: case, varied parameters and the coordinates of its
-/// point. Nothing where the number of rows is not known.
+/// What is known of a row (from 0). Nothing where the number of rows is not known.
 KnownCells known_cells(const StudyTable& table, Index row);
-
-/// The case with one combination of the varied parameters, and their cells.
-struct VariedCase {
-  Case one;
-  Row cells;
-};
 
 /// The coordinates of a point of the sweep of a table, but for a relaxation that is the optimal one: what
 /// observables of sweeps know of a row.
 KnownCells known_of_point(const StudyTable& table, Index number);
 
 /// The cases of a table with every combination of its varied parameters, from 0, the combinations running
-/// fastest.
+/// fastest: the case and the cells of those parameters.
+struct VariedCase {
+  Case one;
+  Row cells;
+};
 Index varied_case_count(const StudyTable& table);
 VariedCase varied_case(const StudyTable& table, Index number);
 
@@ -134,5 +132,10 @@ VariedCase varied_case(const StudyTable& table, Index number);
 /// number of rows is not known). Tables that look at the same cases on the way may share the `lead_in`.
 Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
                 LeadIn* lead_in = nullptr);
+
+/// What the rows of a table of a study come from, and the table as a resumable file takes it. `table` must
+/// outlive the latter.
+WorkIdentity work_identity(const StudyTable& table);
+TableWork table_work(const StudyTable& table);
 
 }  // namespace nscdd

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "study/work_identity.hpp"
-
 #include "core/fingerprint.hpp"
+#include "study/study.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/version.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -54,25 +54,17 @@ std::string case_text(const Case& one) {
 }
 
 std::string list_text(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  const std::string text = fmt::format("{}", fmt::join(items, ", "));
   if (count(items) <= shown_values) return fmt::format("[{}]", text);
   return fmt::format("[{}, ..., {}], {} values, content {}", items.front(), items.back(), items.size(),
                      fingerprint(text));
 }
 
-std::vector<std::string> texts(const std::vector<double>& values) {
-  std::vector<std::string> result;
-  for (const double value : values) result.push_back(field_text(value));
-  return result;
-}
-
-// Lists in which "empty" has a name of its own.
-template <class Number>
-std::vector<std::string> texts(const std::vector<std::optional<Number>>& values, const char* empty) {
-  std::vector<std::string> result;
-  for (const auto& value : values) result.push_back(value ? fmt::format("{}", *value) : empty);
-  return result;
+// The text of a list of numbers. An empty one has a name of its own.
+std::string number_list(const auto& values, const char* empty = "") {
+  std::vector<std::string> texts;
+  for (const std::optional value : values) texts.push_back(value ? field_text(*value) : empty);
+  return list_text(texts);
 }
 
 std::string options_text(const StudyTable& table) {
@@ -82,12 +74,10 @@ std::string options_text(const StudyTable& table) {
     text += fmt::format("together {} = {}\n", variation.parameter, list_text(variation.values));
   for (const Variation& variation : table.vary)
     text += fmt::format("{} = {}\n", variation.parameter, list_text(variation.values));
-  const auto unit = [](bool relative) { return relative ? " W" : ""; };
-  text += fmt::format("epsilon = {}{}\n", list_text(texts(sweep.epsilon)), unit(sweep.relative_epsilon));
-  text += fmt::format("eta = {}{}\n", list_text(texts(sweep.eta)), unit(sweep.relative_eta));
-  text += fmt::format("relaxation = {}\n", list_text(texts(sweep.relaxation, "optimal")));
-  text += fmt::format("gauss_seidel_sweeps = {}\n", list_text(texts(sweep.gauss_seidel_sweeps, "inf")));
-  text += fmt::format("contacts = {}\n", to_string(sweep.contacts));
+  text += fmt::format("epsilon = {}{}\neta = {}{}\nrelaxation = {}\ngauss_seidel_sweeps = {}\ncontacts = {}\n",
+                      number_list(sweep.epsilon), sweep.relative_epsilon ? " W" : "", number_list(sweep.eta),
+                      sweep.relative_eta ? " W" : "", number_list(sweep.relaxation, "optimal"),
+                      number_list(sweep.gauss_seidel_sweeps, "inf"), to_string(sweep.contacts));
   if (table.observable->moving)
     text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
   return text + fmt::format("seed = {}\n", table.seed);

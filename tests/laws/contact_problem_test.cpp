@@ -7,7 +7,7 @@
 #include "formats/case_file.hpp"
 #include "study/inspection.hpp"
 #include "study/network_tables.hpp"
-#include "study/work_identity.hpp"
+#include "study/study.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 

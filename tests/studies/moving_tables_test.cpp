@@ -4,8 +4,8 @@
 #include "../support/studies.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
-#include "simulation/run_simulation.hpp"
-#include "study/work_identity.hpp"
+#include "simulation/simulation.hpp"
+#include "study/study.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>

@@ -7,7 +7,7 @@
 #include "files/resumable_table.hpp"
 #include "files/table_record.hpp"
 #include "study/memory_estimate.hpp"
-#include "study/work_identity.hpp"
+#include "study/study.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/version.hpp>
 
