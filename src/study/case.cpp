@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <span>
+
 namespace nscdd {
 namespace {
 
@@ -20,18 +23,6 @@ void override_section(std::string_view section, Parameters& parameters, std::str
     known.push_back(fmt::format("{}.{}", section, field.key));
   throw Error(fmt::format("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
                           suggestion(path, known)));
-}
-
-void override_dynamics(std::optional<Dynamics>& dynamics, std::string_view section, std::string_view key,
-                       std::string_view path, std::string_view value) {
-  if (!dynamics) throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", path));
-  if (section == "interaction") {
-    override_section(section, dynamics->interaction, key, path, value);
-  } else if (section == "dynamics") {
-    override_section(section, dynamics->time, key, path, value);
-  } else {
-    override_section(section, dynamics->solver, key, path, value);
-  }
 }
 
 // The optional fields of Masses, in the form the visitors take.
@@ -58,19 +49,6 @@ Partition partition_without_geometry(const Partitioner& partitioner, const Refer
   return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
 }
 
-Model build_contact_problem(const Case& one, const ContactProblemFile& file) {
-  if (!one.spec.prescribed.empty())
-    throw Error(fmt::format(
-        "{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
-        file.path, one.spec.prescribed.size()));
-  Model model;
-  model.name = one.spec.name;
-  model.problem = reference_problem(one.problem, file.path);
-  model.partition = partition_without_geometry(one.spec.partition, model.problem, file.path);
-  model.parts = decompose(model.problem, model.partition);
-  return model;
-}
-
 // "file:line: ", as far as they are known.
 std::string place(const CaseSpec& spec, std::string_view key) {
   if (spec.source.empty()) return {};
@@ -89,9 +67,8 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
       throw Error(grain_key(k), fmt::format("expected a grain in 0..{} (or -1 for the last), met grain {}", grains - 1,
                                             velocity.grain));
     if (velocity.grain < 0) velocity.grain += grains;
-    for (const PrescribedVelocity* other = prescribed.data(); other != &velocity; ++other)
-      if (other->grain == velocity.grain)
-        throw Error(grain_key(k), fmt::format("expected each grain once, met grain {} again", velocity.grain));
+    if (std::ranges::count(std::span(prescribed).first(k), velocity.grain, &PrescribedVelocity::grain) > 0)
+      throw Error(grain_key(k), fmt::format("expected each grain once, met grain {} again", velocity.grain));
   }
   return prescribed;
 }
@@ -108,24 +85,33 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
   if (std::holds_alternative<ContactProblemFile>(spec.packing) && section != "partition")
     throw Error(fmt::format("{}: this case is a contact problem; expected partition.* alone", path));
+  const auto set = [&](auto& parameters) { override_section(section, parameters, key, path, value); };
+  const auto dynamics = [&]() -> Dynamics& {
+    if (spec.dynamics) return *spec.dynamics;
+    throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", path));
+  };
   if (section == "packing") {
     auto* generator = std::get_if<Generator>(&spec.packing);
     if (generator == nullptr)
       throw Error(fmt::format("{}: the packing of this case is {} and has no parameters", path,
                               std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled"));
-    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); }, *generator);
+    std::visit(set, *generator);
   } else if (section == "contacts") {
-    override_section(section, spec.contacts, key, path, value);
+    set(spec.contacts);
   } else if (section == "masses") {
     MassFields masses{spec.masses.density};
-    override_section(section, masses, key, path, value);
+    set(masses);
     spec.masses = {MassModel::density, masses.density};
   } else if (section == "partition") {
-    std::visit([&](auto& parameters) { override_section(section, parameters, key, path, value); }, spec.partition);
+    std::visit(set, spec.partition);
   } else if (section == "loads") {
-    override_section(section, spec.loads, key, path, value);
-  } else if (section == "interaction" || section == "dynamics" || section == "solver") {
-    override_dynamics(spec.dynamics, section, key, path, value);
+    set(spec.loads);
+  } else if (section == "interaction") {
+    set(dynamics().interaction);
+  } else if (section == "dynamics") {
+    set(dynamics().time);
+  } else if (section == "solver") {
+    set(dynamics().solver);
   } else {
     static const std::vector<std::string> sections{"packing", "contacts",    "masses",   "partition",
                                                    "loads",   "interaction", "dynamics", "solver"};
@@ -136,22 +122,20 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
 }
 
 std::string to_toml(const CaseSpec& spec) {
-  const std::string partition =
-      "\n[partition]\n" + std::visit([](const auto& p) { return field_lines(p); }, spec.partition);
-  if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing))
-    return fmt::format("title = {}\n\n[problem]\nfile = {}\n", field_text(spec.title), field_text(file->path)) +
-           partition;
-  std::string text = fmt::format("title = {}\n\n[packing]\n", field_text(spec.title));
+  const auto lines = [](const auto& parameters) { return field_lines(parameters); };
+  const std::string partition = "\n[partition]\n" + std::visit(lines, spec.partition);
+  std::string text = fmt::format("title = {}\n\n", field_text(spec.title));
+  if (const auto* problem = std::get_if<ContactProblemFile>(&spec.packing))
+    return text + fmt::format("[problem]\nfile = {}\n", field_text(problem->path)) + partition;
+  text += "[packing]\n";
   if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
     text += fmt::format("file = {}\n", field_text(file->path));
   } else if (const auto* settled = std::get_if<SettledFrom>(&spec.packing)) {
     text += fmt::format("settled = {}\n", field_text(settled->name));
   } else {
-    std::visit(
-        [&](const auto& parameters) {
-          text += fmt::format("generator = \"{}\"\n{}", parameters.name, field_lines(parameters));
-        },
-        std::get<Generator>(spec.packing));
+    const Generator& generator = std::get<Generator>(spec.packing);
+    const auto name = std::visit([](const auto& parameters) { return parameters.name; }, generator);
+    text += fmt::format("generator = \"{}\"\n{}", name, std::visit(lines, generator));
   }
   text += "\n[contacts]\n" + field_lines(spec.contacts);
   if (spec.masses.model) {
@@ -201,6 +185,21 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
 
 }  // namespace
 
+void check_dynamics(const CaseSpec& spec) {
+  if (!spec.dynamics)
+    throw Error(fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", spec.name));
+  subdomains(spec.partition);
+  const StepSolver& solver = spec.dynamics->solver;
+  if (solver.criterion != Criterion::gluing) return;
+  const auto refuse = [](std::string_view expected, std::string_view met) {
+    throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
+  };
+  if (solver.algorithm == StepAlgorithm::nlgs)
+    refuse("solver.algorithm generic or enriched", "nlgs, which has no interface");
+  if (solver.algorithm == StepAlgorithm::enriched && solver.enrichment == Enrichment::semi_implicit)
+    refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
+}
+
 Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   check_dynamics(one.spec);
   const Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
@@ -214,9 +213,18 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
 }
 
 Model build(const Case& one, const Monitor& monitor) try {
-  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) return build_contact_problem(one, *file);
   Model model;
   model.name = one.spec.name;
+  if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
+    if (!one.spec.prescribed.empty())
+      throw Error(fmt::format(
+          "{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
+          file->path, one.spec.prescribed.size()));
+    model.problem = reference_problem(one.problem, file->path);
+    model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
+    model.parts = decompose(model.problem, model.partition);
+    return model;
+  }
   model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
   model.network = detect_contacts(model.packing, one.spec.contacts);
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing.size());

@@ -4,12 +4,8 @@
 #include "simulation/dynamics.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/types.hpp>
-#include <nscdd/ddm/partitioner.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
-#include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/packing/generator.hpp>
-#include <nscdd/packing/packing.hpp>
 #include <nscdd/study/model.hpp>
 
 #include <functional>
@@ -22,21 +18,16 @@
 
 namespace nscdd {
 
-/// The packing is in a file ([packing] file = "..."), named as the case file names it.
+/// Where the grains of a case come from if no generator makes them. Files and cases are named as the case file
+/// names them.
 struct PackingFile {
-  std::string path;
+  std::string path;  ///< [packing] file = "..."
 };
-
-/// A frictional contact problem in a file takes the place of a packing ([problem] file = "..."): M and H
-/// without geometry.
-struct ContactProblemFile {
-  std::string path;
-};
-
-/// The packing is that of the free grains of another case at the end of its simulation
-/// ([packing] settled = "..."), which is named as the case file names it.
 struct SettledFrom {
-  std::string name;
+  std::string name;  ///< [packing] settled = "...": a case, whose free grains at the end of its simulation are meant
+};
+struct ContactProblemFile {
+  std::string path;  ///< [problem] file = "...": M and H without geometry in place of a packing
 };
 
 /// What a case file says, before any of the files that it names is looked at.
@@ -82,9 +73,8 @@ auto at_key(const CaseSpec& spec, std::string_view key, Read&& read) {
   }
 }
 
-/// Sets one parameter of a case from text: "packing.grains", "contacts.tolerance", "masses.density",
-/// "partition.grid", "loads.compression", "dynamics.steps", "solver.tolerance", "interaction.friction" and so
-/// on. Throws Error for a key that the case does not have, naming those it has.
+/// Sets one parameter of a case, such as "packing.grains" or "solver.tolerance", from text. Throws Error for a
+/// key that the case does not have, naming those it has.
 void override_case(CaseSpec& spec, std::string_view key, std::string_view value);
 
 /// The case as a case file that reads back to it.
