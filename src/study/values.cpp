@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 namespace nscdd {
 namespace {
@@ -26,7 +25,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 // Points of one range. Both ends are met exactly, whatever rounding does between them.
-std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts, const std::string& what) {
+std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts, std::string_view what) {
   const bool linear = parts.size() == 4 && parts[3] == "linear";
   const bool logarithmic = parts.size() == 3 || (parts.size() == 4 && parts[3] == "log");
   if (!linear && !logarithmic)
@@ -51,33 +50,19 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
   return values;
 }
 
-template <class Check>
-void require(const std::vector<double>& values, std::string_view what, std::string_view expected, Check&& check) {
+void require(const std::vector<double>& values, std::string_view what, std::string_view expected,
+             bool (*check)(double)) {
   for (const double value : values)
     if (!check(value)) throw Error(fmt::format("{}: expected {}, met {}", what, expected, value));
 }
 
-}  // namespace
-
-std::vector<double> parse_values(std::string_view spec, std::string_view name) {
-  const std::string what(name);
-  std::vector<double> values;
-  for (const std::string_view item : split(spec, ',')) {
-    const auto parts = split(item, ':');
-    const std::vector<double> more =
-        parts.size() == 1 ? std::vector<double>{parse_number(item, what)} : range(item, parts, what);
-    values.insert(values.end(), more.begin(), more.end());
-    if (values.size() > most_values)
-      throw Error(fmt::format("{}: expected at most {} values, met more", what, most_values));
-  }
-  return values;
+void append(auto& all, const std::vector<double>& more, std::string_view what) {
+  all.insert(all.end(), more.begin(), more.end());
+  if (all.size() > most_values) throw Error(fmt::format("{}: expected at most {} values, met more", what, most_values));
 }
 
-namespace {
-
-template <class Check>
 FlexibilityValues flexibilities(std::string_view spec, std::string_view name, std::string_view expected,
-                                Check&& check) {
+                                bool (*check)(double)) {
   FlexibilityValues all;
   bool absolute = false;
   for (std::string_view item : split(spec, ',')) {
@@ -87,9 +72,7 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
     const std::vector<double> values = parse_values(item, name);
     for (const double value : values) absolute |= !relative && value != 0 && std::isfinite(value);
     all.relative |= relative;
-    all.values.insert(all.values.end(), values.begin(), values.end());
-    if (all.values.size() > most_values)
-      throw Error(fmt::format("{}: expected at most {} values, met more", name, most_values));
+    append(all.values, values, name);
   }
   require(all.values, name, expected, check);
   if (all.relative && absolute)
@@ -98,6 +81,15 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
 }
 
 }  // namespace
+
+std::vector<double> parse_values(std::string_view spec, std::string_view what) {
+  std::vector<double> values;
+  for (const std::string_view item : split(spec, ',')) {
+    const auto parts = split(item, ':');
+    append(values, parts.size() == 1 ? std::vector{parse_number(item, what)} : range(item, parts, what), what);
+  }
+  return values;
+}
 
 FlexibilityValues parse_epsilon(std::string_view spec) {
   return flexibilities(spec, "epsilon", "a finite number >= 0", [](double v) { return std::isfinite(v) && v >= 0; });
@@ -127,25 +119,17 @@ std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {
     const auto values = parse_values(item, "relaxation");
     require(values, "relaxation", "a finite number > 0 (or 'optimal')",
             [](double v) { return std::isfinite(v) && v > 0; });
-    all.insert(all.end(), values.begin(), values.end());
-    if (all.size() > most_values)
-      throw Error(fmt::format("relaxation: expected at most {} values, met more", most_values));
+    append(all, values, "relaxation");
   }
   return all;
 }
 
 std::vector<std::optional<long>> parse_sweeps(std::string_view spec) {
   std::vector<std::optional<long>> all;
-  for (const double value : parse_values(spec, "gauss_seidel_sweeps")) {
-    if (std::isinf(value) && value > 0) {
-      all.emplace_back(std::nullopt);
-      continue;
-    }
-    if (!(value >= 1 && value <= 1e9) || value != std::floor(value))
-      throw Error(
-          fmt::format("gauss_seidel_sweeps: expected an integer >= 1 (or inf for an exact Stage 1), met {}", value));
-    all.emplace_back(static_cast<long>(value));
-  }
+  const auto values = parse_values(spec, "gauss_seidel_sweeps");
+  require(values, "gauss_seidel_sweeps", "an integer >= 1 (or inf for an exact Stage 1)",
+          [](double v) { return v == infinity || (v >= 1 && v <= 1e9 && v == std::floor(v)); });
+  for (const double v : values) all.push_back(v == infinity ? std::nullopt : std::optional(static_cast<long>(v)));
   return all;
 }
 
