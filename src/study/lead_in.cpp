@@ -17,7 +17,8 @@ StepSolver plain_solver() {
           .criterion = Criterion::zeta,
           .tolerance = 1e-6,
           .order = ContactOrder::interleaved,
-          .warm_start = true};
+          .warm_start = true,
+          .eta = {}};
 }
 
 void advance(Arrival& arrival) {
