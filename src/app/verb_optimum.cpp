@@ -4,8 +4,8 @@
 #include "app/work_options.hpp"
 #include "linalg/threads.hpp"
 #include "study/optimum.hpp"
-#include "study/values.hpp"
 #include "study/study.hpp"
+#include "study/values.hpp"
 
 #include <fmt/format.h>
 

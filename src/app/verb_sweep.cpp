@@ -4,8 +4,8 @@
 #include "app/work_options.hpp"
 #include "files/hdf5.hpp"
 #include "linalg/threads.hpp"
-#include "study/values.hpp"
 #include "study/study.hpp"
+#include "study/values.hpp"
 
 #include <fmt/format.h>
 
