@@ -3,7 +3,7 @@
 // subdomains comes to the same velocities, whatever the variant, and no bit depends on threads.
 #include "../support/granular.hpp"
 #include "../support/granular_solution.hpp"
-#include "ddm/granular_interface.hpp"
+#include "ddm/granular_decomposition.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 
