@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a step ends: every status, and nothing that is no number passes for converged.
 #include "../support/granular.hpp"
-#include "simulation/iteration_watch.hpp"
+#include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
