@@ -180,6 +180,7 @@ TEST_CASE("run --check: exit code 2 where a baseline is missing or unreadable") 
     CHECK(malformed.standard_error.find(std::string("nscdd: error: ") + name + ":2") == 0);
     session.file(name, kept);
   }
+  CHECK_FALSE(session.has("second"));  // said before any work is done
 }
 
 TEST_CASE("run: existing results are refused without --force") {

@@ -213,6 +213,17 @@ TEST_CASE("a disk on a spinning drum is set going as on a belt of the speed of i
   }
 }
 
+TEST_CASE("overlaps: the largest, their mean, and the largest as a part of the smaller radius") {
+  // Disk 0 overlaps disk 1 by 0.0625 and disk 2, which is small, by 0.03125; disk 3 touches nothing.
+  const Simulation s = simulation_of(
+      {{.radius = 1}, {.x = 1.9375, .radius = 1}, {.x = -1.09375, .radius = 0.125}, {.x = -2, .radius = 0.5}},
+      Dynamics());
+  const Interpenetration found = interpenetration(s.system, prepared(s));
+  CHECK(found.maximum == 0.0625);
+  CHECK(found.mean == (0.0625 + 0.03125) / 2);
+  CHECK(found.relative == 0.03125 / 0.125);
+}
+
 TEST_CASE("prepare_step refuses what cannot be computed, and names it") {
   Dynamics dynamics;
   Simulation s = simulation_of({{.x = 0}, {.x = 3}, {.x = 6}}, dynamics);
