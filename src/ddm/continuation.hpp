@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/shifted_pencil.hpp"
-#include <nscdd/ddm/contraction.hpp>
+#include "ddm/pencil_end.hpp"
 
 #include <array>
 #include <optional>
@@ -10,9 +9,8 @@
 
 namespace nscdd {
 
-/// What one point of a sweep leaves to the next: the elimination order of the shifted pencil, and the ends
-/// found last with their vectors, from which the next are extrapolated. Saves work; changes results within
-/// their residuals only.
+/// What one point of a sweep leaves to the next: the elimination order of the shifted pencil, and the ends found last
+/// with their vectors, from which the next are extrapolated. Saves work; changes results within their residuals only.
 struct PencilMemory {
   struct End {
     double lambda = 0, slope_epsilon = 0, slope_eta = 0;  ///< d lambda / d log epsilon, d lambda / d log eta
@@ -24,6 +22,11 @@ struct PencilMemory {
   };
   std::array<std::optional<ShiftedPencilFamily>, 2> families;  ///< for a finite and for the infinite eta
   std::vector<Visited> visited;                                ///< the last two, newest last
+
+  /// Where one end of the spectrum is expected at a point, on logarithmic axes: by Taylor's formula from the
+  /// slopes at the last point visited, and if the two last points and this one differ in epsilon alone or in
+  /// eta alone, by Hermite's cubic through both. None if nothing was visited.
+  std::optional<EndGuess> expected(const PencilPoint& point, End Visited::*end) const;
 };
 
 /// What the rigid limit of an operator S is worked out from, whatever eta.

@@ -74,14 +74,11 @@ Decomposition restrict_contacts(const Decomposition& parts, const std::vector<ch
     throw Error(fmt::format("contact selection: expected {} flags, met {}", parts.contacts, kept.size()));
   Decomposition restricted = parts;
   for (Subdomain& subdomain : restricted.subdomains) {
-    std::vector<Index> columns, contacts;
-    for (Index c = 0; c < count(subdomain.contacts); ++c) {
-      if (!kept[at(subdomain.contacts[at(c)])]) continue;
-      columns.push_back(c);
-      contacts.push_back(subdomain.contacts[at(c)]);
-    }
+    std::vector<Index> columns;
+    for (Index c = 0; c < count(subdomain.contacts); ++c)
+      if (kept[at(subdomain.contacts[at(c)])]) columns.push_back(c);
     subdomain.h = selected_columns(subdomain.h, columns);
-    subdomain.contacts = std::move(contacts);
+    std::erase_if(subdomain.contacts, [&](Index c) { return !kept[at(c)]; });
   }
   return restricted;
 }

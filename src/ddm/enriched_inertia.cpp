@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/enriched_inertia.hpp"
 
-#include "core/lazy.hpp"
-#include "linalg/ldlt/factor.hpp"
 #include "linalg/pencil.hpp"
-#include "linalg/range_projector.hpp"
-#include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
@@ -14,189 +10,132 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace nscdd {
-namespace {
 
-// A_E without its empty rows.
-SparseMatrix compact_rows(const SparseMatrix& a, const std::vector<Index>& rows) {
+EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
+    : inertia_(subdomain.inertia), h_(subdomain.h) {
+  const auto for_each_entry = [&](auto&& visit) {
+    for (Index j = 0; j < subdomain.a.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e) visit(e.row(), j, e.value());
+  };
+  for_each_entry([&](Index row, Index, double) { rows_.push_back(row); });
+  std::sort(rows_.begin(), rows_.end());
+  rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
   SparseEntries entries;
-  for (Index j = 0; j < a.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(a, j); e; ++e)
-      entries.add(std::lower_bound(rows.begin(), rows.end(), e.row()) - rows.begin(), j, e.value());
-  return entries.matrix(count(rows), a.cols());
+  for_each_entry([&](Index row, Index j, double value) {
+    entries.add(std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin(), j, value);
+  });
+  a_ = entries.matrix(count(rows_), subdomain.a.cols());
+  if (inertia_.size() <= dense_limit) {
+    modes_ = diagonalised();
+    return;
+  }
+  SparseMatrix zero_diagonal(inertia_.size(), inertia_.size());  // keeps a place for M in the pattern of K
+  zero_diagonal.setIdentity();
+  zero_diagonal.coeffs().setZero();
+  stiffness_ = SparseMatrix(h_ * h_.transpose()) + zero_diagonal;  // K = H H^T
+  dofs_per_grain_ = inertia_.size() / count(subdomain.grains);
 }
 
-// Modes of one subdomain: M^-1/2 Q, their eigenvalues, and their traces on the interface, A M^-1/2 Q.
-struct Modes {
-  Matrix vectors;
-  Vector eigenvalues;
-  Matrix traces;
-
-  Vector weights(double eta) const {
-    return eigenvalues.unaryExpr(
-        [eta](double lambda) { return lambda == 0 || std::isinf(eta) ? 1.0 : eta / (eta + lambda); });
-  }
-};
-
-Modes diagonalise(const Subdomain& subdomain, const SparseMatrix& a) {
+EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
   const OneBlasThread serial_blas;
-  if (subdomain.grains.empty()) return {Matrix(0, 0), Vector(0), Matrix(0, 0)};  // Eigen takes no empty matrix
-  const Vector root = subdomain.inertia.cwiseSqrt().cwiseInverse();              // M^-1/2
-  const Matrix b = root.asDiagonal() * Matrix(subdomain.h);                      // M^-1/2 H
-  const auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
-  Modes modes;
-  modes.eigenvalues = eigenvalues;
+  if (inertia_.size() == 0) return {Matrix(0, 0), Vector(0), Matrix(0, 0)};  // Eigen takes no empty matrix
+  const Vector root = inertia_.cwiseSqrt().cwiseInverse();                   // M^-1/2
+  const Matrix b = root.asDiagonal() * Matrix(h_);                           // M^-1/2 H
+  auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
-  const Index nullity = subdomain.h.rows() - sparse_rank(subdomain.h);
-  modes.eigenvalues.head(nullity).setZero();
-  modes.eigenvalues = modes.eigenvalues.cwiseMax(0.0);
+  eigenvalues.head(h_.rows() - sparse_rank(h_)).setZero();
+  Modes modes;
+  modes.eigenvalues = eigenvalues.cwiseMax(0.0);
   modes.vectors = root.asDiagonal() * vectors;
-  modes.traces = a * modes.vectors;
+  modes.traces = a_ * modes.vectors;
   return modes;
 }
 
-}  // namespace
-
-std::vector<Index> interface_rows(const Subdomain& subdomain) {
-  std::vector<Index> rows;
-  for (Index j = 0; j < subdomain.a.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e) rows.push_back(e.row());
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  return rows;
+SparseMatrix EnrichedInertiaFamily::sum(double eta) const {
+  SparseMatrix m = stiffness_ / eta;
+  m.diagonal() += inertia_;
+  return m;
 }
 
-// What does not depend on eta.
-class EnrichedInertiaFamily::Preparation {
- public:
-  Preparation(const Subdomain& subdomain, Index dense_limit)
-      : inertia(subdomain.inertia), h(subdomain.h), a(compact_rows(subdomain.a, interface_rows(subdomain))) {
-    if (inertia.size() <= dense_limit) {
-      modes = diagonalise(subdomain, a);
-      return;
-    }
-    SparseMatrix zero_diagonal(inertia.size(), inertia.size());  // keeps a place for M in the pattern of K
-    zero_diagonal.setIdentity();
-    zero_diagonal.coeffs().setZero();
-    stiffness = SparseMatrix(h * h.transpose()) + zero_diagonal;  // K = H H^T
-    dofs_per_grain = inertia.size() / count(subdomain.grains);
+// Columns of A_E that are not empty, ascending.
+std::vector<Index> EnrichedInertiaFamily::glued_dofs() const {
+  std::vector<Index> dofs;
+  for (Index j = 0; j < a_.outerSize(); ++j)
+    if (a_.outerIndexPtr()[j + 1] > a_.outerIndexPtr()[j]) dofs.push_back(j);
+  return dofs;
+}
+
+const CholeskyAnalysis& EnrichedInertiaFamily::analysis() const {
+  return analysis_.get([this] { return CholeskyAnalysis(stiffness_); });
+}
+
+// The interface grains come last, so that the trailing block of the factor is the condensed subdomain.
+const SymmetricAnalysis& EnrichedInertiaFamily::condensation() const {
+  return condensation_.get([this] {
+    std::vector<Index> grain(at(inertia_.size()));
+    for (Index i = 0; i < inertia_.size(); ++i) grain[at(i)] = i / dofs_per_grain_;
+    std::vector<char> shared(at(inertia_.size() / dofs_per_grain_), 0);
+    for (const Index i : glued_dofs()) shared[at(i / dofs_per_grain_)] = 1;
+    return SymmetricAnalysis(SparseMatrix(stiffness_.triangularView<Eigen::Lower>()), grain, shared);
+  });
+}
+
+EnrichedInertia::EnrichedInertia(const EnrichedInertiaFamily& family, double eta) : family_(family), eta_(eta) {
+  if (!(eta >= 0)) throw Error(fmt::format("flexibility: expected a number in [0, inf], met {}", eta));
+  if (family.modes_)
+    weights_ = family.modes_->eigenvalues.unaryExpr(
+        [eta](double lambda) { return lambda == 0 || std::isinf(eta) ? 1.0 : eta / (eta + lambda); });
+}
+
+Matrix EnrichedInertia::apply(const Matrix& r) const {
+  if (family_.modes_) {
+    const Matrix& vectors = family_.modes_->vectors;
+    return vectors * (weights_.asDiagonal() * (vectors.transpose() * r));
   }
-
-  // M + K / eta
-  SparseMatrix sum(double eta) const {
-    SparseMatrix m = stiffness / eta;
-    m.diagonal() += inertia;
-    return m;
+  const Vector& inertia = family_.inertia_;
+  if (std::isinf(eta_)) return inertia.cwiseInverse().asDiagonal() * r;
+  if (eta_ > 0) {
+    const SparseCholesky& factor = cholesky_.get([&] { return SparseCholesky(family_.analysis(), family_.sum(eta_)); });
+    if (!factor.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
+    return factor.solve(r);
   }
-
-  const CholeskyAnalysis& analysis() const {
-    return analysis_.get([this] { return CholeskyAnalysis(stiffness); });
-  }
-
-  // The interface grains come last, so that the trailing block of the factor is the condensed subdomain.
-  const SymmetricAnalysis& condensation() const {
-    return condensation_.get([this] {
-      std::vector<Index> grain(nscdd::at(inertia.size()));
-      for (Index i = 0; i < inertia.size(); ++i) grain[nscdd::at(i)] = i / dofs_per_grain;
-      std::vector<char> shared(nscdd::at(inertia.size() / dofs_per_grain), 0);
-      for (const Index i : glued_dofs()) shared[nscdd::at(i / dofs_per_grain)] = 1;
-      return SymmetricAnalysis(SparseMatrix(stiffness.triangularView<Eigen::Lower>()), grain, shared);
-    });
-  }
-
-  std::vector<Index> glued_dofs() const {  // columns of A_E that are not empty, ascending
-    std::vector<Index> dofs;
-    for (Index j = 0; j < a.outerSize(); ++j)
-      if (a.outerIndexPtr()[j + 1] > a.outerIndexPtr()[j]) dofs.push_back(j);
-    return dofs;
-  }
-
-  Vector inertia;
-  SparseMatrix h, a, stiffness;
-  std::optional<Modes> modes;
-  Index dofs_per_grain = 0;
-
- private:
-  Lazy<CholeskyAnalysis> analysis_;
-  Lazy<SymmetricAnalysis> condensation_;
-};
-
-class EnrichedInertia::Implementation {
- public:
-  Implementation(std::shared_ptr<const EnrichedInertiaFamily::Preparation> p, double flexibility)
-      : preparation(std::move(p)), eta(flexibility) {
-    if (preparation->modes) weights = preparation->modes->weights(eta);
-  }
-
-  Matrix apply(const Matrix& r) const {
-    const auto& p = *preparation;
-    if (p.modes) return p.modes->vectors * (weights.asDiagonal() * (p.modes->vectors.transpose() * r));
-    if (std::isinf(eta)) return p.inertia.cwiseInverse().asDiagonal() * r;
-    if (eta > 0) {
-      const SparseCholesky& factor = cholesky_.get([&] { return SparseCholesky(p.analysis(), p.sum(eta)); });
-      if (!factor.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
-      return factor.solve(r);
-    }
-    // The rigid limit, M^-1/2 (I - Pi) M^-1/2
-    const RangeProjector& range = range_.get([&] { return RangeProjector(scaled_connectivity(p.inertia, p.h)); });
-    const Vector root = p.inertia.cwiseSqrt().cwiseInverse();
-    Matrix scaled = root.asDiagonal() * r;
-    for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= range.apply(scaled.col(j));
-    return root.asDiagonal() * scaled;
-  }
-
-  std::shared_ptr<const EnrichedInertiaFamily::Preparation> preparation;
-  double eta;
-  Vector weights;  // of the modes of a small subdomain
-
- private:
-  Lazy<RangeProjector> range_;
-  Lazy<SparseCholesky> cholesky_;
-};
-
-EnrichedInertia::EnrichedInertia(std::shared_ptr<const Implementation> implementation)
-    : implementation_(std::move(implementation)) {}
+  // The rigid limit, M^-1/2 (I - Pi) M^-1/2
+  const RangeProjector& range = range_.get([&] { return RangeProjector(scaled_connectivity(inertia, family_.h_)); });
+  const Vector root = inertia.cwiseSqrt().cwiseInverse();
+  Matrix scaled = root.asDiagonal() * r;
+  for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= range.apply(scaled.col(j));
+  return root.asDiagonal() * scaled;
+}
 
 Vector EnrichedInertia::solve(const Vector& impulses) const {
   const OneBlasThread serial_blas;
-  return implementation_->apply(impulses);
+  return apply(impulses);
 }
 
 Matrix EnrichedInertia::condense() const {
   const OneBlasThread serial_blas;
-  const auto& p = *implementation_->preparation;
-  const double eta = implementation_->eta;
-  if (p.modes) {
-    const Matrix scaled = p.modes->traces * implementation_->weights.cwiseSqrt().asDiagonal();
-    const Matrix product = scaled * scaled.transpose();
-    return 0.5 * (product + product.transpose());
-  }
-  if (eta > 0 && !std::isinf(eta)) {
-    const SymmetricFactor ldl(p.condensation(), p.sum(eta).triangularView<Eigen::Lower>());
-    if (!ldl.regular() || ldl.negative_eigenvalues() > 0) return Matrix::Constant(p.a.rows(), p.a.rows(), not_a_number);
-    const std::vector<Index> dofs = p.glued_dofs();
-    const SparseMatrix gluing = selected_columns(p.a, dofs);  // A_E on these
-    const Matrix condensed = gluing * (ldl.inverse_block(dofs) * gluing.transpose());
-    return 0.5 * (condensed + condensed.transpose());
-  }
-  Matrix condensed(p.a.rows(), p.a.rows());
-  constexpr Index block = 64;  // right-hand sides at a time, so that memory stays that of a few vectors
-  const SparseMatrix transposed = p.a.transpose();
-  for (Index first = 0; first < p.a.rows(); first += block) {
-    const Index width = std::min(block, p.a.rows() - first);
-    condensed.middleCols(first, width) = p.a * implementation_->apply(Matrix(transposed.middleCols(first, width)));
+  const SparseMatrix& a = family_.a_;
+  Matrix condensed(a.rows(), a.rows());
+  if (family_.modes_) {
+    const Matrix scaled = family_.modes_->traces * weights_.cwiseSqrt().asDiagonal();
+    condensed.noalias() = scaled * scaled.transpose();
+  } else if (eta_ > 0 && !std::isinf(eta_)) {
+    const SymmetricFactor ldl(family_.condensation(), family_.sum(eta_).triangularView<Eigen::Lower>());
+    if (!ldl.regular() || ldl.negative_eigenvalues() > 0) return condensed.setConstant(not_a_number);
+    const std::vector<Index> dofs = family_.glued_dofs();
+    const SparseMatrix gluing = selected_columns(a, dofs);  // A_E on these
+    condensed = gluing * (ldl.inverse_block(dofs) * gluing.transpose());
+  } else {
+    constexpr Index block = 64;  // right-hand sides at a time, so that memory stays that of a few vectors
+    const SparseMatrix transposed = a.transpose();
+    for (Index first = 0; first < a.rows(); first += block) {
+      const Index width = std::min(block, a.rows() - first);
+      condensed.middleCols(first, width) = a * apply(Matrix(transposed.middleCols(first, width)));
+    }
   }
   return 0.5 * (condensed + condensed.transpose());
-}
-
-EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
-    : preparation_(std::make_shared<const Preparation>(subdomain, dense_limit)) {}
-
-EnrichedInertia EnrichedInertiaFamily::at(double eta) const {
-  if (!(eta >= 0)) throw Error(fmt::format("flexibility: expected a number in [0, inf], met {}", eta));
-  return EnrichedInertia(std::make_shared<const EnrichedInertia::Implementation>(preparation_, eta));
 }
 
 }  // namespace nscdd

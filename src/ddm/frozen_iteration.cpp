@@ -27,12 +27,6 @@ struct LocalMaps {
   SparseMatrix gluing;    // M^-1/2 A^T
 };
 
-SparseMatrix over_rows(SparseMatrix matrix, const Vector& root) {
-  for (Index j = 0; j < matrix.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) e.valueRef() /= root[e.row()];
-  return matrix;
-}
-
 LocalMaps local_maps(const GranularDecomposition& parts, Index e, const std::vector<ContactStatus>& statuses) {
   const GranularSubdomain& subdomain = parts.subdomains[at(e)];
   LocalMaps maps;

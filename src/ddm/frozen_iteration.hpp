@@ -13,11 +13,10 @@
 
 namespace nscdd {
 
-/// Algorithm 1 near a solution. The statuses of the contacts are frozen (open: no impulse; stick: v = 0;
-/// slide with v_t of sign s: v_n = 0 and the impulse along n - s friction t). What remains is a linear
-/// iteration for the error of the velocities. `apply` is one iteration of the algorithm itself, without
-/// loads, on y = M^1/2 V of all subdomains (three entries per free body). So its spectral radius is the rate
-/// of convergence of a run as long as the statuses stay.
+/// Algorithm 1 near a solution. The statuses of the contacts are frozen (open: no impulse; stick: v = 0; slide with v_t
+/// of sign s: v_n = 0 and the impulse along n - s friction t). What remains is a linear iteration for the error of the
+/// velocities. `apply` is one iteration of the algorithm itself, without loads, on y = M^1/2 V of all subdomains (three
+/// entries per free body). So its spectral radius is the rate of convergence of a run as long as the statuses stay.
 ///
 /// Errors lie in the range of M^-1/2 [G, A^T], which impulses can cause. Velocities that no impulse causes
 /// (mechanisms) would be eigenvalues 1 that no run meets, so every image is projected on that range. As n_GS

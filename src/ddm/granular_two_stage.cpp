@@ -39,10 +39,6 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
       law_(law),
       solver_(solver),
       enriched_(std::move(enriched)),
-      interface_impulses_(Vector::Zero(parts_.interface_size())),
-      last_change_(Vector::Zero(parts_.interface_size())),
-      before_(parts_.subdomains.size()),
-      free_speed_squared_(glued_speed_squared(parts_)),
       impulse_floor_squared_(rounding_of_impulses * momentum_squared(parts_)) {
   if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
     throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");

@@ -69,11 +69,12 @@ class GranularTwoStage {
   ContactLaw law_;
   StepSolver solver_;
   std::optional<InterfaceOperator> enriched_;
-  Vector interface_impulses_, last_change_;
+  Vector interface_impulses_ = Vector::Zero(parts_.interface_size()), last_change_ = interface_impulses_;
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
-  std::vector<std::vector<LocalVector>> before_;         // impulses before Stage 1, where n_GS > 1
-  double free_speed_squared_ = 0;                        // |V_free|^2 over the copies of shared grains
-  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
+  // Impulses of the subdomains before Stage 1, where n_GS > 1.
+  std::vector<std::vector<LocalVector>> before_{parts_.subdomains.size()};
+  double free_speed_squared_ = glued_speed_squared(parts_);  // |V_free|^2 over the copies of shared grains
+  double impulse_floor_squared_ = 0;  // impulses below it are rounding of those that grains bring
   Index iteration_ = 0, sweeps_ = 0;
 };
 

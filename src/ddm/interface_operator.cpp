@@ -1,140 +1,78 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/lazy.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "linalg/pencil.hpp"
-#include "linalg/range_projector.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace nscdd {
-namespace {
 
-Vector inertia_scale(const Decomposition& parts) {
-  Vector scale = Vector::Zero(parts.interface_size());
-  const Index d = parts.dofs_per_grain();
-  for (Index e = 0; e < count(parts.subdomains); ++e)
-    for (const Tie& tie : parts.interface.ties(e))
-      scale.segment(d * tie.row, d) += parts.subdomains[at(e)].inertia.segment(d * tie.grain, d).cwiseInverse();
-  return scale;
-}
-
-}  // namespace
-
+// Subdomain families and what else does not depend on eta.
 class InterfaceFamily::Preparation {
  public:
   Preparation(const Decomposition& decomposition, Index limit)
-      : parts(decomposition), dense_limit(limit), scale(inertia_scale(decomposition)) {
-    const Index n = count(parts.subdomains);
-    rows.resize(nscdd::at(n));
-    std::vector<std::optional<EnrichedInertiaFamily>> families(nscdd::at(n));
-    for_each_in_parallel(n, [&](Index e) {
-      rows[nscdd::at(e)] = interface_rows(parts.subdomains[nscdd::at(e)]);
-      families[nscdd::at(e)].emplace(parts.subdomains[nscdd::at(e)], dense_limit);
-    });
-    for (auto& family : families) locals.push_back(std::move(*family));
-  }
-
-  // X_infinity = sum_E A_E M_E^-1 A_E^T, nearly diagonal
-  const SparseMatrix& inertia_operator() const {
-    return inertia_operator_.get([this] {
-      SparseMatrix sum(parts.interface_size(), parts.interface_size());
-      for (const Subdomain& subdomain : parts.subdomains)
-        sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
-      return sum;
-    });
+      : parts(decomposition),
+        dense_limit(limit),
+        scale(Vector::Zero(parts.interface_size())),
+        locals(parts.subdomains.size()) {
+    for_each_in_parallel(count(locals),
+                         [&](Index e) { locals[nscdd::at(e)].emplace(parts.subdomains[nscdd::at(e)], dense_limit); });
+    const Index d = parts.dofs_per_grain();
+    for (Index e = 0; e < count(locals); ++e)
+      for (const Tie& tie : parts.interface.ties(e))
+        scale.segment(d * tie.row, d) +=
+            parts.subdomains[nscdd::at(e)].inertia.segment(d * tie.grain, d).cwiseInverse();
   }
 
   // The undivided packing. Only `solve` needs it.
   struct Whole {
-    std::vector<Index> position;  // of a grain of the packing in the assembled system
-    EnrichedInertiaFamily family;
+    std::unique_ptr<const EnrichedInertiaFamily> family;
+    std::vector<std::vector<Index>> rows;  // in the assembled system, of the unknowns of each subdomain
   };
   const Whole& whole() const {
     return whole_.get([this] {
       const Subdomain assembled = reassemble(parts);
-      std::vector<Index> position(nscdd::at(parts.interface.grains()), -1);
-      for (Index i = 0; i < count(assembled.grains); ++i) position[nscdd::at(assembled.grains[nscdd::at(i)])] = i;
-      return Whole{std::move(position), EnrichedInertiaFamily(assembled, dense_limit)};
-    });
-  }
-
-  // dim ker X_0 = sum_E rank H_E - rank H, the number of self-stresses of the whole that are not those of a
-  // subdomain. The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
-  Index rigid_nullity() const {
-    return nullity_.get([this] {
-      Index nullity = -sparse_rank(reassemble(parts).h);
-      for (const Subdomain& subdomain : parts.subdomains) nullity += sparse_rank(subdomain.h);
-      return nullity;
+      Whole whole{std::make_unique<EnrichedInertiaFamily>(assembled, dense_limit), {}};
+      const auto begin = assembled.grains.begin();
+      for (const Subdomain& subdomain : parts.subdomains) {
+        auto& rows = whole.rows.emplace_back();
+        for (const Index grain : subdomain.grains)
+          for (Index k = 0; k < parts.dofs_per_grain(); ++k)
+            rows.push_back(parts.dofs_per_grain() * (std::lower_bound(begin, assembled.grains.end(), grain) - begin) +
+                           k);
+      }
+      return whole;
     });
   }
 
   Decomposition parts;
   Index dense_limit;
   Vector scale;
-  std::vector<std::vector<Index>> rows;  // interface rows of each subdomain
-  std::vector<EnrichedInertiaFamily> locals;
+  std::vector<std::optional<EnrichedInertiaFamily>> locals;
+  Lazy<SparseMatrix> generic;
+  Lazy<Index> nullity;
 
  private:
-  Lazy<SparseMatrix> inertia_operator_;
   Lazy<Whole> whole_;
-  Lazy<Index> nullity_;
 };
 
 class InterfaceOperator::Implementation {
  public:
   Implementation(std::shared_ptr<const InterfaceFamily::Preparation> p, double flexibility)
-      : preparation(std::move(p)), eta(flexibility) {
-    std::vector<std::optional<EnrichedInertia>> inverses(preparation->locals.size());
-    for_each_in_parallel(count(inverses),
-                         [&](Index e) { inverses[nscdd::at(e)] = preparation->locals[nscdd::at(e)].at(eta); });
-    for (auto& inverse : inverses) locals.push_back(std::move(*inverse));
+      : preparation(std::move(p)), eta(flexibility), locals(preparation->locals.size()) {
+    for_each_in_parallel(count(locals),
+                         [&](Index e) { locals[nscdd::at(e)].emplace(*preparation->locals[nscdd::at(e)], eta); });
   }
-
-  const EnrichedInertia& whole() const {
-    return whole_.get([this] { return preparation->whole().family.at(eta); });
-  }
-
-  const Matrix& dense() const {
-    return dense_.get([this] { return assemble(); });
-  }
-
-  const KernelSplit& kernel() const {
-    return kernel_.get([this] {
-      const Vector root = preparation->scale.cwiseSqrt().cwiseInverse();
-      return split_kernel(root.asDiagonal() * dense() * root.asDiagonal(), nullity());
-    });
-  }
-
-  Index nullity() const { return eta > 0 ? 0 : preparation->rigid_nullity(); }
 
   std::shared_ptr<const InterfaceFamily::Preparation> preparation;
   double eta;
-  std::vector<EnrichedInertia> locals;
-
- private:
-  Matrix assemble() const {
-    const Index n = preparation->parts.interface_size();
-    Matrix x = Matrix::Zero(n, n);
-    std::vector<Matrix> condensed(locals.size());
-    for_each_in_parallel(count(locals), [&](Index e) { condensed[nscdd::at(e)] = locals[nscdd::at(e)].condense(); });
-    for (std::size_t e = 0; e < locals.size(); ++e) {
-      const auto& touched = preparation->rows[e];
-      const Matrix& local = condensed[e];
-      for (std::size_t j = 0; j < touched.size(); ++j)
-        for (std::size_t i = 0; i < touched.size(); ++i)
-          x(touched[i], touched[j]) += local(static_cast<Index>(i), static_cast<Index>(j));
-    }
-    return x;
-  }
-
-  Lazy<EnrichedInertia> whole_;
-  Lazy<Matrix> dense_;
-  Lazy<KernelSplit> kernel_;
+  std::vector<std::optional<EnrichedInertia>> locals;
+  Lazy<std::unique_ptr<const EnrichedInertia>> whole;
+  Lazy<Matrix> dense;
+  Lazy<KernelSplit> kernel;
 };
 
 InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> implementation)
@@ -142,59 +80,85 @@ InterfaceOperator::InterfaceOperator(std::shared_ptr<const Implementation> imple
 
 double InterfaceOperator::eta() const { return implementation_->eta; }
 const Decomposition& InterfaceOperator::parts() const { return implementation_->preparation->parts; }
-const SparseMatrix& InterfaceOperator::generic() const { return implementation_->preparation->inertia_operator(); }
-Index InterfaceOperator::rows() const { return implementation_->preparation->parts.interface_size(); }
+Index InterfaceOperator::rows() const { return parts().interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
+
+// sum_E A_E M_E^-1 A_E^T
+const SparseMatrix& InterfaceOperator::generic() const {
+  return implementation_->preparation->generic.get([this] {
+    SparseMatrix sum(rows(), rows());
+    for (const Subdomain& subdomain : parts().subdomains)
+      sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
+    return sum;
+  });
+}
 
 Vector InterfaceOperator::apply(const Vector& f) const {
   if (std::isinf(eta())) return generic() * f;
-  const auto& subdomains = implementation_->preparation->parts.subdomains;
-  std::vector<Vector> velocities(subdomains.size());
-  for_each_in_parallel(count(subdomains), [&](Index e) {
-    velocities[at(e)] = implementation_->locals[at(e)].solve(parts().interface.distribute(e, f));
-  });
+  const auto& locals = implementation_->locals;
+  std::vector<Vector> velocities(locals.size());
+  for_each_in_parallel(count(locals),
+                       [&](Index e) { velocities[at(e)] = locals[at(e)]->solve(parts().interface.distribute(e, f)); });
   return parts().interface.exchange(velocities);
 }
 
-const Matrix& InterfaceOperator::dense() const { return implementation_->dense(); }
-const KernelSplit& InterfaceOperator::kernel() const { return implementation_->kernel(); }
-Index InterfaceOperator::nullity() const { return implementation_->nullity(); }
+const Matrix& InterfaceOperator::dense() const {
+  return implementation_->dense.get([this] {
+    const auto& locals = implementation_->locals;
+    std::vector<Matrix> condensed(locals.size());
+    for_each_in_parallel(count(locals), [&](Index e) { condensed[at(e)] = locals[at(e)]->condense(); });
+    Matrix x = Matrix::Zero(rows(), rows());
+    for (std::size_t e = 0; e < locals.size(); ++e) {
+      const auto& touched = implementation_->preparation->locals[e]->rows();
+      x(touched, touched) += condensed[e];
+    }
+    return x;
+  });
+}
+
+const KernelSplit& InterfaceOperator::kernel() const {
+  return implementation_->kernel.get([this] {
+    const Vector root = scale().cwiseSqrt().cwiseInverse();
+    return split_kernel(root.asDiagonal() * dense() * root.asDiagonal(), nullity());
+  });
+}
+
+// The number of self-stresses of the whole that are not those of a subdomain. The ranks do not depend on masses,
+// as the size of an eigenvalue of X_0 does.
+Index InterfaceOperator::nullity() const {
+  if (eta() > 0) return 0;
+  return implementation_->preparation->nullity.get([this] {
+    Index nullity = -sparse_rank(reassemble(parts()).h);
+    for (const Subdomain& subdomain : parts().subdomains) nullity += sparse_rank(subdomain.h);
+    return nullity;
+  });
+}
 
 Vector InterfaceOperator::solve(const Vector& g) const {
   const double eta = implementation_->eta;
   if (eta == 0) throw Error("interface operator: the rigid limit (eta = 0) has no inverse");
-  const Decomposition& parts = implementation_->preparation->parts;
-  const Index d = parts.dofs_per_grain();
+  const auto& subdomains = parts().subdomains;
+  const Interface& interface = parts().interface;
   if (std::isinf(eta))
-    return parts.interface.solve_generic(
+    return interface.solve_generic(
         [&](const GrainCopy& copy, Index k) {
-          return parts.subdomains[at(copy.subdomain)].inertia[d * copy.grain + k];
+          return subdomains[at(copy.subdomain)].inertia[interface.dofs_per_grain() * copy.grain + k];
         },
         g);
-  const auto& position = implementation_->preparation->whole().position;
+  const auto& [family, rows] = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
-    const Subdomain& subdomain = parts.subdomains[e];
-    return subdomain.inertia.cwiseProduct(v) + subdomain.h * (subdomain.h.transpose() * v) / eta;
+    const SparseMatrix& h = subdomains[e].h;
+    return subdomains[e].inertia.cwiseProduct(v) + h * (h.transpose() * v) / eta;
   };
   // (M + K/eta) U = - sum_E R_E^T M_{E,eta} o_E
-  std::vector<Vector> copies = parts.interface.copies_apart(g);  // o_E
-  const auto whole_size =
-      static_cast<Index>(std::count_if(position.begin(), position.end(), [](Index p) { return p >= 0; }));
-  Vector right = Vector::Zero(d * whole_size);
-  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
-    const Vector r = multiply(e, copies[e]);
-    const auto& grains = parts.subdomains[e].grains;
-    for (Index i = 0; i < count(grains); ++i) right.segment(d * position[at(grains[at(i)])], d) -= r.segment(d * i, d);
-  }
-  const Vector u = implementation_->whole().solve(right);
-  std::vector<Vector> impulses;  // M_{E,eta} (R_E U + o_E) = A_E^T F
-  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
-    const auto& grains = parts.subdomains[e].grains;
-    for (Index i = 0; i < count(grains); ++i)
-      copies[e].segment(d * i, d) += u.segment(d * position[at(grains[at(i)])], d);
-    impulses.push_back(multiply(e, copies[e]));
-  }
-  return parts.interface.collect(std::move(impulses));
+  std::vector<Vector> copies = interface.copies_apart(g);  // o_E
+  Vector right = Vector::Zero(family->size());
+  for (std::size_t e = 0; e < copies.size(); ++e) right(rows[e]) -= multiply(e, copies[e]);
+  const auto& whole = implementation_->whole.get([&] { return std::make_unique<EnrichedInertia>(*family, eta); });
+  const Vector u = whole->solve(right);
+  for (std::size_t e = 0; e < copies.size(); ++e)  // M_{E,eta} (R_E U + o_E) = A_E^T F
+    copies[e] = multiply(e, copies[e] + u(rows[e]));
+  return interface.collect(std::move(copies));
 }
 
 InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit)

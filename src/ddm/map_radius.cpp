@@ -16,12 +16,6 @@ constexpr double unit_tolerance = 1e-9;
 
 bool is_unit(std::complex<double> value) { return std::abs(value - 1.0) <= unit_tolerance; }
 
-Matrix columns_of(Index n, const LinearMap& map) {
-  Matrix columns(n, n);
-  for (Index j = 0; j < n; ++j) columns.col(j) = map(Vector::Unit(n, j));
-  return columns;
-}
-
 }  // namespace
 
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units) {
@@ -57,23 +51,27 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
 MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units) {
   const OneBlasThread serial_blas;
   const SolverChoice choice = choose_inexact_solver(n, options);
-  if (choice.solver == SpectralSolver::dense) return map_radius(columns_of(n, map), options, units);
-  const bool pass_over = units == UnitEigenvalues::passed_over;
-  const ArnoldiResult arpack = arnoldi(n, map, options.arpack, pass_over ? unit_tolerance : 0);
-  // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind
-  // them.
-  const bool doubtful = !arpack.converged || (units == UnitEigenvalues::counted && is_unit(arpack.value));
-  if (doubtful && choice.dense_fallback && !pass_over) return map_radius(columns_of(n, map), options, units);
-  MapRadius result;
-  result.solver = "arpack";
-  result.applications = arpack.applications;
-  result.dominant = arpack.value;
-  result.value = std::abs(arpack.value);
-  result.residual = arpack.residual;
-  result.subdominant = doubtful ? not_a_number : result.value;
-  result.unit_multiplicity = pass_over ? arpack.units : units == UnitEigenvalues::counted ? -1 : 0;
-  result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
-  return result;
+  if (choice.solver == SpectralSolver::arpack) {
+    const bool pass_over = units == UnitEigenvalues::passed_over, counted = units == UnitEigenvalues::counted;
+    const ArnoldiResult arpack = arnoldi(n, map, options.arpack, pass_over ? unit_tolerance : 0);
+    // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind them.
+    const bool doubtful = !arpack.converged || (counted && is_unit(arpack.value));
+    if (!doubtful || !choice.dense_fallback || pass_over) {
+      MapRadius result;
+      result.solver = "arpack";
+      result.applications = arpack.applications;
+      result.dominant = arpack.value;
+      result.value = std::abs(arpack.value);
+      result.residual = arpack.residual;
+      result.subdominant = doubtful ? not_a_number : result.value;
+      result.unit_multiplicity = pass_over ? arpack.units : counted ? -1 : 0;
+      result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
+      return result;
+    }
+  }
+  Matrix columns(n, n);
+  for (Index j = 0; j < n; ++j) columns.col(j) = map(Vector::Unit(n, j));
+  return map_radius(columns, options, units);
 }
 
 }  // namespace nscdd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/pencil_side.hpp"
+#include "ddm/pencil_end.hpp"
 
 namespace nscdd {
 namespace {
@@ -10,11 +10,11 @@ constexpr Index most_reaches = 6;        // after so many such attempts the sear
 
 class EndSearch {
  public:
-  explicit EndSearch(PencilSide& side) : side_(side), point_(side.point), end_(side.end), options_(side.options) {}
+  explicit EndSearch(PencilSide& side) : side_(side) {}
 
-  PencilEnd run(const std::optional<EndGuess>& guess, Vector start) {
+  void run(const std::optional<EndGuess>& guess, Vector start) {
     double shift = first_shift(guess), last_distance = infinity;
-    while (side_.factorisations < options_.maximum_factorisations) {
+    while (result_.factorisations < options_.maximum_factorisations) {
       const std::optional<ShiftedPencil> pencil = side_.factorise(shift);
       if (!pencil) break;
       if (beyond(*pencil) < 0) {  // the shift lies among the eigenvalues of the kernel
@@ -45,10 +45,9 @@ class EndSearch {
       last_distance = distance_to_proof();
       shift = closer_shift();
     }
-    finish();
-    result_.factorisations = side_.factorisations;
-    result_.solves = side_.solves;
-    return result_;
+    if (!found() || !converged()) return;
+    if (options_.certify) certify();
+    if (options_.eigenvalues > 1) side_.list_behind();
   }
 
  private:
@@ -64,8 +63,8 @@ class EndSearch {
   // No eigenvalue lies beyond this, by the count at a shift or by what is known beforehand; infinitely far
   // out as long as nothing is proved.
   double proved() const {
-    const double known = end_ == SpectrumEnd::smallest ? point_.low : point_.high;
-    if (point_.kernel > 0 && end_ == SpectrumEnd::smallest) return outer_.value_or(-infinity);
+    const double known = smallest_ ? point_.low : point_.high;
+    if (point_.kernel > 0 && smallest_) return outer_.value_or(-infinity);
     return outer_ && inward(*outer_ - known) > 0 ? *outer_ : known;
   }
   double distance_to_proof() const { return std::max(0.0, inward(value() - proved())); }
@@ -75,29 +74,19 @@ class EndSearch {
     return result_.converged = result_.residual <= tolerance();
   }
 
-  void finish() {
-    if (!found()) return;
-    if (!converged()) return;
-    if (options_.certify) certify();
-    if (options_.eigenvalues > 1) list_behind(side_, result_);
-  }
-
   double first_shift(const std::optional<EndGuess>& guess) {
-    if (!guess) return beyond_what_is_known();
-    guess_ = guess->value;
-    distance_ = 2 * guess->uncertainty + 10 * options_.tolerance;
-    return beyond_guess();
+    if (guess) {
+      guess_ = guess->value;
+      distance_ = 2 * guess->uncertainty + 10 * options_.tolerance;
+      return beyond_guess();
+    }
+    if (smallest_) return point_.low > 0 ? point_.low * (1 - 1e-3) : 0.1;
+    return std::isfinite(point_.high) ? point_.high * (1 + 1e-3) : 1 + 1e-3;
   }
 
   double beyond_guess() const {
-    if (end_ == SpectrumEnd::largest) return std::min(guess_ + distance_, point_.high * (1 + 1e-3));
-    return std::max(guess_ / (1 + distance_ / guess_),
-                    point_.low * (1 - 1e-3));  // positive, however uncertain
-  }
-
-  double beyond_what_is_known() const {
-    if (end_ == SpectrumEnd::smallest) return point_.low > 0 ? point_.low * (1 - 1e-3) : 0.1;
-    return std::isfinite(point_.high) ? point_.high * (1 + 1e-3) : 1 + 1e-3;
+    if (!smallest_) return std::min(guess_ + distance_, point_.high * (1 + 1e-3));
+    return std::max(guess_ / (1 + distance_ / guess_), point_.low * (1 - 1e-3));  // positive, however uncertain
   }
 
   // A shift further out than one that has eigenvalues beyond it. If a value is known, its near-copies lie
@@ -108,7 +97,7 @@ class EndSearch {
       if (inward(shift - clear) > 0 && inward(clear - proved()) > 0) return clear;
     }
     if (proved() > 0 && std::isfinite(proved())) return std::sqrt(shift * proved());
-    const double far = end_ == SpectrumEnd::smallest ? shift / 16 : shift * 4;
+    const double far = smallest_ ? shift / 16 : shift * 4;
     if (guess_ == 0) return far;
     distance_ *= 8;
     return inward(beyond_guess() - shift) < 0 ? beyond_guess() : far;
@@ -131,7 +120,7 @@ class EndSearch {
 
   // Looks for the end from a shift beyond it; false if nothing was found.
   bool close_in(const ShiftedPencil& pencil, const Vector& start) {
-    const ShiftInvertResult run = side_.lanczos(pencil, end_, 1, accuracy_at(pencil.shift()), start);
+    const ShiftInvertResult run = side_.lanczos(pencil, side_.end, 1, accuracy_at(pencil.shift()), start);
     if (run.values.size() == 0) return false;
     take(run, 0, pencil);
     quotient_ = true;
@@ -144,16 +133,16 @@ class EndSearch {
     const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
     const Vector start = result_.vectors.col(0);
     const ShiftInvertResult run =
-        side_.lanczos(pencil, end_, 1, {.maximum_steps = 2 * options_.steps, .tolerance = relative}, start);
+        side_.lanczos(pencil, side_.end, 1, {.maximum_steps = 2 * options_.steps, .tolerance = relative}, start);
     if (run.values.size() > 0) take(run, 0, pencil);
   }
 
   // Looks for the end from a shift with a few eigenvalues beyond it, of which the last one is the end.
   bool reach_out(const ShiftedPencil& pencil) {
     const Index wanted = beyond(pencil);
-    const bool kernel = end_ == SpectrumEnd::smallest && point_.kernel > 0;  // the kernel lies beyond as well
+    const bool kernel = smallest_ && point_.kernel > 0;  // the kernel lies beyond as well
     if (kernel || wanted > few || ++reached_out_ > most_reaches) return false;
-    const SpectrumEnd outwards = end_ == SpectrumEnd::smallest ? SpectrumEnd::largest : SpectrumEnd::smallest;
+    const SpectrumEnd outwards = smallest_ ? SpectrumEnd::largest : SpectrumEnd::smallest;
     const ShiftInvertResult run = side_.lanczos(pencil, outwards, wanted, accuracy_at(pencil.shift()), {});
     const Index last = run.values.size() - 1;
     if (last + 1 < wanted || !(run.values[last] > 0)) return false;
@@ -168,9 +157,9 @@ class EndSearch {
   void complete(const ShiftedPencil& pencil) {
     Vector x = result_.vectors.col(0);
     for (int k = 0; k < 3; ++k) {
-      const Vector px = side_.preconditioner(x);
+      const Vector px = side_.p.apply(x);
       const ShiftedPencil::Response response = side_.respond(pencil, px);
-      const Vector &y = response.f, py = side_.preconditioner(y);
+      const Vector &y = response.f, py = side_.p.apply(y);
       const double norm = y.dot(py), delta = x.dot(py) / norm;
       const double residual = std::sqrt(std::max(0.0, (x - delta * y).dot(px - delta * py)) / norm);
       if (!std::isfinite(residual)) return;
@@ -186,8 +175,8 @@ class EndSearch {
   }
 
   void measure_slopes(const ShiftedPencil& pencil) {
-    const ShiftedPencil::Response response = side_.respond(pencil, side_.preconditioner(result_.vectors.col(0)));
-    set_slopes(response, response.f.dot(side_.preconditioner(response.f)));
+    const ShiftedPencil::Response response = side_.respond(pencil, side_.p.apply(result_.vectors.col(0)));
+    set_slopes(response, response.f.dot(side_.p.apply(response.f)));
   }
 
   void set_slopes(const ShiftedPencil::Response& response, double norm) {
@@ -226,16 +215,15 @@ class EndSearch {
   }
 
   PencilSide& side_;
-  const PencilPoint& point_;
-  const SpectrumEnd end_;
-  const EndOptions& options_;
-  PencilEnd result_;
+  PencilEnd& result_ = side_.result;
+  const PencilPoint& point_ = side_.point;
+  const EndOptions& options_ = side_.options;
+  const bool smallest_ = side_.end == SpectrumEnd::smallest;
   std::optional<double> outer_;  // innermost shift without an eigenvalue beyond it
   double inner_ = 0;             // last shift with eigenvalues beyond it
   Index reached_out_ = 0;
-  double guess_ = 0, distance_ = 0;  // where the end was expected, and how far beyond it the search began
-  double bound_ = infinity,
-         error_ = infinity;  // proved bound and estimate of the error of the value, by Lanczos
+  double guess_ = 0, distance_ = 0;             // where the end was expected, and how far beyond it the search began
+  double bound_ = infinity, error_ = infinity;  // proved bound and estimate of the error of the value, by Lanczos
   double solution_error_ = 0;
   bool sloped_ = false;    // the slopes are known
   bool quotient_ = false;  // the value is a Rayleigh quotient of (S, P), which is never beyond the end
@@ -246,8 +234,9 @@ class EndSearch {
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
                    SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
                    const EndOptions& options) {
-  PencilSide side(family, preconditioner, point, end, options);
-  return EndSearch(side).run(guess, start);
+  PencilSide side{family, preconditioner, point, end, options};
+  EndSearch(side).run(guess, start);
+  return std::move(side.result);
 }
 
 }  // namespace nscdd

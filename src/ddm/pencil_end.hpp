@@ -4,6 +4,8 @@
 #include "ddm/shifted_pencil.hpp"
 #include "linalg/shift_invert_lanczos.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace nscdd {
@@ -58,8 +60,7 @@ struct PencilEnd {
 ///    further out; if some do, step out and begin again.
 /// 2. Run shift-inverted Lanczos from this shift. If the end is not crowded, a few steps bring it to within a
 ///    fraction of the tolerance.
-/// 3. Place the next shift a tenth of the tolerance beyond what was found. If no eigenvalue lies beyond that
-/// one
+/// 3. Place the next shift a tenth of the tolerance beyond what was found. If no eigenvalue lies beyond that one
 ///    either, the end is proved, and one solve completes the vector. If some do, the end is among these few:
 ///    look for them from there, and repeat from step 2.
 /// A crowded end costs some factorisations more, not thousands of products.
@@ -67,5 +68,55 @@ struct PencilEnd {
 PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& preconditioner, const PencilPoint& point,
                    SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
                    const EndOptions& options);
+
+/// One side of the spectrum of (S, P) at a point of a sweep: which way is inwards, how near is near enough,
+/// the factorisations and solves, and what was found. The search for the end (pencil_end.cpp) and the list of
+/// eigenvalues behind it (pencil_side.cpp) share it.
+struct PencilSide {
+  const ShiftedPencilFamily& family;
+  const InterfaceOperator& p;
+  const PencilPoint& point;
+  const SpectrumEnd end;
+  const EndOptions& options;
+  SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end;
+  PencilEnd result = {};
+
+  /// Signed so that inwards is positive at both ends.
+  double inward(double difference) const { return end == SpectrumEnd::smallest ? difference : -difference; }
+
+  /// Of lambda. It is relative if |1 - lambda|, an eigenvalue of B, is above 1.
+  double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
+  double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
+
+  /// How far beyond an eigenvalue the last shift is placed. Within the rounding of the matrix a count would
+  /// say nothing. A tenth of the tolerance, because a relaxation multiplies the distance to the residual of
+  /// the relaxed spectrum.
+  double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
+
+  /// The pencil at the shift, or at one nearby whose factorisation can be relied on; none if there is no such
+  /// shift. `side`: which way to step from an unreliable one, inwards (1) or outwards (-1).
+  std::optional<ShiftedPencil> factorise(double shift, double side = -1);
+
+  /// Eigenvalues beyond the shift.
+  Index beyond(const ShiftedPencil& pencil) const {
+    return end == SpectrumEnd::smallest ? pencil.below() - point.kernel : p.rows() - pencil.below();
+  }
+
+  ShiftedPencil::Response respond(const ShiftedPencil& pencil, const Vector& g) {
+    return ++result.solves, pencil.respond(g);
+  }
+
+  /// `towards`: the side of the shift that is looked at, see shift_invert_lanczos.
+  ShiftInvertResult lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
+                            const ShiftInvertOptions& lanczos_options, const Vector& start, const Matrix& locked = {});
+
+  /// Adds to the result, which has the end, the eigenvalues behind it, as many as the options want, from a shift far
+  /// enough out to see them all. The result stays converged if they all are and a count proves that none is missing.
+  void list_behind();
+
+ private:
+  bool extend_list(const ShiftedPencil& pencil);
+  bool add_to_list(const ShiftedPencil& pencil, Index wanted);
+};
 
 }  // namespace nscdd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/pencil_side.hpp"
+#include "ddm/pencil_end.hpp"
 
 namespace nscdd {
 
@@ -7,8 +7,8 @@ std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
   // The first steps stay within the tolerance of the end. The later ones go far enough to leave whatever made
   // the factorisation unreliable, usually an eigenvalue of a part of the packing.
   for (const double step : {0.2, 0.5, 3.0, 30.0, 300.0}) {
-    ++factorisations;
-    ShiftedPencil pencil = family_.at(point.epsilon, point.eta, shift, accuracy);
+    ++result.factorisations;
+    ShiftedPencil pencil = family.at(point.epsilon, point.eta, shift, accuracy);
     if (pencil.reliable()) return pencil;
     shift = std::max(shift + side * inward(step * tolerance(shift)), 0.5 * shift);
   }
@@ -18,9 +18,64 @@ std::optional<ShiftedPencil> PencilSide::factorise(double shift, double side) {
 ShiftInvertResult PencilSide::lanczos(const ShiftedPencil& pencil, SpectrumEnd towards, Index wanted,
                                       const ShiftInvertOptions& lanczos_options, const Vector& start,
                                       const Matrix& locked) {
-  const LinearMap p = [this](const Vector& x) -> Vector { return p_.apply(x); };
-  const LinearMap inverse = [&](const Vector& x) -> Vector { return ++solves, pencil.solve(x); };
-  return shift_invert_lanczos(size(), inverse, p, pencil.shift(), towards, wanted, lanczos_options, start, locked);
+  const LinearMap apply = [this](const Vector& x) -> Vector { return p.apply(x); };
+  const LinearMap inverse = [&](const Vector& x) -> Vector { return ++result.solves, pencil.solve(x); };
+  return shift_invert_lanczos(p.rows(), inverse, apply, pencil.shift(), towards, wanted, lanczos_options, start,
+                              locked);
+}
+
+void PencilSide::list_behind() {
+  constexpr double distance = 1e-3;  // from the shift to the first value, relative to that value
+  accuracy = SolutionAccuracy::refined;
+  const double first = result.values[0];
+  const std::optional<ShiftedPencil> pencil = factorise(first - inward(distance * first));
+  result.converged = pencil && extend_list(*pencil) && result.residual <= tolerance(result.values[0]);
+}
+
+// Lanczos alone may see only one copy of a multiple eigenvalue. So eigenvalues are looked for until an
+// inertia count beyond the last one wanted equals the length of the list. False if it cannot be reached.
+bool PencilSide::extend_list(const ShiftedPencil& pencil) {
+  const Index wanted = std::min(options.eigenvalues, p.rows() - point.kernel);
+  while (result.values.size() < wanted)
+    if (!add_to_list(pencil, wanted - result.values.size())) return false;
+  const double last = result.values[wanted - 1];
+  const std::optional<ShiftedPencil> outside = factorise(last - inward(margin(last)));
+  if (!outside) return false;
+  const auto missing = [&, counted = beyond(*outside)] {
+    return counted - std::count_if(result.values.begin(), result.values.end(),
+                                   [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
+  };
+  while (missing() > 0)
+    if (!add_to_list(pencil, missing())) return false;
+  if (missing() < 0) return false;
+  result.values.conservativeResize(wanted);
+  result.vectors.conservativeResize(Eigen::NoChange, wanted);
+  return true;
+}
+
+// Looks for more eigenvalues, orthogonal to those of the list; false if none is found.
+bool PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
+  const Matrix locked = result.vectors;
+  const ShiftInvertResult run = lanczos(
+      pencil, end, wanted, {.maximum_steps = options.list_steps, .tolerance = 0.1 * options.tolerance}, {}, locked);
+  for (Index k = 0; k < run.values.size(); ++k) {
+    const double lambda = run.values[k];
+    const double error = run.bounds[k] + pencil.solution_error() * std::abs(lambda - pencil.shift());
+    if (error > tolerance(lambda)) continue;
+    // A long list from the largest eigenvalues inwards may reach the zeros of the rigid limit.
+    if (point.kernel > 0 && lambda <= 10 * (error + rounding(lambda))) continue;
+    Index place = result.values.size();
+    while (place > 0 && inward(result.values[place - 1] - lambda) > 0) --place;
+    const Index size = result.values.size(), behind = size - place;
+    Vector values(size + 1);
+    values << result.values.head(place), lambda, result.values.tail(behind);
+    Matrix vectors(run.vectors.rows(), size + 1);
+    vectors << result.vectors.leftCols(place), run.vectors.col(k), result.vectors.rightCols(behind);
+    result.values = values;
+    result.vectors = vectors;
+    result.residual = std::max(result.residual, error);
+  }
+  return result.values.size() > locked.cols();
 }
 
 }  // namespace nscdd

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/expected_end.hpp"
-#include "ddm/pencil_end.hpp"
 #include "ddm/spectrum_ends.hpp"
 #include "linalg/range_projector.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
-
-#include <algorithm>
-#include <array>
 
 namespace nscdd {
 namespace {
 
-// Above this many contacts the rank of the whole packing takes too much memory. The eigenvalues of the rigid
-// limit that are zero are then those below the first of these two shifts, provided that none lies between the
-// two.
+// Above this many contacts the rank of the whole packing takes too much memory. The eigenvalues of the rigid limit that
+// are zero are then those below the first of these two shifts, provided that none lies between the two.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 
@@ -21,24 +16,18 @@ constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 struct Ends {
   PencilEnd smallest, largest;
   bool found() const { return smallest.values.size() > 0 && largest.values.size() > 0; }
+  bool converged() const { return smallest.converged && largest.converged; }
+  bool certified() const { return smallest.certified && largest.certified; }
 };
 
-// An upper bound of the eigenvalues of all M_E^-1 K_E: with A = M^-1/2 H, ||A^T A||_2 <= || |A|^T |A|
-// ||_infinity.
+// An upper bound of the eigenvalues of all M_E^-1 K_E: with A = M^-1/2 H, ||A^T A||_2 <= || |A|^T |A| ||_infinity.
 double stiffest(const Decomposition& parts) {
   double bound = 0;
   for (const Subdomain& subdomain : parts.subdomains) {
-    const Vector root = subdomain.inertia.cwiseSqrt();
-    Vector rows = Vector::Zero(root.size());
-    const auto for_column = [&](Index c, auto&& visit) {
-      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) visit(e.row(), std::abs(e.value()) / root[e.row()]);
-    };
-    for (Index c = 0; c < subdomain.h.cols(); ++c) for_column(c, [&](Index i, double a) { rows[i] += a; });
-    for (Index c = 0; c < subdomain.h.cols(); ++c) {
-      double sum = 0;
-      for_column(c, [&](Index i, double a) { sum += a * rows[i]; });
-      bound = std::max(bound, sum);
-    }
+    if (subdomain.h.cols() == 0) continue;
+    const SparseMatrix a = over_rows(subdomain.h.cwiseAbs(), subdomain.inertia.cwiseSqrt());
+    const Vector rows = a * Vector::Ones(a.cols());
+    bound = std::max(bound, (a.transpose() * rows).maxCoeff());
   }
   return bound;
 }
@@ -53,8 +42,9 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
 // M^-1 K. An eigenvalue kappa of that gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from
 // 1 at kappa = 0 to its value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that
 // P has not, nothing is known.
-PencilPoint known_bounds(const Contraction& b, double epsilon) {
-  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b, epsilon)};
+PencilPoint known_bounds(const Contraction& b) {
+  const double epsilon = b.system.eta();
+  PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b)};
   const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
   const bool same = &system == &preconditioner;
   const double kappa = stiffest(preconditioner);
@@ -87,42 +77,36 @@ const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, con
 
 Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral, PencilMemory& memory,
                SystemForm form) {
+  using Visited = PencilMemory::Visited;
   const ShiftedPencilFamily& family = family_for(b, form, spectral.inertia, memory);
   const EndOptions options{
       .tolerance = spectral.tolerance, .eigenvalues = spectral.eigenvalues, .certify = spectral.certify};
-  const auto find = [&](SpectrumEnd end, PencilMemory::End PencilMemory::Visited::*same) {
+  const auto find = [&](SpectrumEnd end, PencilMemory::End Visited::*same) {
     const Vector start = memory.visited.empty() ? Vector{} : (memory.visited.back().*same).vector;
-    return find_end(family, b.preconditioner, point, end, expected_end(memory, point, same), start, options);
+    return find_end(family, b.preconditioner, point, end, memory.expected(point, same), start, options);
   };
-  using Visited = PencilMemory::Visited;
   Ends ends{.smallest = find(SpectrumEnd::smallest, &Visited::smallest),
             .largest = find(SpectrumEnd::largest, &Visited::largest)};
   family.release();
-  if (ends.smallest.converged && ends.largest.converged) remember(memory, point, ends);
+  if (ends.converged()) remember(memory, point, ends);
   return ends;
 }
 
-// With the condensed form. If that has lost the digits that a proof needs, again with the augmented form,
-// which takes longer. A shift is reliable from about a thousand times the rounding away, see
-// ShiftedPencil::reliable.
+// With the condensed form. If that has lost the digits that a proof needs, again with the augmented form, which takes
+// longer. A shift is reliable from about a thousand times the rounding away, see ShiftedPencil::reliable.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
   const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
-  const auto converged = [&](const Ends& of) {
-    return of.smallest.converged && of.largest.converged &&
-           (!options.certify || (of.smallest.certified && of.largest.certified));
-  };
-  if (converged(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
+  const auto done = [&](const Ends& some) { return some.converged() && (!options.certify || some.certified()); };
+  if (done(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
   PencilMemory own;
   const Ends again = find_ends(b, point, options, own, SystemForm::augmented);
-  return converged(again) ? again : ends;
+  return done(again) ? again : ends;
 }
 
-SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, Index unit_multiplicity,
-                      const SpectralOptions& options) {
-  SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert");
+SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, const SpectralOptions& options) {
+  SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert", unit_multiplicity);
   result.solver = "shift-invert";
-  result.unit_multiplicity = unit_multiplicity;
   result.applications = ends.smallest.solves + ends.largest.solves;
   result.factorisations = ends.smallest.factorisations + ends.largest.factorisations;
   if (!ends.found()) return result;
@@ -132,10 +116,10 @@ SpectralRadius report(const Contraction& b, const Ends& ends, double epsilon, In
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
   for (const PencilEnd* end : {&ends.smallest, &ends.largest})
-    result.residual = std::max(result.residual,
-                               end->residual + lost_to_rounding(b, epsilon) * std::max(1.0, std::abs(end->values[0])));
-  result.converged = ends.smallest.converged && ends.largest.converged && accurate(result, options.tolerance);
-  result.certified = ends.smallest.certified && ends.largest.certified;
+    result.residual =
+        std::max(result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])));
+  result.converged = ends.converged() && accurate(result, options.tolerance);
+  result.certified = ends.certified();
   result.interval_min = {1.0 - ends.largest.outside, 1.0 - ends.largest.inside};
   result.interval_max = {1.0 - ends.smallest.inside, 1.0 - ends.smallest.outside};
   result.within_min = ends.largest.within;
@@ -154,8 +138,7 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
-// The number of eigenvalues lambda below a shift next to 0; no number if no factorisation there can be relied
-// on.
+// The number of eigenvalues lambda below a shift next to 0; no number if no factorisation there can be relied on.
 std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero, Index& factorisations) {
   for (const double shift : {zero, 2 * zero, 5 * zero}) {
     ++factorisations;
@@ -165,29 +148,21 @@ std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta
   return std::nullopt;
 }
 
-// The number of eigenvalues lambda of the rigid limit that are 0, by inertia. An eigenvalue may be as small
-// as 1e-8 without being 0, so two shifts must count the same; no number if they do not, or if one cannot be
-// relied on.
+// The number of eigenvalues lambda of the rigid limit that are 0, by inertia. An eigenvalue may be as small as 1e-8
+// without being 0, so two shifts must count the same; no number if they do not, or if one cannot be relied on.
 std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
   const std::optional<Index> count = counted_below(family, eta, rigid_zero, factorisations);
   const std::optional<Index> again = counted_below(family, eta, rigid_zero_again, factorisations);
   return count == again ? count : std::nullopt;
 }
 
-// Whether `kernel` eigenvalues lie below the first reliable shift next to 0. It starts beyond the values that
-// rounding gives to the zeros, and goes no further than a hundred times that, or small eigenvalues would pass
-// for zeros.
+// Whether `kernel` eigenvalues lie below the first reliable shift next to 0. It starts beyond the values that rounding
+// gives to the zeros, and goes no further than a hundred times that, or small eigenvalues would pass for zeros.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
   for (const double shift : {zero, 10 * zero, 100 * zero})
     if (const auto counted = counted_below(family, point.eta, shift, factorisations)) return *counted == kernel;
   return false;
-}
-
-SpectralRadius unproved_rigid(Index kernel) {
-  SpectralRadius result = not_converged("shift-invert");
-  result.unit_multiplicity = kernel;
-  return result;
 }
 
 // Interface impulses that the networks can carry in more than one way give lambda = 0, a unit eigenvalue
@@ -199,7 +174,7 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit.emplace(
         RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), std::nullopt});
   const Contraction regular{b.preconditioner, limit->regular, b.relaxation};
-  PencilPoint point = known_bounds(b, 0);
+  PencilPoint point = known_bounds(b);
   const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, options.inertia, memory.rigid);
   Index factorisations = 0;
   if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
@@ -209,11 +184,11 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->confirmed = false;
   }
   if (!limit->confirmed) limit->confirmed = confirms(family, point, *limit->kernel, factorisations);
-  if (!limit->confirmed) return unproved_rigid(*limit->kernel);
+  if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
   SpectralRadius result =
-      report(b, find_ends(regular, point, options, memory.rigid, SystemForm::augmented), 0, point.kernel, options);
+      report(b, find_ends(regular, point, options, memory.rigid, SystemForm::augmented), point.kernel, options);
   result.factorisations += factorisations;
   return result;
 }
@@ -237,8 +212,7 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
     return no_error_left(b.rows(), options.eigenvalues);
   if (epsilon == 0) return rigid_radius(b, options, memory);
-  const PencilPoint point = known_bounds(b, epsilon);
-  return report(b, find_flexible_ends(b, point, options, memory.flexible), epsilon, 0, options);
+  return report(b, find_flexible_ends(b, known_bounds(b), options, memory.flexible), 0, options);
 }
 
 }  // namespace nscdd

@@ -1,100 +1,239 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/saddle_point_family.hpp"
+#include "ddm/shifted_pencil.hpp"
+
+#include "linalg/sparse_entries.hpp"
 
 #include <cmath>
-#include <optional>
 
 namespace nscdd {
 namespace {
 
-// Inexactness from which solutions are refined by one step, which takes as long as three more.
-constexpr double refined_above(SolutionAccuracy accuracy) {
-  return accuracy == SolutionAccuracy::refined ? 1e-10 : 1e-6;
+// Entries of the lower triangle of both matrices of a family.
+struct Entries {
+  SparseEntries inertia, stiffness;
+  void add(Index row, Index column, double in_inertia, double in_stiffness) {
+    inertia.add(row, column, in_inertia);
+    stiffness.add(row, column, in_stiffness);
+  }
+};
+
+// M_E on the diagonal and A_E in the interface rows.
+void add_inertia_and_gluing(Entries& entries, const Subdomain& subdomain, Index first, Index interface) {
+  for (Index i = 0; i < subdomain.inertia.size(); ++i) entries.add(first + i, first + i, subdomain.inertia[i], 0);
+  for (Index j = 0; j < subdomain.inertia.size(); ++j)
+    for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
+      entries.add(interface + e.row(), first + j, e.value(), 0);
 }
+
+// The block of one decomposition: M_E and K_E = H_E H_E^T.
+void add_condensed(Entries& entries, const Decomposition& parts, Index first, Index interface) {
+  for (const Subdomain& subdomain : parts.subdomains) {
+    add_inertia_and_gluing(entries, subdomain, first, interface);
+    const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
+    for (Index j = 0; j < stiffness.cols(); ++j)
+      for (SparseMatrix::InnerIterator e(stiffness, j); e; ++e)
+        if (e.row() >= j) entries.add(first + e.row(), first + j, 0, e.value());
+    first += stiffness.cols();
+  }
+}
+
+// The same with the contact impulses behind all grains: H_E^T in their rows, -1 to be multiplied by epsilon.
+void add_augmented(Entries& entries, const Decomposition& parts, Index first_impulse, Index interface) {
+  Index first = 0;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    add_inertia_and_gluing(entries, subdomain, first, interface);
+    for (Index c = 0; c < subdomain.h.cols(); ++c, ++first_impulse) {
+      entries.add(first_impulse, first_impulse, 0, -1);
+      for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e)
+        entries.add(first_impulse, first + e.row(), e.value(), 0);
+    }
+    first += subdomain.inertia.size();
+  }
+}
+
+// Of all subdomains of a decomposition. `entries`: no fewer than it adds, for a contact of k velocities ties
+// them in pairs.
+struct Sizes {
+  Index dofs = 0, contacts = 0, entries = 0;
+
+  explicit Sizes(const Decomposition& parts) {
+    for (const Subdomain& subdomain : parts.subdomains) {
+      dofs += subdomain.inertia.size();
+      contacts += subdomain.h.cols();
+      entries += subdomain.inertia.size() + subdomain.a.nonZeros() + subdomain.h.cols();
+      for (Index c = 0; c < subdomain.h.cols(); ++c) {
+        const Index k = subdomain.h.col(c).nonZeros();
+        entries += k * (k + 1) / 2;
+      }
+    }
+  }
+};
 
 }  // namespace
 
-struct ShiftedPencilFamily::Preparation {
-  Preparation(const Contraction& b, SystemForm form, const InertiaMethod& method)
-      : matrices(b, form), method_name(method.name), factors(method.analyse(matrices.pattern())) {}
-  SaddlePointFamily matrices;
-  std::string method_name;
-  InertiaFamily factors;
+// The saddle-point matrices of all shifted pencils of two decompositions, see ShiftedPencil: what is added up in them
+// for given epsilon, eta and sigma. Their rows are, in this order, the velocities of the subdomains of S, its contact
+// impulses (augmented form only), the velocities of the subdomains of P (finite eta only), and the interface.
+struct SaddlePointFamily {
+  SaddlePointFamily(const Contraction& b, SystemForm form);
+
+  // Lower triangle. Rows of the -P block are scaled by sqrt(sigma), so that sigma appears between rows of one
+  // interface grain or of two, and nowhere else.
+  SparseMatrix matrix(double epsilon, double eta, double sigma) const;
+
+  // One pattern for all. All copies of a grain and the gluing of these copies are eliminated together, a
+  // contact impulse with the later of its grains.
+  InertiaPattern pattern() const;
+
+  // What Response has, of a solution x for these epsilon, eta and sigma.
+  ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma) const;
+
+  Index rows() const { return inertia.rows(); }
+  Index interface_size() const { return rows() - interface; }
+
+  Contraction contraction;  // keeps the decompositions alive
+  SystemForm form;
+  bool generic;           // eta is infinite
+  Index grain_rows = 0;   // first contact impulse of S
+  Index system_size = 0;  // first row of the block of P
+  Index interface = 0;    // first interface row
+  // Lower triangles of one pattern: the coefficients of 1, and those of 1/epsilon or 1/eta (of epsilon in the
+  // rows of the contact impulses).
+  SparseMatrix inertia, stiffness;
 };
 
-class ShiftedPencil::Implementation {
- public:
-  Implementation(std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation, double epsilon, double eta,
-                 double sigma, SolutionAccuracy accuracy)
-      : shift(sigma), preparation_(std::move(preparation)), epsilon_(epsilon), eta_(eta) {
-    SparseMatrix matrix = matrices().matrix(epsilon, eta, sigma);
-    factor = preparation_->factors.factorise(matrix, {epsilon, eta});
-    if (!factor.regular) return;
-    inexactness = nscdd::inexactness(factor, matrix, matrices().interface_size());
-    if (inexactness > refined_above(accuracy)) refinement_ = std::move(matrix);
+SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_form)
+    : contraction(b), form(system_form), generic(std::isinf(b.preconditioner.eta())) {
+  const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
+  const Sizes of_system(system), of_preconditioner(preconditioner);
+  grain_rows = of_system.dofs;
+  system_size = grain_rows + (form == SystemForm::augmented ? of_system.contacts : 0);
+  interface = system_size + (generic ? 0 : of_preconditioner.dofs);
+  Entries entries;
+  for (SparseEntries* one : {&entries.inertia, &entries.stiffness})  // growing would copy gigabytes
+    one->reserve(at(of_system.entries + (generic ? b.preconditioner.generic().nonZeros() : of_preconditioner.entries)));
+  if (form == SystemForm::augmented) {
+    add_augmented(entries, system, grain_rows, interface);
+  } else {
+    add_condensed(entries, system, 0, interface);
   }
-
-  Index below() const { return matrices().most_negative() - factor.negative_eigenvalues; }
-
-  double solution_error() const { return refinement_ ? inexactness * inexactness : inexactness; }
-
-  Vector solve(const Vector& g) const {
-    if (!refinement_) return -factor.solve_on_border(g);
-    const Vector x = factor.solve_from_border(g);
-    return -(x.tail(g.size()) + factor.solve_to_border(symmetric_residual(*refinement_, x, whole(g))));
+  if (generic) {
+    const SparseMatrix& x = b.preconditioner.generic();  // X
+    for (Index j = 0; j < x.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator e(x, j); e; ++e)
+        if (e.row() >= j) entries.add(interface + e.row(), interface + j, e.value(), 0);
+  } else {
+    add_condensed(entries, preconditioner, system_size, interface);
   }
+  const Index size = interface + system.interface_size();
+  inertia = entries.inertia.matrix(size, size);
+  entries.inertia = {};  // frees its memory
+  stiffness = entries.stiffness.matrix(size, size);
+}
 
-  Response respond(const Vector& g) const {
-    Vector x = factor.solve_from_border(g);
-    if (refinement_) x += factor.solve(symmetric_residual(*refinement_, x, whole(g)));
-    return matrices().response(x, epsilon_, eta_, shift);
+SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma) const {
+  const double root = std::sqrt(sigma);
+  SparseMatrix sum = inertia;
+  double* value = sum.valuePtr();
+  const double* k = stiffness.valuePtr();
+  for (Index j = 0; j < sum.outerSize(); ++j)
+    for (Index p = sum.outerIndexPtr()[j]; p < sum.outerIndexPtr()[j + 1]; ++p) {
+      const bool gluing = sum.innerIndexPtr()[p] >= interface && j < interface;
+      if (j < system_size) {
+        if (!gluing) value[p] += form == SystemForm::augmented ? k[p] * epsilon : k[p] / epsilon;
+      } else if (j < interface) {
+        value[p] = gluing ? root * value[p] : -(value[p] + k[p] / eta);
+      } else {
+        value[p] *= sigma;
+      }
+    }
+  return sum;
+}
+
+InertiaPattern SaddlePointFamily::pattern() const {
+  const Decomposition& system = contraction.system.parts();
+  std::vector<Index> grain;
+  grain.reserve(at(rows()));
+  const auto add = [&](Index g) { grain.insert(grain.end(), at(system.dofs_per_grain()), g); };
+  const auto add_grains = [&](const Decomposition& parts) {
+    for (const Subdomain& subdomain : parts.subdomains) std::ranges::for_each(subdomain.grains, add);
+  };
+  add_grains(system);
+  grain.insert(grain.end(), at(system_size - grain_rows), -1);
+  if (!generic) add_grains(contraction.preconditioner.parts());
+  for (const Gluing& row : system.interface.gluing()) add(row.grain);
+  std::vector<Index> number(at(system.interface.grains()), -1);  // of a grain, as it is met
+  Index next = 0;
+  for (Index& g : grain) {
+    if (g < 0) continue;
+    Index& n = number[at(g)];
+    if (n < 0) n = next++;
+    g = n;
   }
+  return {inertia, grain, interface_size()};
+}
 
-  double shift;
-  InertiaFactor factor;
-  double inexactness = infinity;
+ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma) const {
+  const auto energy = [&](Index first, Index last) {  // x^T K x over some columns
+    double sum = 0;
+    for (Index j = first; j < last; ++j)
+      for (SparseMatrix::InnerIterator e(stiffness, j); e; ++e)
+        sum += e.value() * x[e.row()] * x[j] * (e.row() == j ? 1 : 2);
+    return sum;
+  };
+  const double system = energy(0, system_size);
+  return {.f = -x.tail(interface_size()),
+          .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,
+          .preconditioner = generic ? 0.0 : energy(system_size, interface) / (eta * sigma)};
+}
 
- private:
-  const SaddlePointFamily& matrices() const { return preparation_->matrices; }
+// Without an eigenvalue below the shift all rows but the grains of S are negative; each one takes one away.
+Index ShiftedPencil::below() const { return matrices_->rows() - matrices_->grain_rows - factor_.negative_eigenvalues; }
 
-  Vector whole(const Vector& g) const {
-    Vector right = Vector::Zero(matrices().rows());
-    right.tail(g.size()) = g;
-    return right;
-  }
+Vector ShiftedPencil::solve(const Vector& g) const {
+  if (!refinement_) return -factor_.solve_on_border(g);
+  const Vector x = factor_.solve_from_border(g);
+  return -(x.tail(g.size()) + factor_.solve_to_border(residual(x, g)));
+}
 
-  std::shared_ptr<const ShiftedPencilFamily::Preparation> preparation_;
-  double epsilon_, eta_;
-  std::optional<SparseMatrix> refinement_;  // the matrix, if solutions take a step of refinement
-};
+ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const {
+  Vector x = factor_.solve_from_border(g);
+  if (refinement_) x += factor_.solve(residual(x, g));
+  return matrices_->response(x, epsilon_, eta_, shift_);
+}
 
-ShiftedPencil::ShiftedPencil(std::shared_ptr<const Implementation> implementation)
-    : implementation_(std::move(implementation)) {}
-bool ShiftedPencil::regular() const { return implementation_->factor.regular; }
-double ShiftedPencil::inexactness() const { return implementation_->inexactness; }
-double ShiftedPencil::solution_error() const { return implementation_->solution_error(); }
-double ShiftedPencil::shift() const { return implementation_->shift; }
-Index ShiftedPencil::below() const { return implementation_->below(); }
-Vector ShiftedPencil::solve(const Vector& g) const { return implementation_->solve(g); }
-ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const { return implementation_->respond(g); }
+Vector ShiftedPencil::residual(const Vector& x, const Vector& g) const {
+  Vector right = Vector::Zero(x.size());
+  right.tail(g.size()) = g;
+  return symmetric_residual(*refinement_, x, right);
+}
 
 ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form, const InertiaMethod& method)
-    : preparation_(std::make_shared<const Preparation>(b, form, method)) {}
+    : matrices_(std::make_shared<const SaddlePointFamily>(b, form)),
+      method_name_(method.name),
+      factors_(method.analyse(matrices_->pattern())) {}
 
 bool ShiftedPencilFamily::serves(const Contraction& b, SystemForm form, const InertiaMethod& method) const {
-  const SaddlePointFamily& own = preparation_->matrices;
-  return &b.system.parts() == &own.contraction.system.parts() &&
-         &b.preconditioner.parts() == &own.contraction.preconditioner.parts() &&
-         std::isinf(b.preconditioner.eta()) == own.generic && form == own.form &&
-         method.name == preparation_->method_name;
+  const Contraction& own = matrices_->contraction;
+  return &b.system.parts() == &own.system.parts() && &b.preconditioner.parts() == &own.preconditioner.parts() &&
+         std::isinf(b.preconditioner.eta()) == matrices_->generic && form == matrices_->form &&
+         method.name == method_name_;
 }
 
 ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma, SolutionAccuracy accuracy) const {
-  return ShiftedPencil(
-      std::make_shared<const ShiftedPencil::Implementation>(preparation_, epsilon, eta, sigma, accuracy));
+  ShiftedPencil pencil;
+  pencil.matrices_ = matrices_;
+  pencil.epsilon_ = epsilon;
+  pencil.eta_ = eta;
+  pencil.shift_ = sigma;
+  SparseMatrix matrix = matrices_->matrix(epsilon, eta, sigma);
+  pencil.factor_ = factors_.factorise(matrix, {epsilon, eta});
+  if (!pencil.regular()) return pencil;
+  pencil.inexactness_ = inexactness(pencil.factor_, matrix, matrices_->interface_size());
+  // One step of refinement takes as long as three solutions more.
+  const double refined_above = accuracy == SolutionAccuracy::refined ? 1e-10 : 1e-6;
+  if (pencil.inexactness_ > refined_above) pencil.refinement_ = std::move(matrix);
+  return pencil;
 }
-
-void ShiftedPencilFamily::release() const { preparation_->factors.release(); }
-Index ShiftedPencilFamily::unknowns() const { return preparation_->matrices.rows(); }
 
 }  // namespace nscdd

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
 #include <memory>
+#include <optional>
 
 namespace nscdd {
 
@@ -22,6 +22,8 @@ enum class SolutionAccuracy {
   refined,                ///< if it is above 1e-10, for eigenvalues far from the shift
 };
 
+struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
+
 /// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
 /// factorisation of the saddle-point matrix
 ///     [ M_E + K_E/epsilon                                A_E^T ]
@@ -30,34 +32,31 @@ enum class SolutionAccuracy {
 /// or, for eta = infinity,
 ///     [ M_E + K_E/epsilon   A_E^T   ]
 ///     [ A_E                 sigma X ]
-/// whose Schur complement on the interface is sigma P - S. Hence (Sylvester, Haynsworth) it has as many
-/// negative eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below
-/// sigma.
+/// whose Schur complement on the interface is sigma P - S. Hence (Sylvester, Haynsworth) it has as many negative
+/// eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below sigma.
 ///
-/// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the
-/// contact impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as
-/// contacts.
+/// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the contact
+/// impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as contacts.
 class ShiftedPencil {
  public:
-  bool regular() const;  ///< false if the factorisation broke down; nothing else may then be asked
+  /// False if the factorisation broke down; nothing else may then be asked.
+  bool regular() const { return factor_.regular; }
 
   /// ||d|| / ||x|| on the interface, where d is the correction that one step of iterative refinement makes to
   /// a solution x: how far the factors are from exact. They are the exact factors of some A + E, and the
   /// ratio estimates the size of (A + E)^-1 E. While that is below 1, no eigenvalue changes its sign on the
   /// way from A to A + E, so the count below holds for A itself.
-  double inexactness() const;
+  double inexactness() const { return inexactness_; }
 
-  /// Whether the inexactness is small enough for counts and solutions to be used. If it is not, sigma is too
-  /// near to an eigenvalue of the pencil or of a part of the packing, and a shift a little to the side serves
-  /// as well.
+  /// Whether the inexactness is small enough for counts and solutions to be used. If it is not, sigma is too near to an
+  /// eigenvalue of the pencil or of a part of the packing, and a shift a little to the side serves as well.
   bool reliable() const { return regular() && inexactness() < reliable_inexactness; }
 
   /// The inexactness of what `solve` returns, which takes a step of refinement if that is worth it.
-  double solution_error() const;
+  double solution_error() const { return refinement_ ? inexactness_ * inexactness_ : inexactness_; }
 
-  double shift() const;
-  Index below() const;  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
-
+  double shift() const { return shift_; }
+  Index below() const;                  ///< eigenvalues lambda of (S, P) below the shift, with multiplicity
   Vector solve(const Vector& g) const;  ///< (S - sigma P)^-1 g
 
   /// A solution f = (S - sigma P)^-1 g and how f^T S f and f^T P f change with the flexibilities, from the
@@ -69,11 +68,14 @@ class ShiftedPencil {
   };
   Response respond(const Vector& g) const;
 
-  class Implementation;
-  explicit ShiftedPencil(std::shared_ptr<const Implementation> implementation);
-
  private:
-  std::shared_ptr<const Implementation> implementation_;
+  friend class ShiftedPencilFamily;
+  Vector residual(const Vector& x, const Vector& g) const;
+
+  std::shared_ptr<const SaddlePointFamily> matrices_;
+  double epsilon_ = 1, eta_ = 1, shift_ = 1, inexactness_ = infinity;
+  InertiaFactor factor_;
+  std::optional<SparseMatrix> refinement_;  // the matrix, if solutions take a step of refinement
 };
 
 /// Every shifted pencil of one pair of decompositions: the elimination order and its fronts are found once
@@ -95,14 +97,12 @@ class ShiftedPencilFamily {
                    SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end) const;
 
   /// Frees the numbers that are kept for another shift at the last epsilon and eta.
-  void release() const;
-
-  Index unknowns() const;  ///< of the saddle-point matrix
-
-  struct Preparation;
+  void release() const { factors_.release(); }
 
  private:
-  std::shared_ptr<const Preparation> preparation_;
+  std::shared_ptr<const SaddlePointFamily> matrices_;
+  std::string method_name_;
+  InertiaFamily factors_;
 };
 
 }  // namespace nscdd

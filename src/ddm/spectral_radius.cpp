@@ -1,9 +1,146 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/spectrum_ends.hpp"
 #include "linalg/arpack.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
 namespace nscdd {
+namespace {
+
+// The pencil (A, P) restricted to the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q
+// an orthonormal basis of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and
+// P-orthogonal to the kernel.
+PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel, Index wanted) {
+  PencilEnds ends;
+  const Eigen::LLT<Matrix> cholesky(p);
+  ends.definite = cholesky.info() == Eigen::Success;
+  if (!ends.definite) return ends;
+  const Matrix image = cholesky.matrixU() * kernel;
+  const Matrix q = Matrix(Eigen::HouseholderQR<Matrix>(image).householderQ()).rightCols(p.rows() - kernel.cols());
+  const Matrix y = cholesky.matrixU().solve(q);
+  const Matrix reduced = y.transpose() * a * y;
+  ends = pencil_ends(0.5 * (reduced + reduced.transpose()), Matrix::Identity(q.cols(), q.cols()), wanted);
+  if (!ends.definite) return ends;
+  ends.low_vectors = y * ends.low_vectors;
+  ends.high_vectors = y * ends.high_vectors;
+  const Matrix lower = cholesky.matrixL();  // the residual is that of the whole pencil
+  ends.residual = std::max(pair_residual(a, p, lower, ends.low, ends.low_vectors),
+                           pair_residual(a, p, lower, ends.high, ends.high_vectors));
+  return ends;
+}
+
+SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
+  // Both matrices are scaled by D^-1/2 from both sides, D = diag(X). The pencil keeps its eigenvalues, and
+  // unequal masses no longer spoil its condition.
+  const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
+  const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
+  // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
+  const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
+  const Index n = b.rows(), unit_multiplicity = b.system.nullity();
+  if (unit_multiplicity == n) return all_unit(n, "dense");
+  const auto ends_of = [&](Index wanted) {
+    return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
+                                  : deflated_ends(difference, p, b.system.kernel().kernel, wanted);
+  };
+  const Index most = n - unit_multiplicity, listed = std::min(options.eigenvalues, most);
+  Index wanted = listed;
+  PencilEnds ends = ends_of(wanted);
+  const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
+    const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
+    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) +
+           lost_to_rounding(b) * (1 + largest);  // of S and P as they were assembled
+  };
+  if (options.certify)  // until the list has all copies of both ends
+    while (ends.definite && wanted < most &&
+           (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
+      ends = ends_of(wanted = std::min(2 * wanted, most));
+  if (!ends.definite) return not_converged("dense");
+  SpectralRadius result;
+  result.solver = "dense";
+  set_ends(result, ends.low[0], ends.high[0], unit_multiplicity);
+  result.low.assign(ends.low.begin(), ends.low.begin() + listed);
+  result.high.assign(ends.high.begin(), ends.high.begin() + listed);
+  result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
+  result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
+  result.residual = ends.residual;
+  result.converged = accurate(result, options.tolerance);
+  if (options.certify && result.converged) {  // the values come from Sturm counts, which miss no eigenvalue
+    result.certified = true;
+    result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
+    result.interval_max = {ends.high[0] - margin(), ends.high[0] + margin()};
+    const auto within = [&](const Vector& values) { return ((values.array() - values[0]).abs() <= margin()).count(); };
+    result.within_min = within(ends.low);
+    result.within_max = within(ends.high);
+  }
+  return result;
+}
+
+// An eigenvalue lambda of the pencil (S, P) from its vector, and the bound of its residual.
+std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
+  const Vector sx = s(x), px = p.apply(x);
+  const double norm = x.dot(px);
+  const double lambda = x.dot(sx) / norm;
+  const Vector r = sx - lambda * px;
+  return {lambda, std::sqrt(std::max(0.0, r.dot(p.solve(r))) / norm)};
+}
+
+SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
+  const Index n = b.rows(), unit_multiplicity = b.system.nullity();
+  if (unit_multiplicity > 0 && n > dense_kernel_limit)  // the kernel is found densely
+    return not_converged("arpack", unit_multiplicity);
+  SpectralRadius result;
+  result.solver = "arpack";
+  const auto p_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.preconditioner.apply(x); };
+  const auto p_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.preconditioner.solve(x); };
+  LinearMap s_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.system.apply(x); };
+
+  if (unit_multiplicity == n) return all_unit(n, "arpack");
+  if (unit_multiplicity > 0) {
+    // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma. This is a Rayleigh quotient
+    // of the complement, so it lies between its ends.
+    const Vector root = b.system.scale().cwiseSqrt();
+    const KernelSplit& split = b.system.kernel();  // in coordinates scaled by the root
+    const Matrix z = root.cwiseInverse().asDiagonal() * split.kernel;
+    const Vector inner = p_solve(root.asDiagonal() * split.range.rowwise().sum());  // in P^-1 range(S)
+    const double sigma = inner.dot(s_apply(inner)) / inner.dot(p_apply(inner));
+    Matrix pz(n, unit_multiplicity);
+    for (Index j = 0; j < unit_multiplicity; ++j) pz.col(j) = p_apply(z.col(j));
+    const Matrix gram = z.transpose() * pz;
+    s_apply = [s = s_apply, pz, sigma, cholesky = Eigen::LLT<Matrix>(gram)](const Vector& x) -> Vector {
+      return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
+    };
+  }
+  MatrixFreeMemory& last = memory.matrix_free;
+  const LanczosResult high = lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, last.largest);
+  // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
+  const auto s_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.system.solve(x); };
+  const LanczosResult low =
+      b.system.eta() == 0 ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, last.smallest)
+                          : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, last.smallest);
+  // If an end was not found, the next point starts from the vector of the point before.
+  if (high.vector.size() > 0) last.largest = high.vector;
+  if (low.vector.size() > 0) last.smallest = low.vector;
+  if (high.vector.size() == 0 || low.vector.size() == 0) {
+    SpectralRadius failed = not_converged("arpack");
+    failed.applications = result.applications;
+    return failed;
+  }
+  const auto [largest, high_residual] = rayleigh(high.vector, s_apply, b.preconditioner);
+  const auto [smallest, low_residual] = rayleigh(low.vector, s_apply, b.preconditioner);
+  set_ends(result, 1.0 - largest, 1.0 - smallest, unit_multiplicity);
+  result.low = {result.subdominant_min};
+  result.high = {result.subdominant_max};
+  result.mode_min = high.vector;
+  result.mode_max = low.vector;
+  result.residual = std::max(high_residual, low_residual);
+  result.converged = high.converged && low.converged && accurate(result, options.tolerance);
+  return result;
+}
+
+}  // namespace
 
 void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_multiplicity) {
   result.subdominant_min = mu_min;
@@ -16,8 +153,9 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
   result.value = std::max(std::abs(result.eigenvalue_min), std::abs(result.eigenvalue_max));
 }
 
-SpectralRadius not_converged(std::string_view solver) {
+SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity) {
   SpectralRadius failed;
+  failed.unit_multiplicity = unit_multiplicity;
   failed.value = failed.subdominant = failed.residual = not_a_number;
   failed.solver = solver;
   failed.converged = false;

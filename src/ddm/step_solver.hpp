@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/flexibility.hpp"
 #include "mechanics/contact_order.hpp"
 #include <nscdd/core/fields.hpp>
 
@@ -40,6 +39,40 @@ enum class InterfaceMethod { richardson, conjugate_gradient };
 constexpr auto names_of(InterfaceMethod) {
   return std::to_array<std::string_view>({"richardson", "conjugate_gradient"});
 }
+
+/// The flexibility eta of an enriched Stage 2 as a case has it: "optimal", a number > 0 in 1/kg ("0.5"), or a
+/// multiple of the scale W of the packing ("0.5 W"), the mean of the W_nn of its contacts. With masses m_i, m_j
+/// of the two grains of a contact, W_nn = 1/m_i + 1/m_j, in 1/kg.
+class EtaChoice {
+ public:
+  EtaChoice() = default;
+  EtaChoice(const char* text) : EtaChoice(std::string(text)) {}
+  /// Throws Error naming `what` for any other text.
+  EtaChoice(const std::string& text, std::string_view what = "eta") : optimal_(text == "optimal") {
+    if (optimal_) return;
+    relative_ = text.ends_with('W');
+    value_ = parse_number(std::string_view(text).substr(0, text.size() - (relative_ ? 1 : 0)), what);
+    check_bounds(value_, Field{.description = "", .minimum = 0, .minimum_excluded = true}, what);
+  }
+
+  bool optimal() const { return optimal_; }
+  /// In 1/kg, of one that is not optimal.
+  double at_scale(double scale) const { return relative_ ? value_ * scale : value_; }
+  std::string text() const { return optimal_ ? "optimal" : field_text(value_) + (relative_ ? " W" : ""); }
+  bool operator==(const EtaChoice&) const = default;
+
+ private:
+  // Safe: see "Flexibilities relative to the packing" in docs/cases.md for what was measured.
+  double value_ = 10;
+  bool relative_ = true, optimal_ = false;
+};
+
+inline void parse_value(std::string_view text, EtaChoice& value, std::string_view key) {
+  value = EtaChoice(std::string(text), key);
+}
+inline std::string field_text(const EtaChoice& value) { return field_text(value.text()); }
+inline std::string_view field_type(const EtaChoice&) { return "text"; }
+inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
 /// How the contact problem of a step is solved.
 struct StepSolver {

@@ -22,9 +22,8 @@ namespace nscdd {
 /// from which its sweeps start, and F_Gamma, n_Gamma. A time step starts from z = 0.
 class TwoStageIteration {
  public:
-  /// `stage_one`: the decomposition with the contacts Stage 1 works with (all, or the active ones);
-  /// `preconditioner`: X_eta of the same gluing; `sweeps`: n_GS >= 1, or empty for an exact Stage 1.
-  /// Throws Error for sweeps < 1.
+  /// `stage_one`: the decomposition with the contacts Stage 1 works with (all, or the active ones); `preconditioner`:
+  /// X_eta of the same gluing; `sweeps`: n_GS >= 1, or empty for an exact Stage 1. Throws Error for sweeps < 1.
   TwoStageIteration(const Decomposition& stage_one, const Law& law, InterfaceOperator preconditioner,
                     std::optional<Index> sweeps, double relaxation = 1.0);
 

@@ -37,4 +37,11 @@ inline SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vect
   return entries.matrix(matrix.rows(), count(columns));
 }
 
+/// The matrix with each row divided by its entry of `scale`.
+inline SparseMatrix over_rows(SparseMatrix matrix, const Vector& scale) {
+  for (Index j = 0; j < matrix.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) e.valueRef() /= scale[e.row()];
+  return matrix;
+}
+
 }  // namespace nscdd

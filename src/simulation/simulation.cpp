@@ -132,7 +132,7 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   std::optional<InterfaceOperator> enriched;
   if (solver.algorithm == StepAlgorithm::enriched && parts.interface_size() > 0) {
     eta = solver.eta.optimal() ? best_eta(simulation, problem, partition)
-                               : solver.eta.flexibility().at_scale(mean_normal_delassus(problem));
+                               : solver.eta.at_scale(mean_normal_delassus(problem));
     enriched = enriched_operator(simulation, problem, partition, eta);
   }
   GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver, enriched);

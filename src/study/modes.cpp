@@ -28,9 +28,8 @@ std::vector<Vector> stage_one_velocities(const Decomposition& parts, double epsi
   for_each_in_parallel(count(velocities), [&](Index e) {
     const Subdomain& subdomain = parts.subdomains[at(e)];
     if (subdomain.inertia.size() == 0) return;
-    velocities[at(e)] = EnrichedInertiaFamily(subdomain, InterfaceFamily::default_dense_limit)
-                            .at(epsilon)
-                            .solve(-parts.interface.distribute(e, f));
+    const EnrichedInertiaFamily family(subdomain, InterfaceFamily::default_dense_limit);
+    velocities[at(e)] = EnrichedInertia(family, epsilon).solve(-parts.interface.distribute(e, f));
   });
   return velocities;
 }

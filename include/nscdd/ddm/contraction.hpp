@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/mechanics/law.hpp>
@@ -57,9 +56,8 @@ inline Contraction contraction(const Decomposition& parts, const Scheme& scheme,
   return {family.at(flexibility(scheme)), family.at(flexibility(law))};
 }
 
-/// The same if Stage 1 works on the active contacts only (G_E) and Stage 2 on all of them (H_E). At epsilon =
-/// 0 this is the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the
-/// packing.
+/// The same if Stage 1 works on the active contacts only (G_E) and Stage 2 on all of them (H_E). At epsilon = 0 this is
+/// the local analysis of [ADI12] sections 4.3 and 4.4. `active`: one flag per contact of the packing.
 inline Contraction contraction(const Decomposition& parts, const Scheme& scheme, const Law& law,
                                const std::vector<char>& active) {
   return {InterfaceFamily(parts).at(flexibility(scheme)),

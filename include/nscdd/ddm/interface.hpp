@@ -46,9 +46,8 @@ class Interface {
  public:
   Interface() = default;
 
-  /// `held`: global numbers of the grains each subdomain holds, in its own order; `grains`: how many there
-  /// are in all; `tied`: one flag per grain whether its copies are glued (driven ones are not), empty for
-  /// all.
+  /// `held`: global numbers of the grains each subdomain holds, in its own order; `grains`: how many there are in all;
+  /// `tied`: one flag per grain whether its copies are glued (driven ones are not), empty for all.
   Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
             const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
 
@@ -88,8 +87,7 @@ class Interface {
   /// Inner product of two vectors of the interface: every unknown counts once, however many copies it ties.
   double dot(const Vector& f, const Vector& g) const { return f.dot(g); }
 
-  /// Velocities o_E of the copies with the jumps g, sum_E A_E o_E = g. The first copy of each grain is at
-  /// rest.
+  /// Velocities o_E of the copies with the jumps g, sum_E A_E o_E = g. The first copy of each grain is at rest.
   std::vector<Vector> copies_apart(const Vector& g) const;
   /// The interface impulses F with A_E^T F = `impulses` of every subdomain; on each grain these must balance.
   Vector collect(std::vector<Vector> impulses) const;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 
 #include <memory>
@@ -33,10 +32,9 @@ class InterfaceOperator {
   /// the dense matrix. Computed once.
   const KernelSplit& kernel() const;
 
-  /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). Else
-  /// one solve with the assembled M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps
-  /// g whose impulses M_{E,eta} V_E balance on every grain; no Schur complement is formed. Throws Error for
-  /// eta = 0.
+  /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). Else one solve
+  /// with the assembled M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses
+  /// M_{E,eta} V_E balance on every grain; no Schur complement is formed. Throws Error for eta = 0.
   Vector solve(const Vector& g) const;
 
   /// diag(X_inf), the natural scale of every X_eta: 0 <= X_eta <= X_inf.

@@ -61,10 +61,9 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
 /// it is the eta that has nine tenths of the gain over the generic algorithm.
 double optimal_eta(const Decomposition& parts, const Decomposition& active);
 
-/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it
-/// stays below 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an
-/// exact Stage 1 and any set of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Needs 0 < omega
-/// < 2.
+/// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it stays
+/// below 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an exact Stage 1 and
+/// any set of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Needs 0 < omega < 2.
 double stable_eta(const Decomposition& parts, double relaxation = 1);
 
 }  // namespace nscdd

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/arpack_options.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>

@@ -11,38 +11,34 @@
 namespace nscdd {
 namespace {
 
-// Grains that the columns of a contact act on, ascending.
-std::vector<Index> grains_of_columns(const ReferenceProblem& problem, Index contact) {
-  const Index k = problem.columns_per_contact;
-  std::vector<Index> grains = grains_of_contact(problem, k * contact);
-  for (Index j = 1; j < k; ++j)
-    for (const Index grain : grains_of_contact(problem, k * contact + j)) grains.push_back(grain);
-  if (k > 1) {
-    std::sort(grains.begin(), grains.end());
-    grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
-  }
-  return grains;
-}
-
 // Adjacency of the contact graph in METIS's compressed rows.
 struct Graph {
   std::vector<idx_t> start{0}, neighbours;
 };
 
 Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
+  const auto for_each_grain = [&problem, k = problem.columns_per_contact](Index contact, auto&& visit) {
+    for (Index column = k * contact; column < k * (contact + 1); ++column)
+      for (const Index grain : grains_of_contact(problem, column)) visit(at(grain));
+  };
   std::vector<std::vector<Index>> contacts_of_grain(at(problem.grains()));
   for (Index c = 0; c < contacts; ++c)
-    for (const Index grain : grains_of_columns(problem, c)) contacts_of_grain[at(grain)].push_back(c);
+    for_each_grain(c, [&](std::size_t grain) {
+      auto& known = contacts_of_grain[grain];
+      if (known.empty() || known.back() != c) known.push_back(c);
+    });
   Graph graph;
   std::vector<Index> others;
   for (Index c = 0; c < contacts; ++c) {
     others.clear();
-    for (const Index grain : grains_of_columns(problem, c))
-      for (const Index other : contacts_of_grain[at(grain)])
-        if (other != c) others.push_back(other);
+    for_each_grain(c, [&](std::size_t grain) {
+      const auto& touching = contacts_of_grain[grain];
+      others.insert(others.end(), touching.begin(), touching.end());
+    });
     std::sort(others.begin(), others.end());
     others.erase(std::unique(others.begin(), others.end()), others.end());
-    for (const Index other : others) graph.neighbours.push_back(static_cast<idx_t>(other));
+    std::erase(others, c);
+    graph.neighbours.insert(graph.neighbours.end(), others.begin(), others.end());
     graph.start.push_back(static_cast<idx_t>(graph.neighbours.size()));
   }
   return graph;
