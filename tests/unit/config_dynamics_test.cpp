@@ -182,8 +182,8 @@ TEST_CASE("moving case: eta in 1/kg, relative to the masses, or optimal") {
   };
   CHECK(parse(enriched).dynamics->solver.eta.text() == "10 W");
   CHECK(eta_of("0.5W").text() == "0.5 W");
-  CHECK(eta_of("0.5 W").flexibility().at_scale(4) == 2);
-  CHECK(eta_of("0.5").flexibility().at_scale(4) == 0.5);
+  CHECK(eta_of("0.5 W").at_scale(4) == 2);
+  CHECK(eta_of("0.5").at_scale(4) == 0.5);
   CHECK(eta_of("optimal").optimal());
   CaseSpec spec = parse(enriched);
   override_case(spec, "solver.eta", "3W");
