@@ -37,8 +37,7 @@ struct RigidLimit {
   bool confirmed = true;        ///< an inertia count of `regular` next to 0 agrees with it
 };
 
-/// Interface impulses at the two ends of the pencil (S, P) that the matrix-free solver found last, to start
-/// from; empty where there are none.
+/// Interface impulses at the two ends of (S, P) that the matrix-free solver found last; empty where there are none.
 struct MatrixFreeMemory {
   Vector smallest, largest;
 };

@@ -17,15 +17,13 @@ struct IterationRecord {
   Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
   double interface_change = 0;      ///< Z = |F_i - F_{i-1}| / |F_i|; 0 without an interface
-  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. Impulses may drift within what the networks carry; that keeps Z
-  /// from falling, but not this.
+  /// |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|. Impulses may drift within what networks carry: Z then stays, this falls.
   double interface_second_change = 0;
   double gluing = 0;    ///< |sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1
   double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
-/// Algorithm 1 of [ADI12] on the contact problem of one step. Without an interface it is plain nonlinear
-/// Gauss-Seidel, to the last bit.
+/// Algorithm 1 of [ADI12] on the contact problem of one step; without an interface nonlinear Gauss-Seidel, bit by bit.
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
 /// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's

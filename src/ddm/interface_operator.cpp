@@ -123,8 +123,7 @@ const KernelSplit& InterfaceOperator::kernel() const {
   });
 }
 
-// The number of self-stresses of the whole that are not those of a subdomain. The ranks do not depend on masses,
-// as the size of an eigenvalue of X_0 does.
+// The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
 Index InterfaceOperator::nullity() const {
   if (eta() > 0) return 0;
   return implementation_->preparation->nullity.get([this] {

@@ -60,8 +60,7 @@ class EndSearch {
   double rounding(double lambda) const { return side_.rounding(lambda); }
   Index beyond(const ShiftedPencil& pencil) const { return side_.beyond(pencil); }
 
-  // No eigenvalue lies beyond this, by the count at a shift or by what is known beforehand; infinitely far
-  // out as long as nothing is proved.
+  // No eigenvalue lies beyond this, by a count or by what is known beforehand; infinite as long as nothing is proved.
   double proved() const {
     const double known = smallest_ ? point_.low : point_.high;
     if (point_.kernel > 0 && smallest_) return outer_.value_or(-infinity);
@@ -127,8 +126,7 @@ class EndSearch {
     return true;
   }
 
-  // The error of a value is of second order, that of its vector of first order. Goes on until the vector is
-  // as good as the value.
+  // The error of a value is of second order, that of its vector of first: goes on until the vector is as good.
   void sharpen(const ShiftedPencil& pencil) {
     const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
     const Vector start = result_.vectors.col(0);

@@ -69,9 +69,8 @@ PencilEnd find_end(const ShiftedPencilFamily& family, const InterfaceOperator& p
                    SpectrumEnd end, const std::optional<EndGuess>& guess, const Vector& start,
                    const EndOptions& options);
 
-/// One side of the spectrum of (S, P) at a point of a sweep: which way is inwards, how near is near enough,
-/// the factorisations and solves, and what was found. The search for the end (pencil_end.cpp) and the list of
-/// eigenvalues behind it (pencil_side.cpp) share it.
+/// One side of the spectrum at a point of a sweep: which way is inwards, how near is near enough, the factorisations
+/// and solves, and what was found. The search for the end and the list of eigenvalues behind it share it.
 struct PencilSide {
   const ShiftedPencilFamily& family;
   const InterfaceOperator& p;
@@ -88,9 +87,8 @@ struct PencilSide {
   double tolerance(double lambda) const { return options.tolerance * std::max(1.0, std::abs(1 - lambda)); }
   double rounding(double lambda) const { return point.rounding * std::max(1.0, std::abs(lambda)); }
 
-  /// How far beyond an eigenvalue the last shift is placed. Within the rounding of the matrix a count would
-  /// say nothing. A tenth of the tolerance, because a relaxation multiplies the distance to the residual of
-  /// the relaxed spectrum.
+  /// How far beyond an eigenvalue the last shift is placed. Within the rounding of the matrix a count would say
+  /// nothing. A tenth of the tolerance, because a relaxation multiplies the distance to give its residual.
   double margin(double lambda) const { return std::max(0.1 * tolerance(lambda), 2 * rounding(lambda)); }
 
   /// The pencil at the shift, or at one nearby whose factorisation can be relied on; none if there is no such

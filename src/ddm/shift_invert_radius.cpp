@@ -38,10 +38,9 @@ bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
   return true;
 }
 
-// Bounds of the spectrum that need no factorisation. If S and P have the same contacts, both are functions of
-// M^-1 K. An eigenvalue kappa of that gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from
-// 1 at kappa = 0 to its value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that
-// P has not, nothing is known.
+// Bounds of the spectrum without a factorisation. If S and P have the same contacts, both are functions of M^-1 K. An
+// eigenvalue kappa of that gives the ratio (1 + kappa/eta) / (1 + kappa/epsilon), which runs from 1 at kappa = 0 to its
+// value at the largest kappa. Fewer contacts in S make S larger. If S has contacts that P has not, nothing is known.
 PencilPoint known_bounds(const Contraction& b) {
   const double epsilon = b.system.eta();
   PencilPoint point{.epsilon = epsilon, .eta = b.preconditioner.eta(), .rounding = lost_to_rounding(b)};

@@ -51,8 +51,7 @@ void add_augmented(Entries& entries, const Decomposition& parts, Index first_imp
   }
 }
 
-// Of all subdomains of a decomposition. `entries`: no fewer than it adds, for a contact of k velocities ties
-// them in pairs.
+// Of a whole decomposition. `entries`: no fewer than it adds, for a contact of k velocities ties them in pairs.
 struct Sizes {
   Index dofs = 0, contacts = 0, entries = 0;
 

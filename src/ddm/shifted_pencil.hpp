@@ -15,8 +15,7 @@ enum class SystemForm {
   augmented,  ///< with the contact impulses, for epsilon near 0
 };
 
-/// When solutions take a step of refinement. If their relative error is e, it moves an eigenvalue lambda by
-/// e |lambda - sigma|.
+/// When solutions take a step of refinement. Their relative error e moves an eigenvalue lambda by e |lambda - sigma|.
 enum class SolutionAccuracy {
   enough_next_to_an_end,  ///< if the inexactness is above 1e-6
   refined,                ///< if it is above 1e-10, for eigenvalues far from the shift
@@ -42,10 +41,9 @@ class ShiftedPencil {
   /// False if the factorisation broke down; nothing else may then be asked.
   bool regular() const { return factor_.regular; }
 
-  /// ||d|| / ||x|| on the interface, where d is the correction that one step of iterative refinement makes to
-  /// a solution x: how far the factors are from exact. They are the exact factors of some A + E, and the
-  /// ratio estimates the size of (A + E)^-1 E. While that is below 1, no eigenvalue changes its sign on the
-  /// way from A to A + E, so the count below holds for A itself.
+  /// ||d|| / ||x|| on the interface, where d is the correction of a solution x by one step of iterative refinement. The
+  /// factors are exact for some A + E, and the ratio estimates the size of (A + E)^-1 E. While that is below 1, no
+  /// eigenvalue changes its sign on the way from A to A + E, so the count below holds for A itself.
   double inexactness() const { return inexactness_; }
 
   /// Whether the inexactness is small enough for counts and solutions to be used. If it is not, sigma is too near to an
@@ -78,9 +76,8 @@ class ShiftedPencil {
   std::optional<SparseMatrix> refinement_;  // the matrix, if solutions take a step of refinement
 };
 
-/// Every shifted pencil of one pair of decompositions: the elimination order and its fronts are found once
-/// and serve all epsilon, eta (finite, or all infinite) and sigma; what is eliminated apart from the
-/// interface does not depend on sigma and is kept from shift to shift.
+/// Every shifted pencil of one pair of decompositions: the elimination order and its fronts serve all epsilon, eta
+/// (finite, or all infinite) and sigma; what is eliminated apart from the interface is kept from shift to shift.
 class ShiftedPencilFamily {
  public:
   /// S and P from the operators of `b`; their flexibilities do not matter but for eta being infinite or not.

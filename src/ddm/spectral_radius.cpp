@@ -10,9 +10,8 @@
 namespace nscdd {
 namespace {
 
-// The pencil (A, P) restricted to the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q
-// an orthonormal basis of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and
-// P-orthogonal to the kernel.
+// The pencil (A, P) on the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q an orthonormal basis
+// of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and P-orthogonal to the kernel.
 PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel, Index wanted) {
   PencilEnds ends;
   const Eigen::LLT<Matrix> cholesky(p);
@@ -33,8 +32,7 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
 }
 
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
-  // Both matrices are scaled by D^-1/2 from both sides, D = diag(X). The pencil keeps its eigenvalues, and
-  // unequal masses no longer spoil its condition.
+  // Both matrices are scaled by D^-1/2 from both sides, D = diag(X): unequal masses no longer spoil the condition.
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
   const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
   // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.

@@ -45,8 +45,7 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
 /// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact of the packing.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
 
-/// The undivided packing put together again: one subdomain with whole masses and no interface. It has the
-/// grains that touch something.
+/// The undivided packing again: one subdomain with whole masses, no interface and the grains that touch something.
 Subdomain reassemble(const Decomposition& parts);
 
 }  // namespace nscdd

@@ -24,12 +24,10 @@ class InterfaceOperator {
   Vector apply(const Vector& f) const;  ///< X_eta F by one local solve per subdomain
   const Matrix& dense() const;          ///< X_eta, symmetric to the last bit; assembled once, then kept
 
-  /// dim ker X_eta: 0 for eta > 0. In the rigid limit it is the number of self-stresses that cross the
-  /// interface, sum_E rank H_E - rank H.
+  /// dim ker X_eta: 0 for eta > 0; in the rigid limit sum_E rank H_E - rank H, the self-stresses across the interface.
   Index nullity() const;
 
-  /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()), from
-  /// the dense matrix. Computed once.
+  /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()). Computed once.
   const KernelSplit& kernel() const;
 
   /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). Else one solve

@@ -83,10 +83,9 @@ struct SpectralRadius {
 
 struct Continuation;  // what one point of a sweep leaves to the next; beside its source
 
-/// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the
-/// unit eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver
-/// finds the unit eigenspace densely (not converged above 4 000 unknowns). What they could not reach is
-/// reported with converged = false.
+/// In the rigid limit shift-invert works on the contacts that are independent within their subdomain; the unit
+/// eigenvalues are counted from ranks (by shifts near 0 above 10^6 contacts); the matrix-free solver finds the unit
+/// eigenspace densely (up to 4 000 unknowns). What was not reached is reported with converged = false.
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options = {},
                                Continuation* memory = nullptr);
 

@@ -11,9 +11,8 @@
 
 namespace nscdd {
 
-/// METIS k-way partition of the contact graph: its vertices are the contacts, two of them joined where they
-/// share a grain, so that a cut edge is a grain to be split. The columns of a contact stay together. Equal
-/// sizes, few cuts; no geometry is used.
+/// METIS k-way partition of the contact graph: its vertices are the contacts, joined where they share a grain, so that
+/// a cut edge is a grain to be split. The columns of a contact stay together. Equal sizes, few cuts, no geometry.
 struct MetisPartitioner {
   static constexpr std::string_view name = "metis";
   static constexpr std::string_view summary = "METIS k-way partition of the contact graph";
