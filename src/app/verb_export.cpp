@@ -99,9 +99,9 @@ int export_vtk(const Options& options) {
     Progress progress("export " + fs::path(options.trajectory).filename().string(), 0, "step");
     const Monitor monitor = interruption.watch(progress.monitor());
     for (const Index step : steps) {
-      const VtkFrame frame = vtk_frame(system, read_trajectory_step(options.trajectory, step));
-      files.push_back({frame.time, fmt::format("step-{:06}.vtp", step)});
-      write_file((folder / files.back().path).string(), vtp_text(frame), options.force);
+      const TrajectoryStep shown = read_trajectory_step(options.trajectory, step);
+      files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", step)});
+      write_file((folder / files.back().path).string(), vtp_text(system, shown), options.force);
       if (!report(monitor, count(files), count(steps))) break;
     }
   }

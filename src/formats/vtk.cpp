@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/vtk.hpp"
 
-#include "formats/trajectory.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <set>
 #include <type_traits>
 
 namespace nscdd {
@@ -15,25 +15,19 @@ namespace {
 
 constexpr std::string_view byte_order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
 
-template <class Value>
-constexpr std::string_view type_name() {
-  static_assert(std::is_same_v<Value, double> || std::is_same_v<Value, std::int64_t>);
-  return std::is_same_v<Value, double> ? "Float64" : "Int64";
-}
-
-// The XML part and the appended bytes grow together, because the element of an array says where its bytes
-// lie.
+// The XML part and the appended bytes grow together, because the element of an array says where its bytes lie.
 class Writer {
  public:
   void line(std::string_view text) { xml_ += fmt::format("{}\n", text); }
 
   template <class Value>
   void array(std::string_view name, const std::vector<Value>& values, int components = 1) {
+    static_assert(std::is_same_v<Value, double> || std::is_same_v<Value, std::int64_t>);
     line(fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>)",
-                     type_name<Value>(), name, components, appended_.size()));
+                     std::is_same_v<Value, double> ? "Float64" : "Int64", name, components, appended_.size()));
     const std::uint64_t bytes = values.size() * sizeof(Value);
-    append(&bytes, sizeof bytes);
-    append(values.data(), bytes);
+    appended_.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    if (bytes > 0) appended_.append(reinterpret_cast<const char*>(values.data()), bytes);
   }
 
   std::string text() && {
@@ -42,227 +36,152 @@ class Writer {
   }
 
  private:
-  void append(const void* data, std::size_t bytes) {
-    if (bytes > 0) appended_.append(static_cast<const char*>(data), bytes);
-  }
   std::string xml_, appended_;
 };
 
-template <class Value>
-void require_length(const std::vector<Value>& values, std::size_t expected, std::string_view name) {
-  if (values.size() != expected)
-    throw Error(fmt::format("VTK frame: expected {} values of {}, met {}", expected, name, values.size()));
+using Integers = std::vector<std::int64_t>;
+
+// A step as it is drawn. A contact is on a wall if its second body is no grain.
+struct Picture {
+  const GranularSystem& system;
+  const GranularState& state;
+  const std::vector<TrajectoryContact>& contacts;
+  std::size_t grains = state.x.size();
+  std::size_t feet = at(std::ranges::count_if(contacts, [&](const auto& c) { return on_wall(c); }));
+
+  bool on_wall(const TrajectoryContact& contact) const { return contact.geometry.b >= system.disks(); }
+};
+
+void check(const Picture& picture) {
+  const auto& [system, state, contacts, n, feet] = picture;
+  for (const auto& [name, size] : {std::pair("radius", system.radius.size()),
+                                   {"driven_by", system.driven_by.size()},
+                                   {"y", state.y.size()},
+                                   {"angle", state.angle.size()},
+                                   {"velocity_x", state.velocity_x.size()},
+                                   {"velocity_y", state.velocity_y.size()}})
+    if (size != n) throw Error(fmt::format("VTK: expected {} values of {}, met {}", n, name, size));
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (const auto& [a, b] = std::pair(contacts[k].geometry.a, contacts[k].geometry.b);
+        a < 0 || a >= system.disks() || b < 0)
+      throw Error(
+          fmt::format("VTK: contact {}: expected two of {} grains, or a grain and a wall, met {} and {}", k, n, a, b));
 }
 
-void check(const VtkFrame& frame) {
-  const auto& grains = frame.grains;
-  const std::size_t n = grains.x.size();
-  require_length(grains.y, n, "y");
-  require_length(grains.radius, n, "radius");
-  require_length(grains.angle, n, "angle");
-  require_length(grains.velocity_x, n, "velocity_x");
-  require_length(grains.velocity_y, n, "velocity_y");
-  require_length(grains.boundary, n, "boundary");
-  require_length(grains.subdomain, n, "subdomain");
-  require_length(grains.multiplicity, n, "multiplicity");
-  const auto& contacts = frame.contacts;
-  const std::size_t c = contacts.a.size();
-  require_length(contacts.b, c, "b");
-  require_length(contacts.foot_x, c, "foot_x");
-  require_length(contacts.foot_y, c, "foot_y");
-  require_length(contacts.gap, c, "gap");
-  require_length(contacts.impulse_n, c, "impulse_n");
-  require_length(contacts.impulse_t, c, "impulse_t");
-  require_length(contacts.status, c, "status");
-  require_length(contacts.subdomain, c, "subdomain of contacts");
-  const auto grain = [n](std::int64_t i) { return i >= 0 && i < static_cast<std::int64_t>(n); };
-  for (std::size_t k = 0; k < c; ++k)
-    if (!grain(contacts.a[k]) || (contacts.b[k] != -1 && !grain(contacts.b[k])))
-      throw Error(fmt::format("VTK frame: contact {}: expected two of {} grains, or a grain and -1, met {} and {}", k,
-                              n, contacts.a[k], contacts.b[k]));
-}
-
-// The values of grains, followed by `value` for each foot or contact.
+// The values of grains, followed by `value` for each foot.
 template <class Value>
-std::vector<Value> followed_by(std::vector<Value> values, std::size_t times, Value value) {
-  values.insert(values.end(), times, value);
+std::vector<Value> with_feet(const Picture& picture, std::vector<Value> values, Value value) {
+  values.resize(values.size() + picture.feet, value);
   return values;
 }
 
-// `value` for each grain, followed by the values of contacts.
-template <class Value>
-std::vector<Value> preceded_by(std::size_t times, Value value, const std::vector<Value>& values) {
-  std::vector<Value> result(times, value);
-  result.insert(result.end(), values.begin(), values.end());
-  return result;
+// The values of grains, followed by what `get` finds in each contact.
+template <class Value, class Get>
+std::vector<Value> with_contacts(const Picture& picture, std::vector<Value> values, Get get) {
+  for (const TrajectoryContact& contact : picture.contacts)
+    values.push_back(static_cast<Value>(std::invoke(get, contact)));
+  return values;
 }
 
-std::vector<std::int64_t> counted(std::size_t n, std::int64_t first, std::int64_t step) {
-  std::vector<std::int64_t> result(n);
+Integers counted(std::size_t n, std::int64_t first, std::int64_t step) {
+  Integers result(n);
   for (std::size_t i = 0; i < n; ++i) result[i] = first + step * static_cast<std::int64_t>(i);
   return result;
 }
 
-std::size_t count_feet(const VtkFrame& frame) {
-  return static_cast<std::size_t>(std::count(frame.contacts.b.begin(), frame.contacts.b.end(), -1));
+// The subdomains that hold each grain are those of its contacts.
+std::vector<std::set<Index>> holders(const Picture& picture) {
+  std::vector<std::set<Index>> held(picture.grains);
+  for (const TrajectoryContact& contact : picture.contacts) {
+    held[at(contact.geometry.a)].insert(contact.subdomain);
+    if (!picture.on_wall(contact)) held[at(contact.geometry.b)].insert(contact.subdomain);
+  }
+  return held;
 }
 
-void write_points(Writer& writer, const VtkFrame& frame) {
-  const auto& grains = frame.grains;
-  const auto& contacts = frame.contacts;
-  const std::size_t n = grains.x.size(), feet = count_feet(frame);
+void write_points(Writer& writer, const Picture& picture, const Integers& subdomain, const Integers& multiplicity) {
+  const GranularState& state = picture.state;
   std::vector<double> points, velocity;
-  for (std::size_t i = 0; i < n; ++i) {
-    points.insert(points.end(), {grains.x[i], grains.y[i], 0.0});
-    velocity.insert(velocity.end(), {grains.velocity_x[i], grains.velocity_y[i], 0.0});
+  for (std::size_t i = 0; i < picture.grains; ++i) {
+    points.insert(points.end(), {state.x[i], state.y[i], 0.0});
+    velocity.insert(velocity.end(), {state.velocity_x[i], state.velocity_y[i], 0.0});
   }
-  for (std::size_t k = 0; k < contacts.a.size(); ++k)
-    if (contacts.b[k] == -1) points.insert(points.end(), {contacts.foot_x[k], contacts.foot_y[k], 0.0});
+  for (const TrajectoryContact& c : picture.contacts)
+    if (picture.on_wall(c)) points.insert(points.end(), {c.geometry.point[0], c.geometry.point[1], 0.0});
   velocity.resize(points.size(), 0.0);
-  constexpr std::int64_t none = -1;
+  constexpr std::int64_t none = -1, no_subdomain = 0;
+  const auto& driven_by = picture.system.driven_by;
   writer.line(R"(<PointData Scalars="radius" Vectors="velocity">)");
-  writer.array("radius", followed_by(grains.radius, feet, 0.0));
-  writer.array("id", followed_by(counted(n, 0, 1), feet, none));
-  writer.array("boundary", followed_by(grains.boundary, feet, none));
-  writer.array("subdomain", followed_by(grains.subdomain, feet, none));
-  writer.array("multiplicity", followed_by(grains.multiplicity, feet, std::int64_t{0}));
-  writer.array("angle", followed_by(grains.angle, feet, 0.0));
+  writer.array("radius", with_feet(picture, picture.system.radius, 0.0));
+  writer.array("id", with_feet(picture, counted(picture.grains, 0, 1), none));
+  writer.array("boundary", with_feet(picture, Integers(driven_by.begin(), driven_by.end()), none));
+  writer.array("subdomain", with_feet(picture, subdomain, none));
+  writer.array("multiplicity", with_feet(picture, multiplicity, no_subdomain));
+  writer.array("angle", with_feet(picture, state.angle, 0.0));
   writer.array("velocity", velocity, 3);
-  writer.line("</PointData>");
-  writer.line("<Points>");
+  writer.line("</PointData>\n<Points>");
   writer.array("Points", points, 3);
   writer.line("</Points>");
 }
 
-void write_cells(Writer& writer, const VtkFrame& frame) {
-  const auto& contacts = frame.contacts;
-  const std::size_t n = frame.grains.x.size(), c = contacts.a.size();
-  std::vector<std::int64_t> ends;
+void write_cells(Writer& writer, const Picture& picture, const Integers& subdomain) {
+  const std::size_t n = picture.grains;
+  const std::vector<double> zero(n);
+  Integers ends;
   auto foot = static_cast<std::int64_t>(n);
-  for (std::size_t k = 0; k < c; ++k)
-    ends.insert(ends.end(), {contacts.a[k], contacts.b[k] == -1 ? foot++ : contacts.b[k]});
-  writer.line("<CellData Scalars=\"impulse_n\">");
-  writer.array("kind", preceded_by(n, std::int64_t{0}, std::vector<std::int64_t>(c, 1)));
-  std::vector<std::int64_t> subdomain = frame.grains.subdomain;
-  subdomain.insert(subdomain.end(), contacts.subdomain.begin(), contacts.subdomain.end());
-  writer.array("subdomain", subdomain);
-  writer.array("impulse_n", preceded_by(n, 0.0, contacts.impulse_n));
-  writer.array("impulse_t", preceded_by(n, 0.0, contacts.impulse_t));
-  writer.array("status", preceded_by(n, std::int64_t{-1}, contacts.status));
-  writer.array("gap", preceded_by(n, 0.0, contacts.gap));
-  writer.line("</CellData>");
-  writer.line("<Verts>");
+  for (const TrajectoryContact& c : picture.contacts)
+    ends.insert(ends.end(), {c.geometry.a, picture.on_wall(c) ? foot++ : c.geometry.b});
+  writer.line(R"(<CellData Scalars="impulse_n">)");
+  writer.array("kind", with_contacts(picture, Integers(n, 0), [](const auto&) { return 1; }));
+  writer.array("subdomain", with_contacts(picture, subdomain, &TrajectoryContact::subdomain));
+  writer.array("impulse_n", with_contacts(picture, zero, [](const auto& c) { return c.impulse.n; }));
+  writer.array("impulse_t", with_contacts(picture, zero, [](const auto& c) { return c.impulse.t; }));
+  writer.array("status", with_contacts(picture, Integers(n, -1), &TrajectoryContact::status));
+  writer.array("gap", with_contacts(picture, zero, [](const auto& c) { return c.geometry.gap; }));
+  writer.line("</CellData>\n<Verts>");
   writer.array("connectivity", counted(n, 0, 1));
   writer.array("offsets", counted(n, 1, 1));
-  writer.line("</Verts>");
-  writer.line("<Lines>");
+  writer.line("</Verts>\n<Lines>");
   writer.array("connectivity", ends);
-  writer.array("offsets", counted(c, 2, 2));
+  writer.array("offsets", counted(picture.contacts.size(), 2, 2));
   writer.line("</Lines>");
 }
 
 std::string escaped(const std::string& text) {
   std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
+  for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
   return result;
-}
-
-void fill_contacts(VtkFrame& frame, const TrajectoryStep& step, Index disks) {
-  auto& contacts = frame.contacts;
-  for (const TrajectoryContact& contact : step.contacts) {
-    const StepContact& geometry = contact.geometry;
-    const bool on_wall = geometry.b >= disks;
-    contacts.a.push_back(geometry.a);
-    contacts.b.push_back(on_wall ? -1 : geometry.b);
-    contacts.foot_x.push_back(on_wall ? geometry.point[0] : 0.0);
-    contacts.foot_y.push_back(on_wall ? geometry.point[1] : 0.0);
-    contacts.gap.push_back(geometry.gap);
-    contacts.impulse_n.push_back(contact.impulse.n);
-    contacts.impulse_t.push_back(contact.impulse.t);
-    contacts.status.push_back(static_cast<std::int64_t>(contact.status));
-    contacts.subdomain.push_back(contact.subdomain);
-  }
-}
-
-// The subdomains that hold a grain are those of its contacts.
-void fill_subdomains(VtkFrame& frame, const std::vector<double>& radius) {
-  std::vector<std::vector<std::int64_t>> held(radius.size());
-  const auto& contacts = frame.contacts;
-  for (std::size_t k = 0; k < contacts.a.size(); ++k)
-    for (const std::int64_t i : {contacts.a[k], contacts.b[k]}) {
-      if (i < 0) continue;
-      auto& of_grain = held[static_cast<std::size_t>(i)];
-      if (std::find(of_grain.begin(), of_grain.end(), contacts.subdomain[k]) == of_grain.end())
-        of_grain.push_back(contacts.subdomain[k]);
-    }
-  for (const auto& of_grain : held) {
-    frame.grains.multiplicity.push_back(static_cast<std::int64_t>(of_grain.size()));
-    frame.grains.subdomain.push_back(of_grain.empty() ? -1 : *std::min_element(of_grain.begin(), of_grain.end()));
-  }
 }
 
 }  // namespace
 
-VtkFrame vtk_frame(const GranularSystem& system, const TrajectoryStep& step) {
-  const GranularState& state = step.state;
-  VtkFrame frame;
-  frame.time = state.time;
-  frame.grains.x = state.x;
-  frame.grains.y = state.y;
-  frame.grains.radius = system.radius;
-  frame.grains.angle = state.angle;
-  frame.grains.velocity_x = state.velocity_x;
-  frame.grains.velocity_y = state.velocity_y;
-  frame.grains.boundary.assign(system.driven_by.begin(), system.driven_by.end());
-  fill_contacts(frame, step, system.disks());
-  fill_subdomains(frame, system.radius);
-  return frame;
-}
-
-VtkFrame vtk_frame(const Simulation& simulation, const SolvedStep& step) {
-  return vtk_frame(simulation.system, trajectory_step(simulation, step));
-}
-
-std::string vtp_text(const VtkFrame& frame) {
-  check(frame);
-  const std::size_t n = frame.grains.x.size();
+std::string vtp_text(const GranularSystem& system, const TrajectoryStep& step) {
+  const Picture picture{system, step.state, step.contacts};
+  check(picture);
+  Integers subdomain, multiplicity;
+  for (const std::set<Index>& held : holders(picture)) {
+    subdomain.push_back(held.empty() ? -1 : *held.begin());
+    multiplicity.push_back(count(held));
+  }
   Writer writer;
-  writer.line(R"(<?xml version="1.0"?>)");
-  writer.line(
-      fmt::format(R"(<VTKFile type="PolyData" version="1.0" byte_order="{}" header_type="UInt64">)", byte_order));
-  writer.line("<PolyData>");
-  writer.line("<FieldData>");
-  writer.line(fmt::format(
-      R"(<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{}</DataArray>)", frame.time));
-  writer.line("</FieldData>");
-  writer.line(fmt::format(
-      R"(<Piece NumberOfPoints="{}" NumberOfVerts="{}" NumberOfLines="{}" NumberOfStrips="0" NumberOfPolys="0">)",
-      n + count_feet(frame), n, frame.contacts.a.size()));
-  write_points(writer, frame);
-  write_cells(writer, frame);
-  writer.line("</Piece>");
-  writer.line("</PolyData>");
+  writer.line(fmt::format(R"(<?xml version="1.0"?>
+<VTKFile type="PolyData" version="1.0" byte_order="{}" header_type="UInt64">
+<PolyData>
+<FieldData>
+<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{}</DataArray>
+</FieldData>
+<Piece NumberOfPoints="{}" NumberOfVerts="{}" NumberOfLines="{}" NumberOfStrips="0" NumberOfPolys="0">)",
+                          byte_order, step.state.time, picture.grains + picture.feet, picture.grains,
+                          picture.contacts.size()));
+  write_points(writer, picture, subdomain, multiplicity);
+  write_cells(writer, picture, subdomain);
+  writer.line("</Piece>\n</PolyData>");
   return std::move(writer).text();
 }
 
 std::string pvd_text(const std::vector<VtkFile>& files) {
   std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
-      "byte_order=\"{}\">\n<Collection>\n",
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"{}\">\n<Collection>\n",
       byte_order);
   for (const VtkFile& file : files)
     text +=

@@ -45,35 +45,43 @@ Arrays arrays_of(const std::string& text) {
 
 using Values = std::vector<double>;
 
-VtkFrame two_grains_and_a_wall() {
-  VtkFrame frame;
-  frame.time = 0.1;
-  frame.grains = {.x = {0.25, 1.0 / 3},
-                  .y = {-2, 1e-300},
-                  .radius = {0.5, 0.125},
-                  .angle = {0.1, -7},
-                  .velocity_x = {1, 2},
-                  .velocity_y = {3, -4},
-                  .boundary = {-1, 3},
-                  .subdomain = {0, 1},
-                  .multiplicity = {2, 1}};
-  frame.contacts = {.a = {1, 0, 0},
-                    .b = {-1, 1, -1},
-                    .foot_x = {9, 0, 8},
-                    .foot_y = {0.5, 0, 0.75},
-                    .gap = {-1e-5, 2e-5, 0},
-                    .impulse_n = {4, 5, 6},
-                    .impulse_t = {-0.4, 0.5, 0},
-                    .status = {1, 3, 0},
-                    .subdomain = {1, 0, 1}};
-  return frame;
+struct Shown {
+  GranularSystem system;
+  TrajectoryStep step;
+
+  std::string text() const { return vtp_text(system, step); }
+};
+
+Shown two_grains_and_a_wall() {
+  Shown shown;
+  shown.system.radius = {0.5, 0.125};
+  shown.system.driven_by = {-1, 3};
+  GranularState& state = shown.step.state;
+  state.time = 0.1;
+  state.x = {0.25, 1.0 / 3};
+  state.y = {-2, 1e-300};
+  state.angle = {0.1, -7};
+  state.velocity_x = {1, 2};
+  state.velocity_y = {3, -4};
+  const auto contact = [](Index a, Index b, std::array<double, 2> foot, double gap) {
+    StepContact one;
+    one.a = a;
+    one.b = b;
+    one.point = {foot[0], foot[1]};
+    one.gap = gap;
+    return one;
+  };
+  shown.step.contacts = {{contact(1, 2, {9, 0.5}, -1e-5), {4, -0.4}, ContactStatus{1}, 1},
+                         {contact(0, 1, {7, 7}, 2e-5), {5, 0.5}, ContactStatus{3}, 0},
+                         {contact(0, 3, {8, 0.75}, 0), {6, 0}, ContactStatus{0}, 1}};
+  return shown;
 }
 
 }  // namespace
 
 TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet after grains") {
   const TemporaryFolder folder;
-  write_file(folder / "frame.vtp", vtp_text(two_grains_and_a_wall()));
+  write_file(folder / "frame.vtp", two_grains_and_a_wall().text());
   Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
   CHECK(a["counts"] == Values{4, 2, 3, 5});
   CHECK(a["types"] == Values{1, 1, 3, 3, 3});  // VTK_VERTEX, VTK_LINE
@@ -86,12 +94,12 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
   CHECK(a["point/radius"] == Values{0.5, 0.125, 0, 0});
   CHECK(a["point/id"] == Values{0, 1, -1, -1});
   CHECK(a["point/boundary"] == Values{-1, 3, -1, -1});
-  CHECK(a["point/subdomain"] == Values{0, 1, -1, -1});
-  CHECK(a["point/multiplicity"] == Values{2, 1, 0, 0});
+  CHECK(a["point/subdomain"] == Values{0, 0, -1, -1});
+  CHECK(a["point/multiplicity"] == Values{2, 2, 0, 0});
   CHECK(a["point/angle"] == Values{0.1, -7, 0, 0});
   CHECK(a["point/velocity"] == Values{1, 3, 0, 2, -4, 0, 0, 0, 0, 0, 0, 0});
   CHECK(a["cell/kind"] == Values{0, 0, 1, 1, 1});
-  CHECK(a["cell/subdomain"] == Values{0, 1, 1, 0, 1});
+  CHECK(a["cell/subdomain"] == Values{0, 0, 1, 0, 1});
   CHECK(a["cell/impulse_n"] == Values{0, 0, 4, 5, 6});
   CHECK(a["cell/impulse_t"] == Values{0, 0, -0.4, 0.5, 0});
   CHECK(a["cell/status"] == Values{-1, -1, 1, 3, 0});
@@ -101,32 +109,32 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
 
 TEST_CASE("vtp: grains without contacts, and nothing at all") {
   const TemporaryFolder folder;
-  VtkFrame frame = two_grains_and_a_wall();
-  frame.contacts = {};
-  write_file(folder / "alone.vtp", vtp_text(frame));
+  Shown shown = two_grains_and_a_wall();
+  shown.step.contacts = {};
+  write_file(folder / "alone.vtp", shown.text());
   Arrays a = arrays_of(read_by_vtk(folder / "alone.vtp"));
   CHECK(a["counts"] == Values{2, 2, 0, 2});
   CHECK(a["cell/kind"] == Values{0, 0});
-  write_file(folder / "empty.vtp", vtp_text({}));
+  write_file(folder / "empty.vtp", vtp_text({}, {}));
   CHECK(arrays_of(read_by_vtk(folder / "empty.vtp"))["counts"] == Values{0, 0, 0, 0});
 }
 
-TEST_CASE("vtp: frames whose arrays do not fit are refused") {
-  VtkFrame frame = two_grains_and_a_wall();
-  frame.grains.angle.pop_back();
-  CHECK_THROWS_WITH_AS(vtp_text(frame), doctest::Contains("angle"), Error);
-  frame = two_grains_and_a_wall();
-  frame.contacts.status.push_back(0);
-  CHECK_THROWS_WITH_AS(vtp_text(frame), doctest::Contains("status"), Error);
-  for (const auto& [a, b] : {std::pair(-1, 0), std::pair(2, 0), std::pair(0, 2), std::pair(0, -2)}) {
-    frame = two_grains_and_a_wall();
-    frame.contacts.a[1] = a;
-    frame.contacts.b[1] = b;
-    CHECK_THROWS_WITH_AS(vtp_text(frame), doctest::Contains("contact 1"), Error);
+TEST_CASE("vtp: steps whose arrays do not fit are refused") {
+  Shown shown = two_grains_and_a_wall();
+  shown.step.state.angle.pop_back();
+  CHECK_THROWS_WITH_AS(shown.text(), doctest::Contains("angle"), Error);
+  shown = two_grains_and_a_wall();
+  shown.system.driven_by.push_back(0);
+  CHECK_THROWS_WITH_AS(shown.text(), doctest::Contains("driven_by"), Error);
+  for (const auto& [a, b] : {std::pair(-1, 0), std::pair(2, 0), std::pair(0, -2)}) {
+    shown = two_grains_and_a_wall();
+    shown.step.contacts[1].geometry.a = a;
+    shown.step.contacts[1].geometry.b = b;
+    CHECK_THROWS_WITH_AS(shown.text(), doctest::Contains("contact 1"), Error);
   }
 }
 
-TEST_CASE("vtk_frame: a step of a divided box as VTK reads it") {
+TEST_CASE("vtp: a step of a divided box as VTK reads it") {
   Dynamics dynamics;
   dynamics.solver.algorithm = "generic";
   Simulation simulation = box_of_grains(60, dynamics, {2, 1});
@@ -134,7 +142,7 @@ TEST_CASE("vtk_frame: a step of a divided box as VTK reads it") {
   const SolvedStep step = solve_step(simulation);
   take_step(simulation, step);
   const TemporaryFolder folder;
-  write_file(folder / "box.vtp", vtp_text(vtk_frame(simulation, step)));
+  write_file(folder / "box.vtp", vtp_text(simulation.system, trajectory_step(simulation, step)));
   Arrays a = arrays_of(read_by_vtk(folder / "box.vtp"));
   CHECK(a["field/TimeValue"] == Values{simulation.state.time});
   REQUIRE(a["counts"][1] == 60);
@@ -184,9 +192,9 @@ TEST_CASE("vtk_frame: a step of a divided box as VTK reads it") {
 TEST_CASE("pvd: times and names, whatever characters these have") {
   const TemporaryFolder folder;
   const std::string name = "a <b> & \"c\".vtp";
-  VtkFrame frame = two_grains_and_a_wall();
-  write_file(folder / "0.vtp", vtp_text(frame));
-  write_file(folder / name, vtp_text(frame));
+  const std::string picture = two_grains_and_a_wall().text();
+  write_file(folder / "0.vtp", picture);
+  write_file(folder / name, picture);
   write_file(folder / "run.pvd", pvd_text({{0, "0.vtp"}, {0.1 + 0.2, name}}));
   const std::string text = read_by_vtk(folder / "run.pvd");
   CHECK(text.find("file 0.vtp 0.0\n") == 0);
