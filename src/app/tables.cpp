@@ -174,7 +174,7 @@ void repair_table(const StudyTable& work, const std::string& path, Interruption&
       repaired.not_converged += !proof.converged;
       repaired.not_certified += proof.converged && !proof.certified;
     }
-    file.line(csv_line(row));
+    file.line(csv_line({row.begin(), row.end()}));
     report(monitor, number + 1, total);
   }
   if (number < total) refuse("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number);

@@ -16,37 +16,27 @@
 namespace nscdd {
 namespace {
 
-// Adds a value to a line that holds `before` of them.
-void append_value(std::string& line, std::size_t before, std::string_view text) {
-  if (before > 0) line += ',';
-  if (text.find_first_of(",\"\n\r") == std::string_view::npos) {
-    line += text;
-    return;
-  }
-  line += '"';
-  for (const char c : text) line.append(c == '"' ? 2 : 1, c);
-  line += '"';
-}
-
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-bool same_value(const Cell& cell, const std::string& expected, double tolerance, bool relative) {
-  const std::string text = to_text(cell);
-  if (text == expected) return true;
-  if (!std::holds_alternative<double>(cell)) return false;
-  const double a = std::get<double>(cell);
-  double b = 0;
+std::optional<double> number_in(const std::string& text) {
   try {
-    b = parse_number(expected, "");
+    return parse_number(text, "");
   } catch (const Error&) {
-    return false;
+    return std::nullopt;
   }
-  const double scale = relative ? std::abs(b) : std::max(1.0, std::abs(b));
-  return std::isfinite(a) && std::isfinite(b) && std::abs(a - b) <= tolerance * scale;
+}
+
+bool same_value(const Cell& cell, const std::string& expected, double tolerance, bool relative) {
+  if (to_text(cell) == expected) return true;
+  const double* a = std::get_if<double>(&cell);
+  const std::optional<double> b = number_in(expected);
+  if (a == nullptr || !b) return false;
+  const double scale = relative ? std::abs(*b) : std::max(1.0, std::abs(*b));
+  return std::isfinite(*a) && std::isfinite(*b) && std::abs(*a - *b) <= tolerance * scale;
 }
 
 // The values of one line. Values in quotes are not as they stand in the text and are kept in `quoted`.
@@ -56,9 +46,8 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
   values.clear();
   quoted.clear();
   for (std::size_t i = 0;; ++i) {
-    std::size_t start = i;
-    while (start < line.size() && (line[start] == ' ' || line[start] == '\t')) ++start;
-    if (start < line.size() && line[start] == '"') {
+    const std::size_t start = std::min(line.find_first_not_of(" \t", i), line.size());
+    if (line.substr(start, 1) == "\"") {
       std::string value;
       for (i = start + 1;; ++i) {
         if (i >= line.size())
@@ -75,8 +64,8 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
         throw Error(
             fmt::format("{}: expected a comma after a closing quote, met '{}'", where(), line.substr(i, comma - i)));
       quoted.emplace_back(values.size(), std::move(value));
-      values.emplace_back();
       i = comma;
+      values.emplace_back();
     } else {
       const std::size_t comma = std::min(line.find(',', i), line.size());
       values.push_back(trimmed(line.substr(i, comma - i)));
@@ -98,21 +87,22 @@ std::vector<std::string> csv_values(std::string_view line, const std::string& wh
   return {values.begin(), values.end()};
 }
 
-std::string csv_line(const std::vector<std::string>& values) {
-  std::string line;
-  for (std::size_t i = 0; i < values.size(); ++i) append_value(line, i, values[i]);
-  return line;
-}
-
 std::string csv_line(const Row& row) {
   std::string line;
-  for (std::size_t i = 0; i < row.size(); ++i) append_value(line, i, to_text(row[i]));
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (i > 0) line += ',';
+    const std::string text = to_text(row[i]);
+    const bool quoted = text.find_first_of(",\"\n\r") != std::string::npos;
+    if (quoted) line += '"';
+    for (const char c : text) line.append(c == '"' ? 2 : 1, c);
+    if (quoted) line += '"';
+  }
   return line;
 }
 
 std::string csv_header(const std::vector<Column>& columns) {
-  std::vector<std::string> names;
-  for (const Column& column : columns) names.push_back(column.name);
+  Row names;
+  for (const Column& column : columns) names.emplace_back(column.name);
   return csv_line(names);
 }
 
@@ -140,7 +130,7 @@ CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), nam
   if (!next_line()) throw Error(fmt::format("{}: expected a line of column names, met an empty file", name_));
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (values_[i].empty()) throw Error(fmt::format("{}: expected a name for column {}, met none", where(), i + 1));
-    if (std::find(columns_.begin(), columns_.end(), values_[i]) != columns_.end())
+    if (std::ranges::find(columns_, values_[i]) != columns_.end())
       throw Error(fmt::format("{}: column '{}' is named twice", where(), values_[i]));
     columns_.emplace_back(values_[i]);
   }
@@ -164,15 +154,11 @@ bool CsvReader::next_line() {
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     const std::string_view content = trimmed(line);
     if (content.empty() || content.front() == '#') continue;
-    split(line);
+    split_values(
+        line, [this] { return where(); }, values_, quoted_);
     return true;
   }
   return false;
-}
-
-void CsvReader::split(std::string_view line) {
-  split_values(
-      line, [this] { return where(); }, values_, quoted_);
 }
 
 std::string CsvReader::where() const { return fmt::format("{}:{}", name_, line_); }
@@ -206,23 +192,19 @@ Table untyped_table(const CsvText& csv) {
   Table table;
   for (const std::string& name : csv.columns) table.columns.push_back({name, "", ""});
   for (const auto& values : csv.rows) {
-    Row row;
+    Row& row = table.rows.emplace_back();
     for (const std::string& value : values) {
-      try {
-        row.emplace_back(parse_number(value, ""));
-      } catch (const Error&) {
-        row.emplace_back(value);
-      }
+      const std::optional<double> number = number_in(value);
+      row.push_back(number ? Cell(*number) : Cell(value));
     }
-    table.rows.push_back(std::move(row));
   }
   return table;
 }
 
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
                     const std::map<std::string, double>& column_tolerance, bool relative) {
-  constexpr std::array<std::string_view, 5> not_compared{"applications", "iterations", "spectra", "residual",
-                                                         "difference"};
+  constexpr auto not_compared =
+      std::to_array<std::string_view>({"applications", "iterations", "spectra", "residual", "difference"});
   std::vector<std::string> names;
   for (const Column& column : table.columns) names.push_back(column.name);
   if (names != expected.columns) return "the columns differ";
@@ -230,7 +212,7 @@ std::string compare(const Table& table, const CsvText& expected, double toleranc
     return fmt::format("expected {} rows, met {}", expected.rows.size(), table.rows.size());
   for (std::size_t i = 0; i < table.rows.size(); ++i)
     for (std::size_t j = 0; j < names.size(); ++j) {
-      if (std::find(not_compared.begin(), not_compared.end(), names[j]) != not_compared.end()) continue;
+      if (std::ranges::find(not_compared, names[j]) != not_compared.end()) continue;
       const auto own = column_tolerance.find(names[j]);
       if (!same_value(table.rows[i][j], expected.rows[i][j], own == column_tolerance.end() ? tolerance : own->second,
                       relative))

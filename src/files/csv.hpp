@@ -34,7 +34,6 @@ class CsvWriter {
 
 /// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in
 /// quotes.
-std::string csv_line(const std::vector<std::string>& values);
 std::string csv_line(const Row& row);
 
 /// The line of names of a table.
@@ -58,7 +57,6 @@ class CsvReader {
 
  private:
   bool next_line();
-  void split(std::string_view line);
   std::string where() const;
   std::string_view rest_;
   std::string name_;

@@ -2,24 +2,49 @@
 #include "files/resumable_table.hpp"
 
 #include "core/fingerprint.hpp"
-#include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
+#include "files/strict_toml.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace nscdd {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array<const char*, 4> type_names{"integer", "number", "boolean", "text"};  // as in Cell
+
+// A text of several lines as TOML. Every text ends with a line feed, so that its quotes never touch the closing ones.
+std::string lines(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '\\' || (c == '"' && escaped.ends_with("\"\""))) escaped += '\\';
+    escaped += c;
+  }
+  return fmt::format("\"\"\"\n{}\"\"\"", escaped);
+}
+
+// The first line in which two texts differ.
+std::string differing_line(std::string_view expected, std::string_view met) {
+  const auto next = [](std::string_view& text) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const std::string line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    return line;
+  };
+  while (!expected.empty() || !met.empty()) {
+    const std::string a = next(expected), b = next(met);
+    if (a != b) return fmt::format("expected '{}', met '{}'", a, b);
+  }
+  return "expected other line ends";
+}
+
 bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
 
-// Calls f(line, number from 1) for every complete line until it returns false; returns the bytes of those
-// before.
+// Calls f(line, number from 1) for every complete line until it returns false; returns the bytes of those before.
 template <class Function>
 std::size_t for_each_line(std::string_view text, Function&& f) {
   std::size_t start = 0;
@@ -76,18 +101,16 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
   return kept;
 }
 
-// A record that was cut short is worth no more than a missing one.
-TableRecord usable_record(const std::string& name, const std::string& rows) {
-  try {
-    return parse_record(read_text(name), name);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: cannot be resumed: {}; --force starts again", rows, error.what()));
-  }
-}
-
+// Throws unless the record is of the same work. One that was cut short is worth no more than a missing one.
 TableRecord matching_record(const std::string& path, const std::string& rows, const TableWork& work) {
   const std::string name = record_path(path).string();
-  const TableRecord record = usable_record(name, rows);
+  const TableRecord record = [&] {
+    try {
+      return parse_record(read_text(name), name);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: cannot be resumed: {}; --force starts again", rows, error.what()));
+    }
+  }();
   const std::string found = difference(record.work, work.identity);
   if (!found.empty()) throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));
   return record;
@@ -125,6 +148,63 @@ KeptRows finished_rows(const std::string& path, const TableWork& work, bool forc
 
 }  // namespace
 
+std::string difference(const WorkIdentity& expected, const WorkIdentity& met) {
+  constexpr std::pair<const char*, std::string WorkIdentity::*> parts[] = {
+      {"code version", &WorkIdentity::version},
+      {"case", &WorkIdentity::cases},
+      {"choice of options", &WorkIdentity::options},
+      {"choice of solver options", &WorkIdentity::effort}};
+  for (const auto& [what, part] : parts)
+    if (expected.*part != met.*part)
+      return fmt::format("the {} differs: {}", what, differing_line(expected.*part, met.*part));
+  return "";
+}
+
+std::filesystem::path record_path(const std::filesystem::path& table) { return table.string() + ".record"; }
+
+std::string to_toml(const TableRecord& record) {
+  std::vector<std::string> types;
+  for (const std::string& type : record.types) types.push_back(field_text(type));
+  return fmt::format(
+      "# What the rows of the table beside this file come from; --resume goes on with equal work only.\n"
+      "version = {}\n\ncases = {}\n\noptions = {}\n\neffort = {}\n\ntypes = [{}]\nfinished = {}\n",
+      lines(record.work.version), lines(record.work.cases), lines(record.work.options), lines(record.work.effort),
+      fmt::join(types, ", "), field_text(record.finished));
+}
+
+TableRecord parse_record(std::string_view text, const std::string& file) {
+  const toml::table document = parse_toml(text, file);
+  StrictTable root(document, file, "");
+  TableRecord record;
+  root.require_keys({"version", "cases", "options", "effort", "types"});
+  root.read("version", record.work.version);
+  root.read("cases", record.work.cases);
+  root.read("options", record.work.options);
+  root.read("effort", record.work.effort);
+  root.read("finished", record.finished);
+  const toml::node* types = root.node("types");
+  if (!types->is_array()) root.fail("types", "an array", StrictTable::describe(*types));
+  for (const toml::node& type : *types->as_array()) record.types.push_back(type.value_or<std::string>("none"));
+  root.finish();
+  return record;
+}
+
+std::vector<std::string> cell_types(const Row& row) {
+  std::vector<std::string> types;
+  for (const Cell& cell : row) types.emplace_back(type_names[cell.index()]);
+  return types;
+}
+
+Cell parse_cell(const std::string& text, const std::string& type, const std::string& where) {
+  if (type == "integer") return std::int64_t{parse_integer(text, where)};
+  if (type == "number") return parse_number(text, where);
+  if (type == "text") return text;
+  if (type != "boolean") throw Error(fmt::format("{}: no such type of a cell: '{}'", where, type));
+  bool flag = false;
+  parse_value(text, flag, where);
+  return flag;
+}
+
 bool is_complete(const std::string& path) {
   return !is_stream(path) && is_there(path) && !is_there(partial_path(path)) && !is_there(record_path(path));
 }
@@ -155,15 +235,9 @@ KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how
 }
 
 ResumableTable::ResumableTable(std::string path, TableWork work, Reopening how)
-    : path_(std::move(path)),
-      work_(std::move(work)),
-      stream_(is_stream(path_)),
-      found_(kept_rows(path_, work_, how)),
-      types_(found_.types) {
+    : path_(std::move(path)), work_(std::move(work)), stream_(is_stream(path_)), found_(kept_rows(path_, work_, how)) {
   if (found_.finished) return;
-  std::optional<std::uintmax_t> kept_bytes;
-  if (how.resume) kept_bytes = found_.text.size();
-  csv_.emplace(path_, how.force, work_.columns, kept_bytes);
+  csv_.emplace(path_, how.force, work_.columns, how.resume ? std::optional(found_.text.size()) : std::nullopt);
   if (stream_ || found_.rows > 0) return;
   remove_record(path_);  // of rows that are no more
   record_is_ours_ = true;
@@ -181,12 +255,12 @@ void ResumableTable::replay(const std::function<void(const Row&)>& sink) const {
 }
 
 void ResumableTable::write_record(const std::string& finished) const {
-  write_file(record_path(path_).string(), to_toml(TableRecord{work_.identity, types_, finished}), true);
+  write_file(record_path(path_).string(), to_toml(TableRecord{work_.identity, found_.types, finished}), true);
 }
 
 void ResumableTable::write(const Row& row) {
-  if (!stream_ && types_.empty()) {
-    types_ = cell_types(row);
+  if (!stream_ && found_.types.empty()) {
+    found_.types = cell_types(row);
     write_record("");
   }
   csv_->write(row);

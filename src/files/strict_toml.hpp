@@ -5,6 +5,7 @@
 #include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include <set>
@@ -67,60 +68,56 @@ class StrictTable {
     return all;
   }
 
-  void read(std::string_view key, std::string& value) {
-    if (const toml::node* found = node(key)) {
-      if (!found->is_string()) fail(key, "a text", describe(*found));
-      value = **found->as_string();
-    }
-  }
-  void read(std::string_view key, bool& value) {
-    if (const toml::node* found = node(key)) {
-      if (!found->is_boolean()) fail(key, "true or false", describe(*found));
-      value = **found->as_boolean();
-    }
-  }
-  void read(std::string_view key, double& value) {
-    if (const toml::node* found = node(key)) value = number(*found, key);
-  }
-  void read(std::string_view key, Index& value) {
-    if (const toml::node* found = node(key)) value = integer(*found, key);
-  }
-  void read(std::string_view key, std::array<double, 2>& value) {
-    if (const toml::array* pair = pair_of(key, "two numbers [a, b]"))
-      for (std::size_t i = 0; i < 2; ++i) value[i] = number((*pair)[i], key);
-  }
-  void read(std::string_view key, std::array<Index, 2>& value) {
-    if (const toml::array* pair = pair_of(key, "two integers [a, b]"))
-      for (std::size_t i = 0; i < 2; ++i) value[i] = integer((*pair)[i], key);
-  }
-  /// A value that has a text, such as a Choice.
+  /// Sets `value` if the key is there. A value that is no text, truth value, number or pair of these, such as a
+  /// Choice, is read from its text.
   template <class Value>
   void read(std::string_view key, Value& value) {
-    std::string text;
-    if (!has(key)) return void(node(key));
-    read(key, text);
-    parse_value(text, value, where(key));
+    if (const toml::node* found = node(key)) get(*found, key, value);
+  }
+  /// The same, with bounds.
+  void read(std::string_view key, auto& value, const Field& field) {
+    read(key, value);
+    check_bounds(value, field, where(key));
+  }
+
+  /// Throws for the first of the keys that is missing.
+  void require_keys(std::initializer_list<const char*> keys) const {
+    for (const char* key : keys)
+      if (!has(key)) fail(key, "a value", "none");
+  }
+
+  /// Does what throws errors that do not know the line of `key`; `what` comes before theirs.
+  template <class Action>
+  auto located(std::string_view key, Action&& action, std::string_view what = "") const {
+    try {
+      return action();
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}{}", location(table_->get(key)), what, error.what()));
+    }
   }
 
   /// Every field of a parameter struct, checked against its bounds.
   template <class Parameters>
   void read_fields(Parameters& parameters) {
-    Parameters::fields(parameters, [this](std::string_view key, auto& value, const Field& field) {
-      read(key, value);
-      const toml::node* found = table_->get(key);
-      check_bounds(value, field, fmt::format("{}: {}", location(found), key_path(key)));
-    });
+    Parameters::fields(parameters,
+                       [&](std::string_view key, auto& value, const Field& field) { read(key, value, field); });
+  }
+  /// A section that holds them and nothing else, and may be missing.
+  template <class Parameters>
+  StrictTable read_section(std::string_view key, Parameters& parameters) {
+    StrictTable found = section(key, false);
+    found.read_fields(parameters);
+    found.finish();
+    return found;
   }
 
   /// Throws for the first key that nothing asked for.
   void finish() const {
     for (const auto& [key, value] : *table_) {
-      if (known_.count(std::string(key.str())) > 0) continue;
+      if (known_.contains(std::string(key.str()))) continue;
       const std::vector<std::string> known(known_.begin(), known_.end());
-      std::string expected;
-      for (const std::string& name : known) expected += (expected.empty() ? "" : ", ") + name;
-      throw Error(fmt::format("{}:{}: unknown key '{}'; expected {}{}", file_, key.source().begin.line,
-                              key_path(key.str()), expected.empty() ? "none" : "one of " + expected,
+      throw Error(fmt::format("{}:{}: unknown key '{}'; expected {}{}{}", file_, key.source().begin.line,
+                              key_path(key.str()), known.empty() ? "none" : "one of ", fmt::join(known, ", "),
                               suggestion(key.str(), known)));
     }
   }
@@ -152,22 +149,40 @@ class StrictTable {
   }
 
  private:
-  double number(const toml::node& found, std::string_view key) const {
-    if (found.is_floating_point()) return **found.as_floating_point();
-    if (found.is_integer()) return static_cast<double>(**found.as_integer());
-    fail(&found, key, "a number", describe(found));
+  template <class Value>
+  void get(const toml::node& found, std::string_view key, Value& value) const {
+    const auto require = [&](bool holds, std::string_view expected) {
+      if (!holds) fail(&found, key, expected, describe(found));
+    };
+    if constexpr (std::is_same_v<Value, double>) {
+      require(found.is_number(), "a number");
+      value = found.is_integer() ? static_cast<double>(**found.as_integer()) : **found.as_floating_point();
+    } else if constexpr (std::is_same_v<Value, Index>) {
+      require(found.is_integer(), "an integer");
+      value = static_cast<Index>(**found.as_integer());
+    } else if constexpr (std::is_same_v<Value, bool>) {
+      require(found.is_boolean(), "true or false");
+      value = **found.as_boolean();
+    } else if constexpr (std::is_same_v<Value, std::string>) {
+      require(found.is_string(), "a text");
+      value = **found.as_string();
+    } else if constexpr (std::is_enum_v<Value>) {
+      Choice<Value> choice = value;
+      get(found, key, choice);
+      value = choice;
+    } else {
+      std::string text;
+      get(found, key, text);
+      parse_value(text, value, where(key));
+    }
   }
-  Index integer(const toml::node& found, std::string_view key) const {
-    if (!found.is_integer()) fail(&found, key, "an integer", describe(found));
-    return static_cast<Index>(**found.as_integer());
-  }
-  const toml::array* pair_of(std::string_view key, std::string_view expected) {
-    const toml::node* found = node(key);
-    if (found == nullptr) return nullptr;
-    const toml::array* array = found->as_array();
-    if (array == nullptr) fail(key, expected, describe(*found));
+  template <class Number>
+  void get(const toml::node& found, std::string_view key, std::array<Number, 2>& value) const {
+    const char* expected = std::is_same_v<Number, double> ? "two numbers [a, b]" : "two integers [a, b]";
+    const toml::array* array = found.as_array();
+    if (array == nullptr) fail(key, expected, describe(found));
     if (array->size() != 2) fail(key, expected, fmt::format("an array of {}", array->size()));
-    return array;
+    for (std::size_t i = 0; i < 2; ++i) get((*array)[i], key, value[i]);
   }
 
   const toml::table* table_;

@@ -3,7 +3,6 @@
 
 #include "files/csv.hpp"
 #include "files/strict_toml.hpp"
-#include "formats/case_dynamics.hpp"
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
@@ -12,6 +11,10 @@
 
 namespace nscdd {
 namespace {
+
+constexpr Field finite{.description = ""};
+constexpr Field not_negative{.description = "", .minimum = 0};
+constexpr Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
 
 Generator read_generator(StrictTable& section) {
   using Generators = Alternatives<Generator>;
@@ -52,20 +55,20 @@ void read_masses_section(StrictTable section, Masses& masses) {
   if (dense != (masses.model == MassModel::density))
     section.fail("density", dense ? "no density" : "a number for model \"density\"",
                  dense ? fmt::format("one, with model \"{}\"", to_string(model)) : "none");
-  if (dense)
-    check_bounds(masses.density, Field{.description = "", .minimum = 0, .minimum_excluded = true},
-                 section.where("density"));
+  if (dense) check_bounds(masses.density, positive, section.where("density"));
   section.finish();
 }
 
 void read_partition_section(StrictTable section, Partitioner& partitioner) {
   int found = 0;
-  std::string forms;
+  std::vector<std::string_view> forms;
   for_each_partitioner([&](auto one) {
     found += section.has(one.name);
-    forms += fmt::format("{}{}", forms.empty() ? "" : " or ", one.key_form);
+    forms.push_back(one.key_form);
   });
-  if (found != 1) section.fail(GridPartitioner::name, "either " + forms, found == 0 ? "neither" : "both");
+  if (found != 1)
+    section.fail(GridPartitioner::name, fmt::format("either {}", fmt::join(forms, " or ")),
+                 found == 0 ? "neither" : "both");
   for_each_partitioner([&](auto one) {
     if (!section.has(one.name)) return;
     section.read_fields(one);
@@ -76,17 +79,137 @@ void read_partition_section(StrictTable section, Partitioner& partitioner) {
 
 void read_prescribed(StrictTable section, CaseSpec& spec) {
   PrescribedVelocity velocity;
-  for (const char* key : {"grain", "velocity"})
-    if (!section.has(key)) section.fail(key, "a value", "none");
+  section.require_keys({"grain", "velocity"});
   section.read("grain", velocity.grain);
-  section.read("velocity", velocity.velocity);
-  check_bounds(velocity.velocity, Field{.description = ""},
-               fmt::format("{}: {}", section.location(section.node("velocity")), section.key_path("velocity")));
+  section.read("velocity", velocity.velocity, finite);
   section.finish();
   for (const PrescribedVelocity& other : spec.prescribed)
     if (other.grain == velocity.grain)
       section.fail("grain", "each grain once", fmt::format("grain {} again", velocity.grain));
   spec.prescribed.push_back(velocity);
+}
+
+// One entry [t, vx, vy, spin] of a motion.
+std::array<double, 4> motion_entry(const StrictTable& section, const toml::node& node) {
+  const char* expected = "entries of four finite numbers [t, vx, vy, spin]";
+  const toml::array* entry = node.as_array();
+  if (entry == nullptr) section.fail(&node, "motion", expected, StrictTable::describe(node));
+  if (entry->size() != 4) section.fail(&node, "motion", expected, fmt::format("an array of {}", entry->size()));
+  std::array<double, 4> values{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::optional<double> value = (*entry)[i].value<double>();
+    if (!value || !std::isfinite(*value))
+      section.fail(&(*entry)[i], "motion", expected, StrictTable::describe((*entry)[i]));
+    values[i] = *value;
+  }
+  return values;
+}
+
+void read_motion_table(StrictTable& section, Motion& motion) {
+  const toml::node* found = section.node("motion");
+  const toml::array* entries = found->as_array();
+  if (entries == nullptr || entries->empty())
+    section.fail(found, "motion", "entries [[t, vx, vy, spin], ...]",
+                 entries == nullptr ? StrictTable::describe(*found) : "an empty array");
+  for (const toml::node& node : *entries) {
+    const auto [t, vx, vy, spin] = motion_entry(section, node);
+    if (!motion.time.empty() && !(t > motion.time.back()))
+      section.fail(&node, "motion", "ascending times", fmt::format("{} s after {} s", t, motion.time.back()));
+    motion.time.push_back(t);
+    motion.velocity.push_back({vx, vy, spin});
+  }
+}
+
+Motion read_motion(StrictTable& section) {
+  Motion motion;
+  section.read("centre", motion.centre, finite);
+  std::array<double, 2> velocity{};
+  double spin = 0;
+  section.read("velocity", velocity, finite);
+  section.read("spin", spin, finite);
+  const bool uniform = section.has("velocity") || section.has("spin");
+  if (section.node("motion") == nullptr) {
+    if (uniform) {
+      motion.time = {0};
+      motion.velocity = {{velocity[0], velocity[1], spin}};
+    }
+    return motion;
+  }
+  if (uniform) section.fail("motion", "either motion = ... or velocity and spin", "both");
+  read_motion_table(section, motion);
+  return motion;
+}
+
+// A key that is given with another value than its default must have an effect. (A case that the program wrote
+// has every key, those without effect at their defaults.)
+template <class Parameters>
+void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
+  const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (section.has(now[k].key) && now[k].value != by_default[k].value)
+      require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key));
+}
+
+void read_ends(StrictTable& section, BoundarySpec& spec) {
+  section.require_keys({"from", "to"});
+  section.read("from", spec.from, finite);
+  section.read("to", spec.to, finite);
+  if (spec.from == spec.to) section.fail("to", "another point than from", "the same");
+}
+
+// A trajectory holds one name per line.
+void read_name(StrictTable& section, std::string& name) {
+  section.read("name", name);
+  const auto breaks = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (name.empty() || std::any_of(name.begin(), name.end(), breaks))
+    section.fail("name", "a text of one line, without control characters and not empty", field_text(name));
+}
+
+BoundarySpec read_boundary(StrictTable section) {
+  BoundarySpec spec;
+  section.require_keys({"name", "shape"});
+  read_name(section, spec.name);
+  section.read("shape", spec.shape);
+  if (spec.shape == BoundaryShape::grains) {
+    section.require_keys({"first", "last"});
+    section.read("first", spec.first);
+    section.read("last", spec.last);
+  } else {
+    read_ends(section, spec);
+  }
+  if (spec.shape == BoundaryShape::disks) {
+    section.require_keys({"radius"});
+    section.read("radius", spec.radius, positive);
+    section.read("spacing", spec.spacing, not_negative);
+  }
+  if (spec.shape != BoundaryShape::wall) section.read("orientation", spec.orientation);
+  spec.motion = read_motion(section);
+  section.finish();
+  section.located("", [&] { check(spec); });
+  return spec;
+}
+
+// The sections [dynamics], [interaction], [solver] and [[boundary]]. The last three need the first.
+std::optional<Dynamics> read_dynamics(StrictTable& root) {
+  const bool moves = root.has("dynamics");
+  for (const char* key : {"interaction", "solver", "boundary"})
+    if (!moves && root.has(key)) root.fail(key, "a section [dynamics] with it", "none");
+  for (const char* key : {"dynamics", "interaction", "solver", "boundary"}) root.node(key);
+  if (!moves) return std::nullopt;
+  Dynamics dynamics;
+  const StrictTable interaction = root.read_section("interaction", dynamics.interaction);
+  const StrictTable time = root.read_section("dynamics", dynamics.time);
+  const StrictTable solver = root.read_section("solver", dynamics.solver);
+  require_effects(interaction, dynamics, dynamics.interaction);
+  require_effects(time, dynamics, dynamics.time);
+  require_effects(solver, dynamics, dynamics.solver);
+  for (const StrictTable& boundary : root.tables("boundary")) {
+    dynamics.boundaries.push_back(read_boundary(boundary));
+    for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)
+      if (dynamics.boundaries[k].name == dynamics.boundaries.back().name)
+        boundary.fail("name", "each name once", fmt::format("{} again", field_text(dynamics.boundaries[k].name)));
+  }
+  return dynamics;
 }
 
 // The lines of everything below a node, by its path.
@@ -108,15 +231,11 @@ void read_sections(StrictTable& root, CaseSpec& spec) {
     return;
   }
   read_packing_section(root.section("packing", true), spec);
-  StrictTable contacts = root.section("contacts", false);
-  contacts.read_fields(spec.contacts);
-  contacts.finish();
+  root.read_section("contacts", spec.contacts);
   if (root.has("masses")) read_masses_section(root.section("masses", false), spec.masses);
   root.node("masses");
   read_partition_section(root.section("partition", true), spec.partition);
-  StrictTable loads = root.section("loads", false);
-  loads.read_fields(spec.loads);
-  loads.finish();
+  root.read_section("loads", spec.loads);
   for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, spec);
   spec.dynamics = read_dynamics(root);
 }

@@ -35,23 +35,18 @@ template <class Use>
 void read_spec(StrictTable& section, std::string_view key, Use&& use) {
   const std::vector<std::string> items = list(section, key);
   if (items.empty()) return;
-  std::string spec;
-  for (const std::string& item : items) spec += (spec.empty() ? "" : ",") + item;
-  try {
-    use(spec);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", section.location(section.node(key)), error.what()));
-  }
+  section.located(key, [&] { use(fmt::format("{}", fmt::join(items, ","))); });
 }
 
 const Observable* read_observable(StrictTable& section) {
-  std::string name(StudyTable{}.observable->name), known;
+  std::string name(StudyTable{}.observable->name);
+  std::vector<std::string_view> known;
   section.read("observable", name);
   for (const Observable* one : observables::all) {
     if (one->name == name) return one;
-    known += (known.empty() ? "" : ", ") + std::string(one->name);
+    known.push_back(one->name);
   }
-  section.fail("observable", "one of " + known, "\"" + name + "\"");
+  section.fail("observable", fmt::format("one of {}", fmt::join(known, ", ")), "\"" + name + "\"");
 }
 
 // The parameters in the table `name`. Each value is tried on every case, so that it is refused here.
@@ -64,11 +59,8 @@ std::vector<Variation> read_variations(StrictTable& table, std::string_view name
     variations.push_back({std::string(key.str()), list(section, key.str())});
   for (const Variation& variation : variations)
     for (const std::string& value : variation.values)
-      for (Case one : cases) try {
-          override_case(one.spec, variation.parameter, value);
-        } catch (const Error& error) {
-          throw Error(fmt::format("{}: {}", section.location(section.node(variation.parameter)), error.what()));
-        }
+      for (Case one : cases)
+        section.located(variation.parameter, [&] { override_case(one.spec, variation.parameter, value); });
   return variations;
 }
 
@@ -88,12 +80,8 @@ void read_vary(StrictTable& table, StudyTable& result) {
 }
 
 void read_tolerances(StrictTable& table, StudyTable& result) {
-  const auto checked = [](StrictTable& section, std::string_view key, double& value) {
-    section.read(key, value);
-    check_bounds(value, Field{.description = "", .minimum = 0},
-                 fmt::format("{}: {}", section.location(section.node(key)), section.key_path(key)));
-  };
-  checked(table, "check_tolerance", result.check_tolerance);
+  constexpr Field not_negative{.description = "", .minimum = 0};
+  table.read("check_tolerance", result.check_tolerance, not_negative);
   StrictTable section = table.section("column_tolerance", false);
   const toml::node* node = table.node("column_tolerance");
   if (node == nullptr) return;
@@ -102,7 +90,7 @@ void read_tolerances(StrictTable& table, StudyTable& result) {
     const std::string name(key.str());
     if (std::none_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; }))
       section.fail(&value, name, "a column of the table", "another name");
-    checked(section, name, result.column_tolerance[name]);
+    section.read(name, result.column_tolerance[name], not_negative);
   }
 }
 
@@ -111,20 +99,12 @@ void read_steps(StrictTable& section, StudyTable& table) {
   const std::vector<std::string> items = list(section, "steps");
   if (items.empty()) return;
   table.steps.clear();
+  const std::string where = section.location(section.node("steps")) + ": steps";
+  const auto least = static_cast<double>(table.observable->first_step);
   for (const std::string& item : items) {
-    table.steps.push_back(parse_integer(item, section.location(section.node("steps")) + ": steps"));
-    const auto least = static_cast<double>(table.observable->first_step);
-    check_bounds(table.steps.back(), Field{.description = "", .minimum = least, .maximum = 1e9},
-                 section.location(section.node("steps")) + ": steps");
+    table.steps.push_back(parse_integer(item, where));
+    check_bounds(table.steps.back(), Field{.description = "", .minimum = least, .maximum = 1e9}, where);
   }
-}
-
-void read_lead_in(StrictTable& section, StudyTable& table) {
-  const bool always_own = table.observable->own_solver;
-  Choice<LeadInSolver> solver = always_own ? LeadInSolver::own : table.lead_in;
-  section.read("lead_in", solver);
-  if (always_own && solver != LeadInSolver::own) section.fail("lead_in", "\"own\", as runs always are", "\"plain\"");
-  table.lead_in = solver;
 }
 
 // A key that the observable does not use must not be ignored in silence.
@@ -140,12 +120,11 @@ void check_moving(StrictTable& section, const StudyTable& table) {
   if (!table.observable->moving) return;
   for (Index number = 0; number < varied_case_count(table); ++number) {
     const CaseSpec one = varied_case(table, number).one.spec;
-    try {
+    const auto check = [&] {
       check_dynamics(one);
       if (table.observable->check != nullptr) table.observable->check(one);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: case '{}': {}", section.location(section.node("cases")), one.name, error.what()));
-    }
+    };
+    section.located("cases", check, fmt::format("case '{}': ", one.name));
   }
 }
 
@@ -161,11 +140,9 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   section.read("large", table.large);
   const std::vector<std::string> cases = list(section, "cases");
   if (cases.empty()) section.fail("cases", "at least one case", "none");
-  for (const std::string& name : cases) try {
-      table.cases.push_back({find(name)});
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: case '{}': {}", section.location(section.node("cases")), name, error.what()));
-    }
+  for (const std::string& name : cases)
+    table.cases.push_back({section.located(
+        "cases", [&] { return find(name); }, fmt::format("case '{}': ", name))});
   read_vary(section, table);
   check_moving(section, table);
   SweepParameters& sweep = table.sweep;
@@ -174,21 +151,20 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   read_spec(section, "relaxation", [&](const std::string& spec) { sweep.relaxation = parse_relaxation(spec); });
   read_spec(section, "gauss_seidel_sweeps",
             [&](const std::string& spec) { sweep.gauss_seidel_sweeps = parse_sweeps(spec); });
-  Choice<ContactSet> contacts = table.sweep.contacts;
-  section.read("contacts", contacts);
-  table.sweep.contacts = contacts;
-  Choice<SpectralSolver> solver = table.sweep.spectral.solver;
-  section.read("solver", solver);
-  table.sweep.spectral.solver = solver;
-  section.read("certify", table.sweep.spectral.certify);
-  if (table.sweep.spectral.certify && table.sweep.spectral.solver == SpectralSolver::arpack)
+  section.read("contacts", sweep.contacts);
+  section.read("solver", sweep.spectral.solver);
+  section.read("certify", sweep.spectral.certify);
+  if (sweep.spectral.certify && sweep.spectral.solver == SpectralSolver::arpack)
     section.fail("certify", "a solver other than \"arpack\", which proves nothing", "\"arpack\"");
   Index seed = 1;
   section.read("seed", seed);
   if (seed < 0) section.fail("seed", "an integer >= 0", fmt::format("{}", seed));
   table.seed = static_cast<std::uint64_t>(seed);
   read_steps(section, table);
-  read_lead_in(section, table);
+  if (table.observable->own_solver) table.lead_in = LeadInSolver::own;
+  section.read("lead_in", table.lead_in);
+  if (table.observable->own_solver && table.lead_in != LeadInSolver::own)
+    section.fail("lead_in", "\"own\", as runs always are", "\"plain\"");
   section.read("baseline", table.baseline);
   section.read("check_relative", table.check_relative);
   read_tolerances(section, table);

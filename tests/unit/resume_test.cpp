@@ -5,7 +5,6 @@
 #include "../support/run_program.hpp"
 #include "core/fingerprint.hpp"
 #include "files/resumable_table.hpp"
-#include "files/table_record.hpp"
 #include "study/memory_estimate.hpp"
 #include "study/study.hpp"
 #include <nscdd/core/error.hpp>
