@@ -100,7 +100,7 @@ void apply(const Options& options, CaseSpec& spec) {
 void require_not_beside(const std::string& output, const std::string& table) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  for (const std::string& name : names_beside(output))
+  for (const std::string& name : AlternatingFile::names_beside(output))
     if (fs::weakly_canonical(fs::absolute(table), ignored) == fs::weakly_canonical(fs::absolute(name), ignored))
       refuse("{}: expected another name, met one that is taken while {} is written", table, output);
 }

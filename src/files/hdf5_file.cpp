@@ -4,9 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace nscdd::hdf5 {
 namespace {
+
+// Properties of a new object that carries no time stamps.
+Handle without_times(hid_t property_class) {
+  Handle properties(H5Pcreate(property_class), H5Pclose);
+  require(H5Pset_obj_track_times(properties, 0));
+  return properties;
+}
 
 Handle file_access() {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -34,6 +42,52 @@ hid_t open_path(const std::string& path, Access how) {
   return H5Fopen(path.c_str(), how == Access::change ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
 }
 
+Handle text_type(std::size_t length, H5T_str_t padding = H5T_STR_NULLPAD) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, std::max<std::size_t>(length, 1));
+  H5Tset_strpad(type, padding);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+Handle scalar_space() { return Handle(H5Screate(H5S_SCALAR), H5Sclose); }
+
+void make_attribute(hid_t object, const char* name, std::string_view text) {
+  const Handle type = text_type(text.size());
+  const Handle attribute(H5Acreate2(object, name, type, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require(H5Awrite(attribute, type, text.empty() ? "" : text.data()));
+}
+
+using Extent = std::array<hsize_t, 2>;
+
+// Rows and numbers per row: 1 in one dimension.
+Extent extent_of(std::size_t size, const ArrayForm& form) {
+  return form.rows ? Extent{*form.rows, size / *form.rows} : Extent{size, 1};
+}
+
+Handle new_array(const Group& group, const std::string& name, hid_t type, const Extent& extent, const ArrayForm& form) {
+  constexpr Extent unlimited{H5S_UNLIMITED, H5S_UNLIMITED};
+  const int dimensions = form.rows ? 2 : 1;
+  const hsize_t width = std::max<hsize_t>(extent[1], 1);
+  const Extent chunk{std::max<hsize_t>(form.chunk / width, 1), width};
+  const Handle properties = without_times(H5P_DATASET_CREATE);
+  if (form.chunk > 0) require(H5Pset_chunk(properties, dimensions, chunk.data()));
+  const Handle space(H5Screate_simple(dimensions, extent.data(), form.chunk > 0 ? unlimited.data() : nullptr),
+                     H5Sclose);
+  Handle dataset(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
+                 fmt::format("{}: cannot be made", group.of(name)));
+  for (const auto& [key, text] : form.attributes) make_attribute(dataset, key, text);
+  return dataset;
+}
+
+template <class Value>
+std::vector<Value> gather(const Table& table, std::size_t column) {
+  std::vector<Value> values;
+  values.reserve(table.rows.size());
+  for (const Row& row : table.rows) values.push_back(std::get<Value>(row[column]));
+  return values;
+}
+
 }  // namespace
 
 ErrorHandler silence_errors() {
@@ -44,12 +98,6 @@ ErrorHandler silence_errors() {
 }
 
 void restore_errors(const ErrorHandler& handler) { H5Eset_auto2(H5E_DEFAULT, handler.function, handler.data); }
-
-Handle without_times(hid_t property_class) {
-  Handle properties(H5Pcreate(property_class), H5Pclose);
-  require(H5Pset_obj_track_times(properties, 0));
-  return properties;
-}
 
 Handle::Handle(hid_t id, herr_t (*closing)(hid_t), const std::string& failure) : id_(id), close_(closing) {
   if (id_ < 0) throw Error(failure);
@@ -72,20 +120,12 @@ std::string Group::of(const std::string& member) const {
 bool Group::has(const std::string& name) const { return H5Lexists(id_, name.c_str(), H5P_DEFAULT) > 0; }
 
 std::vector<std::string> Group::members() const {
-  const std::string damaged = fmt::format("{}: cannot be read", path_);
-  H5G_info_t content{};
-  require(H5Gget_info(id_, &content), damaged);
   std::vector<std::string> names;
-  for (hsize_t i = 0; i < content.nlinks; ++i) {
-    const auto read = [&](char* name, std::size_t size) {
-      return H5Lget_name_by_idx(id_, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, size, H5P_DEFAULT);
-    };
-    const ssize_t length = read(nullptr, 0);
-    if (length < 0) throw Error(damaged);
-    std::string name(static_cast<std::size_t>(length), '\0');
-    read(name.data(), name.size() + 1);
-    names.push_back(std::move(name));
-  }
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* all) {
+    static_cast<std::vector<std::string>*>(all)->emplace_back(name);
+    return herr_t{0};
+  };
+  require(H5Literate(id_, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names), fmt::format("{}: cannot be read", path_));
   return names;
 }
 
@@ -99,6 +139,75 @@ Group Group::make_group(const std::string& name) const {
 }
 
 void Group::remove(const std::string& name) const { H5Ldelete(id_, name.c_str(), H5P_DEFAULT); }
+
+void Group::put_array(const std::string& name, Types types, const void* data, std::size_t size,
+                      const ArrayForm& form) const {
+  const Extent more = extent_of(size, form);
+  Extent start{0, 0};
+  const bool there = has(name);
+  const std::string failure = fmt::format("{}: cannot be written", of(name));
+  const Handle dataset = there ? Handle(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose, failure)
+                               : new_array(*this, name, types.file, more, form);
+  if (there && form.append)
+    require(H5Sget_simple_extent_dims(Handle(H5Dget_space(dataset), H5Sclose), start.data(), nullptr), failure);
+  start[1] = 0;
+  const Extent extent{start[0] + more[0], more[1]};
+  if (there && form.chunk > 0) require(H5Dset_extent(dataset, extent.data()), failure);
+  if (size == 0) return;
+  const Handle target(H5Dget_space(dataset), H5Sclose);
+  require(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, more.data(), nullptr), failure);
+  const Handle source(H5Screate_simple(form.rows ? 2 : 1, more.data(), nullptr), H5Sclose);
+  require(H5Dwrite(dataset, types.memory, source, target, H5P_DEFAULT, data), failure);
+}
+
+template <class Value>
+void Group::put(const std::string& name, std::span<const Value> values, const ArrayForm& form) const {
+  put_array(name, types_of<Value>(), values.data(), values.size(), form);
+}
+
+// Texts of equal length, filled up with zeros.
+void Group::put_texts(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const {
+  std::size_t length = std::max<std::size_t>(form.longest_text, 1);
+  if (form.longest_text == 0)
+    for (const std::string& text : texts) length = std::max(length, text.size());
+  std::string bytes;
+  for (std::size_t i = 0; i < texts.size(); ++i) bytes.append(texts[i], 0, length).resize((i + 1) * length);
+  const Handle type = text_type(length);
+  put_array(name, {type, type}, bytes.data(), texts.size(), form);
+}
+
+void Group::put_columns(const Table& table, ArrayForm form) const {
+  for (std::size_t j = 0; j < table.columns.size(); ++j) {
+    const auto& [name, unit, description] = table.columns[j];
+    form.attributes = {{"unit", unit}, {"description", description}};
+    const Cell first = table.rows.empty() ? Cell{0.0} : table.rows[0][j];
+    if (std::holds_alternative<double>(first)) {
+      put<double>(name, gather<double>(table, j), form);
+    } else if (std::holds_alternative<std::int64_t>(first)) {
+      put<std::int64_t>(name, gather<std::int64_t>(table, j), form);
+    } else if (std::holds_alternative<bool>(first)) {
+      const std::vector<bool> flags = gather<bool>(table, j);
+      put<std::int8_t>(name, std::vector<std::int8_t>(flags.begin(), flags.end()), form);
+    } else {
+      put_texts(name, gather<std::string>(table, j), form);
+    }
+  }
+}
+
+// A dataset holds a text of any length; an attribute holds 64 KiB at the most.
+void Group::put_text(const std::string& name, const std::string& text, bool terminated) const {
+  const Handle type = text_type(text.size() + (terminated ? 1 : 0), terminated ? H5T_STR_NULLTERM : H5T_STR_NULLPAD);
+  const Handle dataset(
+      H5Dcreate2(id_, name.c_str(), type, scalar_space(), H5P_DEFAULT, without_times(H5P_DATASET_CREATE), H5P_DEFAULT),
+      H5Dclose, fmt::format("{}: cannot be made", of(name)));
+  require(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()),
+          fmt::format("{}: cannot be written", of(name)));
+}
+
+void Group::put_attribute(const std::string& name, std::string_view text) const {
+  if (H5Aexists(id_, name.c_str()) > 0) H5Adelete(id_, name.c_str());
+  make_attribute(id_, name.c_str(), text);
+}
 
 File::File()
     : name_("HDF5"),
@@ -135,5 +244,10 @@ Provenance provenance_of(const Group& root) {
   for (const std::string& name : origin.members()) provenance.emplace_back(name, origin.text(name));
   return provenance;
 }
+
+template void Group::put(const std::string&, std::span<const double>, const ArrayForm&) const;
+template void Group::put(const std::string&, std::span<const std::int64_t>, const ArrayForm&) const;
+template void Group::put(const std::string&, std::span<const std::int32_t>, const ArrayForm&) const;
+template void Group::put(const std::string&, std::span<const std::int8_t>, const ArrayForm&) const;
 
 }  // namespace nscdd::hdf5

@@ -64,9 +64,6 @@ Types types_of() {
   if constexpr (std::is_same_v<Value, std::int8_t>) return {H5T_NATIVE_INT8, H5T_STD_I8LE};
 }
 
-/// Properties of a new object that carries no time stamps.
-Handle without_times(hid_t property_class);
-
 /// How an array is written.
 struct ArrayForm {
   /// Texts that describe it, such as {{"unit", "m"}}: written when the array is made.

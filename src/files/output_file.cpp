@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -18,18 +19,47 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(std::string_view name, std::string_view action) {
-  throw Error(fmt::format("{}: cannot {}: {}", name, action, std::strerror(errno)));
+[[noreturn]] void refuse(std::string_view name, std::string_view action, std::string_view reason) {
+  throw Error(fmt::format("{}: cannot {}: {}", name, action, reason));
 }
 
-}  // namespace
+// For what the system has just refused.
+[[noreturn]] void refuse(std::string_view name, std::string_view action) { refuse(name, action, std::strerror(errno)); }
 
-bool is_stream(const fs::path& path) {
+void remove_file(const fs::path& path) {
   std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+  fs::remove(path, ignored);
 }
 
+void rename_file(const fs::path& from, const fs::path& to) {
+  std::error_code status;
+  fs::rename(from, to, status);
+  if (status) refuse(to.string(), "be renamed from " + from.string(), status.message());
+}
+
+// Whether another run has locked the file. If not, it is locked now, where the system can.
+bool is_locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+
+[[noreturn]] void refuse_locked(const std::string& path) {
+  throw Error(fmt::format("{}: is being written by another run", path));
+}
+
+// The file is locked before it is cut, so that two runs never write into one another's rows. Null if the
+// system refuses.
+std::FILE* open_growing(const fs::path& path, std::uintmax_t kept_bytes) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) return nullptr;
+  const bool locked = is_locked(descriptor);
+  if (!locked && ::ftruncate(descriptor, static_cast<off_t>(kept_bytes)) == 0 && ::lseek(descriptor, 0, SEEK_END) >= 0)
+    if (std::FILE* stream = ::fdopen(descriptor, "wb")) return stream;
+  const int reason = errno;
+  ::close(descriptor);
+  if (locked) refuse_locked(path.string());
+  errno = reason;
+  return nullptr;
+}
+
+// The name that symbolic links under `path` lead to in the end, whether that file exists or not.
 fs::path followed(fs::path path) {
   constexpr int longest_chain = 40;  // as for the system, which refuses longer ones
   std::error_code status;
@@ -39,6 +69,28 @@ fs::path followed(fs::path path) {
     path = target.is_absolute() ? target : path.parent_path() / target;
   }
   return path;
+}
+
+// Somebody who opened the file when it had its name may still be reading it.
+bool is_read(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool read = is_locked(descriptor);
+  ::close(descriptor);
+  return read;
+}
+
+[[noreturn]] void refuse_foreign(const std::string& path, const std::string& name) {
+  throw Error(fmt::format(
+      "{}: expected no such file, or one that a run of nscdd into {} left, met another; move it away", name, path));
+}
+
+}  // namespace
+
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
 }
 
 fs::path partial_path(const fs::path& path) { return fs::path(path.string() + ".partial"); }
@@ -74,14 +126,6 @@ void require_hdf5_name(const std::string& path) {
     throw Error(fmt::format("{}: expected the name of a file that ends in .h5 or .hdf5", path));
 }
 
-void complete(const fs::path& path) {
-  std::error_code status;
-  fs::rename(partial_path(path), path, status);
-  if (status)
-    throw Error(
-        fmt::format("{}: cannot be renamed from {}: {}", path.string(), partial_path(path).string(), status.message()));
-}
-
 OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes)
     : name_(path == "-" ? "standard output" : path) {
   if (path == "-") {
@@ -91,35 +135,18 @@ OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::u
   require_writable(path, force, kept_bytes.has_value());
   if (is_stream(path)) {
     stream_ = std::fopen(path.c_str(), "wb");
-    if (stream_ == nullptr) refuse(name_, "be opened for writing");
-    return;
+  } else {
+    removable_ = kept_bytes.value_or(0) == 0;
+    stream_ = open_growing(partial_path(path), kept_bytes.value_or(0));
+    if (stream_ != nullptr) growing_ = partial_path(path);
   }
-  growing_ = partial_path(path);
-  removable_ = kept_bytes.value_or(0) == 0;
-  open_growing(kept_bytes.value_or(0));
-}
-
-// The file is locked before it is cut, so that two runs never write into one another's rows.
-void OutputFile::open_growing(std::uintmax_t kept_bytes) {
-  const int descriptor = ::open(growing_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor < 0) refuse(name_, "be opened for writing");
-  const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  if (!locked && ::ftruncate(descriptor, static_cast<off_t>(kept_bytes)) == 0 && ::lseek(descriptor, 0, SEEK_END) >= 0)
-    stream_ = ::fdopen(descriptor, "wb");
-  if (stream_ != nullptr) return;
-  const int reason = errno;
-  ::close(descriptor);
-  if (locked) throw Error(fmt::format("{}: is being written by another run", growing_.string()));
-  errno = reason;
-  refuse(name_, "be opened for writing");
+  if (stream_ == nullptr) refuse(name_, "be opened for writing");
 }
 
 OutputFile::~OutputFile() {
-  if (stream_ == nullptr) return;
-  if (!removable_) std::fwrite(gathered_.data(), 1, gathered_.size(), stream_);
-  if (stream_ != stdout) std::fclose(stream_);
-  std::error_code ignored;
-  if (!growing_.empty() && removable_) fs::remove(growing_, ignored);
+  if (stream_ != nullptr && !removable_) std::fwrite(gathered_.data(), 1, gathered_.size(), stream_);
+  if (stream_ != nullptr && stream_ != stdout) std::fclose(stream_);
+  if (!growing_.empty() && removable_) remove_file(growing_);
 }
 
 void OutputFile::line(std::string_view text) {
@@ -148,22 +175,97 @@ void OutputFile::close() {
 }
 
 void OutputFile::finish() {
-  try {
-    close();
-  } catch (const Error&) {
-    std::error_code ignored;
-    if (!growing_.empty() && removable_) fs::remove(growing_, ignored);
-    throw;
-  }
-  if (!growing_.empty()) complete(name_);
+  close();
+  if (!growing_.empty()) rename_file(std::exchange(growing_, {}), name_);
 }
 
-void OutputFile::leave() { close(); }
+void OutputFile::leave() {
+  close();
+  growing_.clear();
+}
 
 void write_file(const std::string& path, std::string_view bytes, bool force) {
   OutputFile file(path, force);
   file.bytes(bytes);
   file.finish();
+}
+
+std::vector<std::string> AlternatingFile::names_beside(const std::string& path) {
+  const std::string file = followed(path).string();
+  return {file + ".next", file + ".previous", file + ".lock"};
+}
+
+// A killed run leaves its lock. The other names are made after the lock and removed before it, so they belong
+// to a run only if a lock is beside them. An empty lock was cut off before it was marked, or is of no worth.
+AlternatingFile::AlternatingFile(const std::string& path)
+    : path_(followed(path).string()),
+      spare_(path_ + ".next"),
+      previous_(path_ + ".previous"),
+      lock_(path_ + ".lock"),
+      lock_stream_(std::fopen(lock_.c_str(), "a+e"), &std::fclose) {
+  // What a lock of this program holds. A file with other content is somebody else's.
+  constexpr std::string_view mark = "lock of a trajectory that nscdd writes\n";
+  std::FILE* stream = lock_stream_.get();
+  if (stream == nullptr) refuse(path_, "be opened for writing");
+  if (is_locked(::fileno(stream))) refuse_locked(path_);
+  std::string content(mark.size() + 1, '\0');
+  content.resize(std::fread(content.data(), 1, content.size(), stream));
+  if (!content.empty() && content != mark) refuse_foreign(path_, lock_);
+  for (const std::string& name : {spare_, previous_}) {
+    std::error_code ignored;
+    if (content.empty() && fs::exists(fs::symlink_status(name, ignored))) {
+      remove_file(lock_);
+      refuse_foreign(path_, name);
+    }
+    remove_file(name);
+  }
+  if (content.empty() && (std::fputs(mark.data(), stream) < 0 || std::fflush(stream) != 0)) refuse(lock_, "be written");
+}
+
+AlternatingFile::~AlternatingFile() {
+  remove_file(spare_);
+  remove_file(previous_);
+  remove_file(lock_);  // before it is unlocked, so that nobody locks a file without a name
+}
+
+void AlternatingFile::create(const Change& make) {
+  make(spare_);
+  rename_file(spare_, path_);
+}
+
+void AlternatingFile::change(Change change) {
+  const Change missing = std::exchange(missing_, {});  // a change that fails leaves a spare of no worth
+  if (!missing || copying_is_faster() || is_read(spare_)) {
+    remove_file(spare_);
+    std::error_code status;
+    fs::copy_file(path_, spare_, fs::copy_options::overwrite_existing, status);
+    if (status) refuse(spare_, "be copied from " + path_, status.message());
+  } else {
+    missing(spare_);
+  }
+  const auto started = std::chrono::steady_clock::now();
+  change(spare_);
+  missing_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  swap();
+  missing_ = std::move(change);
+}
+
+// Many small changes take longer than copying a small file.
+bool AlternatingFile::copying_is_faster() const {
+  constexpr double bytes_per_second = 3e8;  // of a slow disk
+  std::error_code ignored;
+  return !fs::exists(spare_, ignored) ||
+         static_cast<double>(fs::file_size(path_, ignored)) < missing_seconds_ * bytes_per_second;
+}
+
+// One rename puts the new version in place. The old version becomes the spare copy if the file system has
+// hard links and nobody else has one to it. Otherwise the next change begins with a copy.
+void AlternatingFile::swap() {
+  std::error_code status, linked;
+  remove_file(previous_);
+  fs::create_hard_link(path_, previous_, linked);
+  rename_file(spare_, path_);
+  if (!linked && fs::hard_link_count(previous_, status) == 1) fs::rename(previous_, spare_, status);
 }
 
 }  // namespace nscdd

@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace nscdd {
 
@@ -25,14 +28,8 @@ void require_hdf5_name(const std::string& path);
 /// The name under which an output grows until it is complete.
 std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renames `path.partial` to `path`. Throws Error if that fails.
-void complete(const std::filesystem::path& path);
-
 /// Whether `path` is a device or a pipe, which holds nothing; "-" (standard output) counts as one.
 bool is_stream(const std::filesystem::path& path);
-
-/// The name that symbolic links under `path` lead to in the end, whether that file exists or not.
-std::filesystem::path followed(std::filesystem::path path);
 
 /// An output that appears under its name only when it is complete: it grows as `path.partial`, and `finish`
 /// renames it. A killed run leaves the partial file, which can be read. A run that ends by an exception
@@ -56,7 +53,6 @@ class OutputFile {
   void leave();  ///< closes the partial file and keeps it, to be continued by another run
 
  private:
-  void open_growing(std::uintmax_t kept_bytes);
   void close();
   std::string name_;
   std::filesystem::path growing_;  ///< empty for a stream that is not a file of its own
@@ -68,5 +64,39 @@ class OutputFile {
 
 /// Writes a whole file in one piece: in the end it has these bytes, or it is as it was before.
 void write_file(const std::string& path, std::string_view bytes, bool force);
+
+/// A file that is changed again and again, and yet is complete under its name at every moment, however the
+/// program ends. There are two copies: `path`, which is never touched while it has that name, and the spare
+/// copy `path.next`. A change takes three steps. 1. The spare copy gets the change that the other one has
+/// already, or the bytes of the other one if copying is faster. 2. It gets the new change. 3. It takes the
+/// name by a rename. So a reader of `path` always meets a finished version and does not disturb the writer.
+/// `path.lock` keeps a second writer away. If `path` is a symbolic link, it stays one, and all this holds for
+/// the file it leads to. Every function throws Error naming the file if the system refuses.
+class AlternatingFile {
+ public:
+  /// Changes the file of the given name; must leave it closed.
+  using Change = std::function<void(const std::string& path)>;
+
+  /// The names beside `path`: of the spare copy, of the version before, of the lock.
+  static std::vector<std::string> names_beside(const std::string& path);
+
+  /// Takes the lock and removes what a killed run left. `path` stays as it is. Throws Error naming a file
+  /// that has one of these names but is not left by a run.
+  explicit AlternatingFile(const std::string& path);
+  ~AlternatingFile();  ///< `path` keeps its last complete change
+  AlternatingFile(const AlternatingFile&) = delete;
+  AlternatingFile& operator=(const AlternatingFile&) = delete;
+
+  void create(const Change& make);  ///< replaces what there is
+  void change(Change change);
+
+ private:
+  bool copying_is_faster() const;
+  void swap();
+  std::string path_, spare_, previous_, lock_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> lock_stream_;
+  Change missing_;              ///< the change that the spare does not have yet, if there is one
+  double missing_seconds_ = 0;  ///< how long that change took
+};
 
 }  // namespace nscdd

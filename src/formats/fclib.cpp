@@ -176,17 +176,12 @@ FclibInfo read_info(const Group& problem) {
   return info;
 }
 
-// How many velocities of bodies (0 for a local problem) and how many contact unknowns there are.
-std::array<Index, 2> sizes(const FclibFile& file) {
+FclibSolution read_solution(const Group& group, const FclibFile& file) {
   const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
-  return {global != nullptr ? global->mass.rows() : 0, 2 * file.contacts()};
-}
-
-FclibSolution read_solution(const Group& group, std::array<Index, 2> expected) {
   FclibSolution solution;
-  if (expected[0] > 0) solution.v = numbers_of(group, "v", expected[0]);
-  solution.u = numbers_of(group, "u", expected[1]);
-  solution.r = numbers_of(group, "r", expected[1]);
+  if (global != nullptr && global->mass.rows() > 0) solution.v = numbers_of(group, "v", global->mass.rows());
+  solution.u = numbers_of(group, "u", 2 * file.contacts());
+  solution.r = numbers_of(group, "r", 2 * file.contacts());
   for (const Vector* values : {&solution.v, &solution.u, &solution.r})
     if (!values->allFinite()) throw Error(fmt::format("{}: expected finite numbers, met others", group.path()));
   return solution;
@@ -267,12 +262,12 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
     throw Error(fmt::format("{}: not supported: rolling friction; expected fclib_local or fclib_global", group.path()));
   }
   result.info = read_info(group);
-  if (root.has("solution")) result.solution = read_solution(root.group("solution"), sizes(result));
+  if (root.has("solution")) result.solution = read_solution(root.group("solution"), result);
   if (!root.has("guesses")) return result;
   const Group guesses = root.group("guesses");
   const std::int64_t number = size_of(guesses, "number_of_guesses");
   for (std::int64_t k = 1; k <= number; ++k)
-    result.guesses.push_back(read_solution(guesses.group(std::to_string(k)), sizes(result)));
+    result.guesses.push_back(read_solution(guesses.group(std::to_string(k)), result));
   return result;
 }
 

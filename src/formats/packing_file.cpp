@@ -16,29 +16,24 @@ namespace nscdd {
 namespace {
 
 struct PackingColumn {
-  std::string_view name;
   std::vector<double> Packing::*values;
-  Field field;
   bool required;
+  std::string_view name;
+  Field field;
 };
 
-constexpr PackingColumn place(std::string_view name, std::vector<double> Packing::*values) {
-  return {name, values, {.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100}, true};
+constexpr Field place{.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100};
+constexpr Field positive(std::string_view name, std::string_view unit) {
+  return {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100};
 }
-constexpr PackingColumn positive(std::string_view name, std::string_view unit, std::vector<double> Packing::*values,
-                                 bool required) {
-  return {name,
-          values,
-          {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100},
-          required};
-}
-constexpr std::array packing_columns{place("x", &Packing::x), place("y", &Packing::y),
-                                     positive("radius", "m", &Packing::radius, true),
-                                     positive("mass", "kg", &Packing::mass, false)};
+constexpr PackingColumn packing_columns[] = {{&Packing::x, true, "x", place},
+                                             {&Packing::y, true, "y", place},
+                                             {&Packing::radius, true, "radius", positive("radius", "m")},
+                                             {&Packing::mass, false, "mass", positive("mass", "kg")}};
 
 const PackingColumn* find_column(std::string_view name) {
   const auto found = std::ranges::find(packing_columns, name, &PackingColumn::name);
-  return found == packing_columns.end() ? nullptr : &*found;
+  return found == std::end(packing_columns) ? nullptr : found;
 }
 
 // Throws unless every required column is among those met; `where` says what should have it.
@@ -123,7 +118,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
   const hdf5::File file(bytes, name);
   const hdf5::Group group = file.root().group("packing");
   for (const std::string& dataset : group.members()) {
-    const std::vector<double> values = group.numbers<double>(dataset);
+    std::vector<double> values = group.numbers<double>(dataset);
     const std::string where = group.of(dataset);
     met.push_back(find_column(dataset));
     if (met.back() == nullptr)
@@ -131,7 +126,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!in_bounds(values[i], met.back()->field))
         check_bounds(values[i], met.back()->field, fmt::format("{}: grain {}", where, i));
-    packing.*(met.back()->values) = values;
+    packing.*(met.back()->values) = std::move(values);
   }
   require_columns(met, name + ": packing", "dataset");
   for (const PackingColumn* column : met)

@@ -5,7 +5,6 @@
 #include "mechanics/step_friction.hpp"
 #include <nscdd/core/error.hpp>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -15,16 +14,12 @@
 namespace nscdd {
 namespace {
 
-void require_coulomb(const Interaction& interaction) {
-  if (to_string(interaction.law) != Coulomb::name && to_string(interaction.law) != Frictionless::name)
-    throw Error(fmt::format("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}",
-                            to_string(interaction.law)));
-}
-
 // The step as it was prepared in the run, without impulses to start from.
 StepProblem next_problem(const Simulation& before) {
-  require_coulomb(before.dynamics.interaction);
-  return prepare_step(before.system, before.state, before.dynamics.interaction, before.dynamics.time, false);
+  const Interaction& interaction = before.dynamics.interaction;
+  if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
+    throw Error(fmt::format("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}", law));
+  return prepare_step(before.system, before.state, interaction, before.dynamics.time, false);
 }
 
 void require_same_contacts(const StepProblem& problem, const TrajectoryStep& after) {
@@ -67,18 +62,11 @@ Partition partition_of(const TrajectoryStep& step) {
   return partition;
 }
 
-void require_contacts(const Partition& partition, Index subdomain, Index step) {
-  const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
-  if (all.count(subdomain) == 0)
-    throw Error(fmt::format("step {}: expected a subdomain that has contacts ({}), met {}", step,
-                            all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain));
-}
-
 // Bodies in the order of their numbers, which readers expect, instead of the order of a sweep.
 GranularSubdomain with_ascending_bodies(const GranularSubdomain& part) {
   std::vector<std::size_t> order(part.bodies.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return part.bodies[i] < part.bodies[j]; });
+  std::ranges::sort(order, {}, [&](std::size_t i) { return part.bodies[i]; });
   GranularSubdomain result = part;
   std::vector<std::int32_t> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
@@ -101,11 +89,9 @@ void add_interface_impulses(GlobalFrictionProblem& problem, const GranularSubdom
   for (std::size_t i = 0; i < part.bodies.size(); ++i) {
     if (part.velocities[i].inverse_mass == 0) continue;
     const Index grain = part.bodies[i];
-    const auto one = std::lower_bound(gluing.begin(), gluing.end(), std::pair(grain, subdomain),
-                                      [](const RememberedGluing& g, const std::pair<Index, Index>& key) {
-                                        return std::pair(g.grain, g.subdomain) < key;
-                                      });
-    if (one != gluing.end() && one->grain == grain && one->subdomain == subdomain)
+    const auto own = [&](const RememberedGluing& one) { return std::pair(one.grain, one.subdomain); };
+    const auto one = std::ranges::lower_bound(gluing, std::pair(grain, subdomain), {}, own);
+    if (one != gluing.end() && own(*one) == std::pair(grain, subdomain))
       problem.f.segment<3>(row) -= Eigen::Vector3d(one->x, one->y, radius[at(grain)] * one->rim);
     row += 3;
   }
@@ -120,7 +106,7 @@ FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after) {
   if (after != nullptr) {
     require_same_contacts(step, *after);
     std::vector<Index> all(step.contacts.size());
-    for (Index k = 0; k < count(all); ++k) all[at(k)] = k;
+    std::iota(all.begin(), all.end(), Index{0});
     file.solution = solution_of(problem, velocities_of_free(before.system, after->state), impulses_of(*after, all));
   }
   file.problem = std::move(problem);
@@ -131,7 +117,10 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
   const StepProblem step = next_problem(before);
   require_same_contacts(step, after);
   const Partition partition = partition_of(after);
-  require_contacts(partition, subdomain, after.state.step);
+  const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
+  if (!all.contains(subdomain))
+    throw Error(fmt::format("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
+                            all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain));
   const GranularDecomposition parts = decompose(step, partition, ContactOrder::natural, 0);
   const GranularSubdomain part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
   std::vector<DiskContact> contacts;
@@ -149,10 +138,7 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
 }
 
 FclibFile local_form(FclibFile file) {
-  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) {
-    LocalFrictionProblem local = reduce(*global);
-    file.problem = std::move(local);
-  }
+  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) file.problem = reduce(*global);
   if (file.solution) file.solution->v = {};
   return file;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "files/hdf5.hpp"
+#include "files/output_file.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/core/table.hpp>
 
-#include <memory>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,14 +37,10 @@ struct TrajectoryStep {
 /// The step that led from `solved` to the state of `after`.
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
 
-/// Names that a writer of the trajectory `path` makes, replaces and removes: FILE.next, FILE.previous and
-/// FILE.lock. FILE is `path`, or what `path` leads to if it is a symbolic link.
-std::vector<std::string> names_beside(const std::string& path);
-
 /// Writes the trajectory of a run as HDF5. Its layout is in docs/formats.md: /provenance, /case, /system,
 /// /steps for the steps that are kept, /last for the newest step, and /summary with a row per step.
-/// Two copies take turns under the name of the file, so that it holds whole steps at every moment, however
-/// the program ends, and can be read while the run goes on. Steps are gathered in memory and reach the file
+/// The file is an AlternatingFile: it holds whole steps at every moment, however the program ends, and can be
+/// read while the run goes on. Steps are gathered in memory and reach the file
 /// together, with `commit`. Throws Error if the system refuses (no room left, no permission) or another run
 /// writes the same file.
 class TrajectoryWriter {
@@ -76,8 +72,16 @@ class TrajectoryWriter {
   void end(const std::string& how);
 
  private:
-  struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  /// What the file lacks. Of the steps that are not kept only the newest one is needed, for /last.
+  struct Pending {
+    std::vector<TrajectoryStep> steps{};
+    bool newest_kept = true;
+    Table summary{};
+    std::string ended{};
+  };
+  AlternatingFile file_;
+  Pending pending_;
+  std::chrono::steady_clock::time_point committed_ = std::chrono::steady_clock::now();
 };
 
 /// Reading. Every function throws Error naming the file if it is not a trajectory or is damaged.

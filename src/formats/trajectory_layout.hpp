@@ -19,62 +19,49 @@ inline constexpr StateArray state_arrays[] = {{"x", "m", &GranularState::x},
                                               {"velocity_y", "m/s", &GranularState::velocity_y},
                                               {"spin", "rad/s", &GranularState::spin}};
 
-/// Each visits the columns of a list of structs: `visit(name, unit, get)`, where std::invoke(get, element) is a
-/// reference to the number, double, Index or ContactStatus.
+/// Each visits the columns of a list of structs: `visit(name, unit, get)`, where get(element) points
+/// to the number, double, Index or ContactStatus.
 inline constexpr auto state_columns = [](auto&& visit) {
-  visit("step", "1", &GranularState::step);
-  visit("time", "s", &GranularState::time);
-  visit("decomposed_at", "1", &GranularState::decomposed_at);
-  visit("eta", "1/kg", &GranularState::eta);
+  visit("step", "1", [](auto& state) { return &state.step; });
+  visit("time", "s", [](auto& state) { return &state.time; });
+  visit("decomposed_at", "1", [](auto& state) { return &state.decomposed_at; });
+  visit("eta", "1/kg", [](auto& state) { return &state.eta; });
 };
 
 inline constexpr auto pose_columns = [](auto&& visit) {
-  visit("x", "m", &Pose::x);
-  visit("y", "m", &Pose::y);
-  visit("angle", "rad", &Pose::angle);
+  visit("x", "m", [](auto& pose) { return &pose.x; });
+  visit("y", "m", [](auto& pose) { return &pose.y; });
+  visit("angle", "rad", [](auto& pose) { return &pose.angle; });
 };
 
 inline constexpr auto contact_columns = [](auto&& visit) {
-  visit(
-      "a", "1", [](auto& c) -> auto& { return c.geometry.a; });
-  visit(
-      "b", "1", [](auto& c) -> auto& { return c.geometry.b; });
-  visit(
-      "normal_x", "1", [](auto& c) -> auto& { return c.geometry.normal[0]; });
-  visit(
-      "normal_y", "1", [](auto& c) -> auto& { return c.geometry.normal[1]; });
-  visit(
-      "point_x", "m", [](auto& c) -> auto& { return c.geometry.point[0]; });
-  visit(
-      "point_y", "m", [](auto& c) -> auto& { return c.geometry.point[1]; });
-  visit(
-      "gap", "m", [](auto& c) -> auto& { return c.geometry.gap; });
-  visit(
-      "impulse_n", "N s", [](auto& c) -> auto& { return c.impulse.n; });
-  visit(
-      "impulse_t", "N s", [](auto& c) -> auto& { return c.impulse.t; });
-  visit("status", "1", &TrajectoryContact::status);
-  visit("subdomain", "1", &TrajectoryContact::subdomain);
+  visit("a", "1", [](auto& c) { return &c.geometry.a; });
+  visit("b", "1", [](auto& c) { return &c.geometry.b; });
+  visit("normal_x", "1", [](auto& c) { return &c.geometry.normal[0]; });
+  visit("normal_y", "1", [](auto& c) { return &c.geometry.normal[1]; });
+  visit("point_x", "m", [](auto& c) { return &c.geometry.point[0]; });
+  visit("point_y", "m", [](auto& c) { return &c.geometry.point[1]; });
+  visit("gap", "m", [](auto& c) { return &c.geometry.gap; });
+  visit("impulse_n", "N s", [](auto& c) { return &c.impulse.n; });
+  visit("impulse_t", "N s", [](auto& c) { return &c.impulse.t; });
+  visit("status", "1", [](auto& c) { return &c.status; });
+  visit("subdomain", "1", [](auto& c) { return &c.subdomain; });
 };
 
 inline constexpr auto gluing_columns = [](auto&& visit) {
-  visit("grain", "1", &RememberedGluing::grain);
-  visit("subdomain", "1", &RememberedGluing::subdomain);
-  visit("impulse_x", "N s", &RememberedGluing::x);
-  visit("impulse_y", "N s", &RememberedGluing::y);
-  visit("impulse_rim", "N s", &RememberedGluing::rim);
+  visit("grain", "1", [](auto& gluing) { return &gluing.grain; });
+  visit("subdomain", "1", [](auto& gluing) { return &gluing.subdomain; });
+  visit("impulse_x", "N s", [](auto& gluing) { return &gluing.x; });
+  visit("impulse_y", "N s", [](auto& gluing) { return &gluing.y; });
+  visit("impulse_rim", "N s", [](auto& gluing) { return &gluing.rim; });
 };
 
 inline constexpr auto wall_columns = [](auto&& visit) {
-  visit(
-      "point_x", "m", [](auto& wall) -> auto& { return wall.point[0]; });
-  visit(
-      "point_y", "m", [](auto& wall) -> auto& { return wall.point[1]; });
-  visit(
-      "normal_x", "1", [](auto& wall) -> auto& { return wall.normal[0]; });
-  visit(
-      "normal_y", "1", [](auto& wall) -> auto& { return wall.normal[1]; });
-  visit("boundary", "1", &Wall::boundary);
+  visit("point_x", "m", [](auto& wall) { return &wall.point[0]; });
+  visit("point_y", "m", [](auto& wall) { return &wall.point[1]; });
+  visit("normal_x", "1", [](auto& wall) { return &wall.normal[0]; });
+  visit("normal_y", "1", [](auto& wall) { return &wall.normal[1]; });
+  visit("boundary", "1", [](auto& wall) { return &wall.boundary; });
 };
 
 /// Type in the file of a number.

@@ -15,25 +15,15 @@ namespace {
 using hdf5::Group;
 using hdf5::Rows;
 
-// A trajectory that is read. Its last step and every other part are found from `root`.
-struct OpenTrajectory {
-  hdf5::File file;
-  Group root;
-
-  explicit OpenTrajectory(const std::string& path)
-      : file(existing(path), hdf5::Access::read,
-             fmt::format("{}: expected a trajectory of nscdd simulate (HDF5), met something else, a "
-                         "damaged file or one that is being changed",
-                         path)),
-        root(file.root()) {}
-
-  static const std::string& existing(const std::string& path) {
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored))
-      throw Error(fmt::format("{}: expected a trajectory of nscdd simulate, met no such file", path));
-    return path;
-  }
-};
+hdf5::File open_trajectory(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw Error(fmt::format("{}: expected a trajectory of nscdd simulate, met no such file", path));
+  return {path, hdf5::Access::read,
+          fmt::format("{}: expected a trajectory of nscdd simulate (HDF5), met something else, a damaged file or one "
+                      "that is being changed",
+                      path)};
+}
 
 template <class Element, class Columns>
 std::vector<Element> get_structs(const Group& group, Columns&& columns, std::optional<Rows> rows = std::nullopt) {
@@ -41,14 +31,14 @@ std::vector<Element> get_structs(const Group& group, Columns&& columns, std::opt
   bool first = true;
   columns([&](const char* column, const char*, auto get) {
     Element probe{};
-    using Number = std::remove_reference_t<decltype(std::invoke(get, probe))>;
+    using Number = std::remove_reference_t<decltype(*get(probe))>;
     const auto values = group.numbers<decltype(layout::stored(Number{}))>(column, rows);
     if (first) elements.resize(values.size());
     first = false;
     if (values.size() != elements.size())
       throw Error(fmt::format("{}: expected {} values as in the other columns, met {}", group.of(column),
                               elements.size(), values.size()));
-    for (std::size_t i = 0; i < values.size(); ++i) std::invoke(get, elements[i]) = static_cast<Number>(values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i) *get(elements[i]) = static_cast<Number>(values[i]);
   });
   return elements;
 }
@@ -124,11 +114,11 @@ GranularSystem get_system(const Group& root) {
 // A step that is in one of the groups.
 std::optional<TrajectoryStep> find_step(const std::string& path, Index step,
                                         std::initializer_list<const char*> groups) {
-  const OpenTrajectory trajectory(path);
+  const hdf5::File file = open_trajectory(path);
   for (const char* name : groups) {
-    const auto steps = trajectory.root.group(name).numbers<std::int64_t>("step");
+    const auto steps = file.root().group(name).numbers<std::int64_t>("step");
     const auto found = std::ranges::find(steps, step);
-    if (found != steps.end()) return get_step(trajectory.root, name, found - steps.begin());
+    if (found != steps.end()) return get_step(file.root(), name, found - steps.begin());
   }
   return std::nullopt;
 }
@@ -136,22 +126,19 @@ std::optional<TrajectoryStep> find_step(const std::string& path, Index step,
 }  // namespace
 
 TrajectoryHeader read_trajectory_header(const std::string& path) {
-  const OpenTrajectory trajectory(path);
-  TrajectoryHeader header;
-  header.case_text = trajectory.root.text("case");
-  header.provenance = hdf5::provenance_of(trajectory.root);
-  const auto build = std::find_if(header.provenance.begin(), header.provenance.end(),
-                                  [](const auto& entry) { return entry.first == "build"; });
-  if (build != header.provenance.end()) {
-    header.build = build->second;
-    header.provenance.erase(build);
-  }
-  header.system = get_system(trajectory.root);
+  const hdf5::File file = open_trajectory(path);
+  const Group root = file.root();
+  TrajectoryHeader header{.case_text = root.text("case"), .build = {}, .provenance = {}, .system = get_system(root)};
+  for (const auto& [key, text] : hdf5::provenance_of(root))
+    if (key == "build")
+      header.build = text;
+    else
+      header.provenance.emplace_back(key, text);
   return header;
 }
 
 std::vector<Index> trajectory_steps(const std::string& path) {
-  const auto steps = OpenTrajectory(path).root.group("steps").numbers<std::int64_t>("step");
+  const auto steps = open_trajectory(path).root().group("steps").numbers<std::int64_t>("step");
   return {steps.begin(), steps.end()};
 }
 
@@ -166,13 +153,13 @@ std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Inde
   return find_step(path, step, {"steps", "last"});
 }
 
-TrajectoryStep read_last_step(const std::string& path) { return get_step(OpenTrajectory(path).root, "last", 0); }
+TrajectoryStep read_last_step(const std::string& path) { return get_step(open_trajectory(path).root(), "last", 0); }
 
-std::string read_end(const std::string& path) { return OpenTrajectory(path).root.text_attribute("ended"); }
+std::string read_end(const std::string& path) { return open_trajectory(path).root().text_attribute("ended"); }
 
 std::vector<double> read_summary(const std::string& path, const std::string& column) {
-  const OpenTrajectory trajectory(path);
-  const Group group = trajectory.root.group("summary");
+  const hdf5::File file = open_trajectory(path);
+  const Group group = file.root().group("summary");
   if (!group.has(column) && group.members().empty()) return {};
   return group.numbers<double>(column);
 }

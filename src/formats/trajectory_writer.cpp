@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "files/alternating_file.hpp"
 #include "formats/trajectory_layout.hpp"
 #include "mechanics/contact_residual.hpp"
 #include <nscdd/core/error.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,7 +13,6 @@ namespace {
 
 using hdf5::ArrayForm;
 using hdf5::Group;
-using Clock = std::chrono::steady_clock;
 using Steps = std::span<const TrajectoryStep>;
 
 // Bringing the file up to date takes some milliseconds, as long as a hundred steps of a few disks.
@@ -22,10 +22,10 @@ constexpr std::chrono::seconds commit_interval{1};
 template <class Owner, class List, class Columns>
 void put_structs(const Group& group, std::span<const Owner> owners, List list, Columns&& columns, ArrayForm form) {
   columns([&](const char* column, const char* unit, auto get) {
-    using Number = decltype(layout::stored(std::invoke(get, list(owners[0])[0])));
+    using Number = decltype(layout::stored(*get(list(owners[0])[0])));
     std::vector<Number> values;
     for (const Owner& owner : owners)
-      for (const auto& element : list(owner)) values.push_back(layout::stored(std::invoke(get, element)));
+      for (const auto& element : list(owner)) values.push_back(layout::stored(*get(element)));
     form.attributes = {{"unit", unit}};
     group.put<Number>(column, values, form);
   });
@@ -98,34 +98,17 @@ void add_restart(const Group& root, const std::string& line) {
   origin.put_text("restarts", lines + line);
 }
 
-// Changes a file that exists. It is closed afterwards.
+// A change of a file that exists. It is closed afterwards.
 template <class Change>
-void change_file(const std::string& name, Change&& change) {
-  const hdf5::File file(name, hdf5::Access::change, fmt::format("{}: cannot be changed as an HDF5 file", name));
-  change(file.root());
-  file.flush();
+AlternatingFile::Change changing(Change change) {
+  return [change](const std::string& name) {
+    const hdf5::File file(name, hdf5::Access::change, fmt::format("{}: cannot be changed as an HDF5 file", name));
+    change(file.root());
+    file.flush();
+  };
 }
 
-// What the file lacks. Of the steps that are not kept only the newest one is needed, for /last.
-struct Pending {
-  std::vector<TrajectoryStep> steps{};
-  bool newest_kept = true;
-  Table summary{};
-  std::string ended{};
-
-  void write(const Group& root) const {
-    const Steps all = steps;
-    put_steps(root.group("steps"), newest_kept ? all : all.first(all.size() - 1), true);
-    put_steps(root.group("last"), all.last(std::min<std::size_t>(all.size(), 1)), false);
-    if (!summary.rows.empty())
-      root.group("summary").put_columns(summary, {.chunk = 256, .append = true, .longest_text = 16});
-    if (!ended.empty()) root.put_attribute("ended", ended);
-  }
-};
-
 }  // namespace
-
-std::vector<std::string> names_beside(const std::string& path) { return AlternatingFile::names_beside(path); }
 
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved) {
   TrajectoryStep step;
@@ -142,25 +125,10 @@ TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved
   return step;
 }
 
-struct TrajectoryWriter::Implementation {
-  AlternatingFile file;
-  std::vector<Column> columns;
-  Pending pending{.summary = {columns, {}}};
-  Clock::time_point committed = Clock::now();
-
-  void commit() {
-    if (pending.steps.empty() && pending.ended.empty()) return;
-    const auto batch = std::make_shared<const Pending>(std::exchange(pending, Pending{.summary = {columns, {}}}));
-    file.change(
-        [batch](const std::string& name) { change_file(name, [&](const Group& root) { batch->write(root); }); });
-    committed = Clock::now();
-  }
-};
-
 TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
                                    const std::vector<Column>& summary_columns)
     : TrajectoryWriter(path, summary_columns) {
-  implementation_->file.create([&](const std::string& name) {
+  file_.create([&](const std::string& name) {
     const hdf5::File file(name, hdf5::Access::create, fmt::format("{}: cannot be written", path));
     const Group root = file.root();
     hdf5::put_provenance(root, header.provenance);
@@ -175,41 +143,51 @@ TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHead
 }
 
 TrajectoryWriter::TrajectoryWriter(const std::string& path, const std::vector<Column>& summary_columns)
-    : implementation_(new Implementation{AlternatingFile(path), summary_columns}) {}
+    : file_(path), pending_{.summary = {summary_columns, {}}} {}
 
 TrajectoryWriter::~TrajectoryWriter() {
   try {
-    implementation_->commit();
+    commit();
   } catch (const Error&) {  // the run has failed already, and the file stays as it was
   }
 }
 
 void TrajectoryWriter::go_on(const std::string& case_text, const std::string& restart) {
-  implementation_->file.change([case_text, restart](const std::string& name) {
-    change_file(name, [&](const Group& root) {
-      root.remove("case");
-      root.put_text("case", case_text);
-      add_restart(root, restart);
-      root.put_attribute("ended", "running");
-    });
-  });
+  file_.change(changing([case_text, restart](const Group& root) {
+    root.remove("case");
+    root.put_text("case", case_text);
+    add_restart(root, restart);
+    root.put_attribute("ended", "running");
+  }));
 }
 
 void TrajectoryWriter::append(TrajectoryStep step, const Row& summary, bool keep) {
-  Pending& pending = implementation_->pending;
-  if (!pending.newest_kept) pending.steps.pop_back();
-  pending.steps.push_back(std::move(step));
-  pending.newest_kept = keep;
-  pending.summary.rows.push_back(summary);
+  if (!pending_.newest_kept) pending_.steps.pop_back();
+  pending_.steps.push_back(std::move(step));
+  pending_.newest_kept = keep;
+  pending_.summary.rows.push_back(summary);
 }
 
-bool TrajectoryWriter::due() const { return Clock::now() - implementation_->committed >= commit_interval; }
+bool TrajectoryWriter::due() const { return std::chrono::steady_clock::now() - committed_ >= commit_interval; }
 
-void TrajectoryWriter::commit() { implementation_->commit(); }
+void TrajectoryWriter::commit() {
+  if (pending_.steps.empty() && pending_.ended.empty()) return;
+  Pending next{.summary = {pending_.summary.columns, {}}};
+  const auto batch = std::make_shared<const Pending>(std::exchange(pending_, std::move(next)));
+  file_.change(changing([batch](const Group& root) {
+    const auto& [steps, newest_kept, summary, ended] = *batch;
+    put_steps(root.group("steps"), Steps(steps).first(steps.size() - (newest_kept ? 0 : 1)), true);
+    put_steps(root.group("last"), Steps(steps).last(std::min<std::size_t>(steps.size(), 1)), false);
+    if (!summary.rows.empty())
+      root.group("summary").put_columns(summary, {.chunk = 256, .append = true, .longest_text = 16});
+    if (!ended.empty()) root.put_attribute("ended", ended);
+  }));
+  committed_ = std::chrono::steady_clock::now();
+}
 
 void TrajectoryWriter::end(const std::string& how) {
-  implementation_->pending.ended = how;
-  implementation_->commit();
+  pending_.ended = how;
+  commit();
 }
 
 }  // namespace nscdd

@@ -6,6 +6,7 @@
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
 #include "files/csv.hpp"
+#include "files/hdf5.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
