@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A file of two copies that take turns: what somebody else still has in hand does not change.
-#include "files/alternating_file.hpp"
+#include "files/output_file.hpp"
 
 #include "../support/run_program.hpp"
 #include "files/csv.hpp"
