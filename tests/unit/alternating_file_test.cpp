@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A file of two copies that take turns: what somebody else still has in hand does not change.
-#include "files/output_file.hpp"
-
 #include "../support/run_program.hpp"
 #include "files/csv.hpp"
+#include "files/output_file.hpp"
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
