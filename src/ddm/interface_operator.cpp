@@ -144,19 +144,20 @@ Vector InterfaceOperator::solve(const Vector& g) const {
           return subdomains[at(copy.subdomain)].inertia[interface.dofs_per_grain() * copy.grain + k];
         },
         g);
-  const auto& [family, rows] = implementation_->preparation->whole();
+  const auto& assembled = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
     const SparseMatrix& h = subdomains[e].h;
     return subdomains[e].inertia.cwiseProduct(v) + h * (h.transpose() * v) / eta;
   };
   // (M + K/eta) U = - sum_E R_E^T M_{E,eta} o_E
   std::vector<Vector> copies = interface.copies_apart(g);  // o_E
-  Vector right = Vector::Zero(family->size());
-  for (std::size_t e = 0; e < copies.size(); ++e) right(rows[e]) -= multiply(e, copies[e]);
-  const auto& whole = implementation_->whole.get([&] { return std::make_unique<EnrichedInertia>(*family, eta); });
+  Vector right = Vector::Zero(assembled.family->size());
+  for (std::size_t e = 0; e < copies.size(); ++e) right(assembled.rows[e]) -= multiply(e, copies[e]);
+  const auto& whole =
+      implementation_->whole.get([&] { return std::make_unique<EnrichedInertia>(*assembled.family, eta); });
   const Vector u = whole->solve(right);
   for (std::size_t e = 0; e < copies.size(); ++e)  // M_{E,eta} (R_E U + o_E) = A_E^T F
-    copies[e] = multiply(e, copies[e] + u(rows[e]));
+    copies[e] = multiply(e, copies[e] + u(assembled.rows[e]));
   return interface.collect(std::move(copies));
 }
 
