@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Parameters, choices and cells as texts.
+#include "core/fingerprint.hpp"
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <fmt/format.h>
 
@@ -40,6 +44,23 @@ void parse_pair(std::string_view text, std::array<Number, 2>& value, std::string
   if (comma == std::string_view::npos) throw Error(fmt::format("{}: expected two numbers 'a,b', met '{}'", key, text));
   parse_value(body.substr(0, comma), value[0], key);
   parse_value(body.substr(comma + 1), value[1], key);
+}
+
+// Fewest insertions, deletions, changes and swaps of neighbours that make one word the other (Damerau's
+// distance without edits within a swap).
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before_last = std::exchange(last, row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
 }
 
 }  // namespace
@@ -110,6 +131,51 @@ void check_bounds(const std::array<double, 2>& value, const Field& field, std::s
 }
 void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key) {
   for (const Index component : value) check_bounds(component, field, key);
+}
+
+std::string suggestion(std::string_view met, std::span<const std::string> known) {
+  if (met.size() > 64) return "";  // no slip of the finger
+  // A third of the letters may be wrong, and one of a short name.
+  std::size_t nearest = std::max<std::size_t>(1, met.size() / 3) + 1;
+  std::string_view found;
+  for (const std::string& name : known)
+    if (const std::size_t distance = edit_distance(met, name); distance < nearest && distance < name.size()) {
+      nearest = distance;
+      found = name;
+    }
+  return found.empty() ? "" : fmt::format("; did you mean {}?", found);
+}
+
+std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  throw Error(fmt::format("{}: expected one of \"{}\", met {}{}", what, fmt::join(names, "\", \""),
+                          field_text(std::string(name)),
+                          suggestion(name, std::vector<std::string>(names.begin(), names.end()))));
+}
+
+std::size_t Table::column(const std::string& name) const {
+  const auto found = std::ranges::find(columns, name, &Column::name);
+  if (found != columns.end()) return static_cast<std::size_t>(found - columns.begin());
+  std::vector<std::string> known;
+  for (const Column& column : columns) known.push_back(column.name);
+  throw Error(fmt::format("expected a column '{}', met only: {}", name, fmt::join(known, ", ")));
+}
+
+std::string to_text(const Cell& cell) {
+  if (const auto* number = std::get_if<double>(&cell); number != nullptr && std::isnan(*number))
+    return "nan";  // whatever its sign bit
+  return std::visit([](const auto& value) { return fmt::format("{}", value); }, cell);
+}
+
+std::string fingerprint(std::string_view bytes) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  return fmt::format("{:016x}", hash);
+}
+
+std::string fingerprint(std::span<const double> numbers) {
+  return fingerprint(std::string_view(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()));
 }
 
 }  // namespace nscdd
