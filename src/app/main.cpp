@@ -1,41 +1,120 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/progress.hpp"
 #include "app/verbs.hpp"
 #include "files/hdf5.hpp"
-#include <nscdd/core/error.hpp>
+#include <nscdd/core/choice.hpp>
+#include <nscdd/core/version.hpp>
 
-#include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <new>
+#include <span>
 #include <system_error>
-#include <vector>
 
+namespace nscdd::app {
 namespace {
 
-using namespace nscdd::app;
-
 // Every verb of the program.
-constexpr std::array<Verb, 12> verbs{{
-    {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV", declare_sweep},
-    {"run", "run a study: its tables as CSV and HDF5", declare_run},
-    {"network", "contact network of a case: links, impulses, active contacts, as CSV", declare_network},
-    {"inspect", "counts, interface, ranks, rigid modes and hyperstaticity of a case", declare_inspect},
-    {"optimum", "best flexibility eta of the enriched algorithm for a case", declare_optimum},
-    {"modes", "where the iteration is slow: impulses and velocities of the slowest mode, as CSV", declare_modes},
-    {"simulate", "run a case that moves, step by step: trajectory as HDF5", declare_simulate},
-    {"export", "write a trajectory for ParaView, or a step of it as a contact problem (FCLIB file)", declare_export},
-    {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
-    {"solve", "solve a frictional contact problem of another program (FCLIB file)", declare_solve},
-    {"list", "known cases, studies, generators, partitioners and observables", declare_list},
-    {"manual", "write manual pages and the completion of bash into a folder", declare_manual},
-}};
+std::vector<Verb> all_verbs() {
+  return {
+      {"sweep", "spectral radius of the contraction operator over epsilon, eta and more, as CSV", declare_sweep},
+      {"run", "run a study: its tables as CSV and HDF5", declare_run},
+      {"network", "contact network of a case: links, impulses, active contacts, as CSV", declare_network},
+      {"inspect", "counts, interface, ranks, rigid modes and hyperstaticity of a case", declare_inspect},
+      {"optimum", "best flexibility eta of the enriched algorithm for a case", declare_optimum},
+      {"modes", "where the iteration is slow: impulses and velocities of the slowest mode, as CSV", declare_modes},
+      {"simulate", "run a case that moves, step by step: trajectory as HDF5", declare_simulate},
+      {"export", "write a trajectory for ParaView, or a step of it as a contact problem (FCLIB file)", declare_export},
+      {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
+      {"solve", "solve a frictional contact problem of another program (FCLIB file)", declare_solve},
+      {"list", "known cases, studies, generators, partitioners and observables", declare_list},
+      {"manual", "write manual pages and the completion of bash into a folder", declare_manual},
+  };
+}
+
+void declare_all(CLI::App& command, const Command& described) {
+  std::map<const Option*, CLI::Option*> made;
+  for (const Option& option : described.options) {
+    CLI::Option* one = made[&option] = std::visit(
+        [&](auto* target) {
+          if constexpr (std::is_same_v<decltype(target), bool*>)
+            return command.add_flag(option.names, *target, option.help);
+          else
+            return command.add_option(option.names, *target, option.help);
+        },
+        option.target);
+    one->required(option.required);
+    if (!option.words.empty())
+      one->check([words = option.words](std::string value) {
+        const std::string refused = CLI::IsMember(words)(value);
+        return refused.empty() ? refused : refused + suggestion(value, words);
+      });
+    if (option.bounds) one->check(CLI::Range(option.bounds->first, option.bounds->second));
+    // A list takes one value each time it is named: what follows may be another argument.
+    if (std::holds_alternative<std::vector<std::string>*>(option.target)) one->allow_extra_args(false);
+    if (option.needs != nullptr) one->needs(made.at(option.needs));
+    if (option.excludes != nullptr) one->excludes(made.at(option.excludes));
+  }
+}
+
+// Throws Error for a verb or a long option that does not exist, naming the nearest one.
+void check_names(const std::vector<Verb>& verbs, std::span<const char* const> arguments) {
+  const std::string_view first = arguments.front();
+  if (first.starts_with('-')) return;
+  const auto verb = std::ranges::find(verbs, first, &Verb::name);
+  if (verb == verbs.end()) {
+    std::vector<std::string> known;
+    for (const Verb& each : verbs) known.push_back(each.name);
+    refuse("expected a verb ({}), met '{}'{}", fmt::join(known, ", "), first, suggestion(first, known));
+  }
+  const std::vector<std::string> known = verb->command.names();
+  for (std::string_view argument : arguments.subspan(1)) {
+    if (argument == "--") return;
+    argument = argument.substr(0, argument.find('='));
+    if (argument.starts_with("--") && std::ranges::find(known, argument) == known.end())
+      refuse("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them", verb->name, argument,
+             suggestion(argument, known), verb->name);
+  }
+}
+
+// What a command line asks for: a verb, the targets of whose options are set, or a text to print (help, version).
+using Request = std::variant<const Verb*, std::string>;
+
+// Throws Error for a line that does not fit the description, saying what was met and, where a verb or option is
+// unknown, the nearest name there is.
+Request parse_command_line(const std::vector<Verb>& verbs, int argc, const char* const* argv) {
+  if (argc <= 1) return short_guide(verbs);
+  check_names(verbs, std::span(argv, static_cast<std::size_t>(argc)).subspan(1));
+  CLI::App app("", "nscdd");
+  app.set_version_flag("--version", "nscdd " + version());
+  app.require_subcommand(1);
+  std::vector<CLI::App*> commands;
+  for (const Verb& verb : verbs) {
+    commands.push_back(app.add_subcommand(verb.name, verb.summary));
+    declare_all(*commands.back(), verb.command);
+  }
+  const auto asked = [&]() -> const Verb* {
+    const auto found = std::ranges::find_if(commands, [](const CLI::App* command) { return command->parsed(); });
+    return found == commands.end() ? nullptr : &verbs[static_cast<std::size_t>(found - commands.begin())];
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return asked() != nullptr ? help_screen(*asked()) : short_guide(verbs);
+  } catch (const CLI::CallForVersion& version) {
+    return std::string(version.what()) + "\n";
+  } catch (const CLI::ParseError& error) {
+    refuse("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what());
+  }
+  return asked();
+}
 
 std::string joined(int argc, char** argv) {
   std::string line = "nscdd";
@@ -58,28 +137,23 @@ void keep_freed_memory() {
 
 int run(int argc, char** argv) {
   keep_freed_memory();
-  nscdd::leave_hdf5_alone_at_exit();
-  std::vector<DescribedVerb> described;
-  described.reserve(verbs.size());  // the options that a verb declares stay where they are
-  const Context context{joined(argc, argv), &described};
-  std::vector<Action> actions;
-  for (const Verb& verb : verbs) {
-    described.push_back({verb.name, verb.summary, {}});
-    actions.push_back(verb.declare(described.back().command));
-  }
-  const Request request = parse_command_line(described, argc, argv);
-  if (const auto* number = std::get_if<std::size_t>(&request)) return actions[*number](context);
+  leave_hdf5_alone_at_exit();
+  std::vector<Verb> verbs = all_verbs();
+  for (Verb& verb : verbs) verb.action = verb.declare(verb.command);
+  const Request request = parse_command_line(verbs, argc, argv);
+  if (const auto* verb = std::get_if<const Verb*>(&request)) return (*verb)->action({joined(argc, argv), verbs});
   fmt::print("{}", std::get<std::string>(request));
   return 0;
 }
 
 }  // namespace
+}  // namespace nscdd::app
 
 int main(int argc, char** argv) {
+  using nscdd::app::note;
   try {
-    const int exit_code = run(argc, argv);
-    if (std::fflush(stdout) != 0)
-      throw nscdd::Error(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
+    const int exit_code = nscdd::app::run(argc, argv);
+    if (std::fflush(stdout) != 0) nscdd::app::refuse("standard output: cannot be written: {}", std::strerror(errno));
     return exit_code;
   } catch (const nscdd::Error& error) {
     note("error: {}", error.what());

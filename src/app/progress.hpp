@@ -47,9 +47,8 @@ class Progress {
 /// Exit code of work that was stopped before its end, whatever the signal.
 inline constexpr int interrupted_exit_code = 130;
 
-/// For the life of the object a first Ctrl-C (SIGINT) or SIGTERM asks the work to stop after the row it is
-/// at; a second one ends the program at once. A signal that is ignored already (nohup, a background job)
-/// stays ignored.
+/// For the life of the object a first Ctrl-C (SIGINT) or SIGTERM asks the work to stop after the row it is at; a second
+/// one ends the program at once. A signal that is ignored already (nohup, a background job) stays ignored.
 class Interruption {
  public:
   Interruption();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
+#include "app/options.hpp"
 #include "core/fingerprint.hpp"
 #include "files/csv.hpp"
 #include "files/output_file.hpp"
@@ -9,8 +8,6 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/version.hpp>
 #include <nscdd/formats/packing_file.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -233,11 +230,9 @@ std::string find_study(const std::string& name) {
          joined(known), suggestion(name, known));
 }
 
-Case resolve_settled(const CaseSpec& spec) { return resolve_nested(spec, {}); }
-
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
   require_no_input(outputs, files_behind(spec));
-  return resolve_settled(spec);
+  return resolve_nested(spec, {});
 }
 
 std::vector<fs::path> files_behind(const CaseSpec& spec) {

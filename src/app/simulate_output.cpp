@@ -3,8 +3,7 @@
 
 #include "app/progress.hpp"
 #include <nscdd/core/fields.hpp>
-
-#include <fmt/format.h>
+#include <nscdd/core/version.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -77,12 +76,7 @@ std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   return text.empty() ? 0 : bytes_of_run(text, run, growing.string());
 }
 
-}  // namespace
-
-RunSoFar run_so_far(const std::string& path) {
-  return {path, read_summary(path, "iterations"), read_end(path).starts_with(to_string(RunEnd::broke_down))};
-}
-
+// Throws Error if the run cannot go on with the table at `path`. Changes nothing.
 void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   std::error_code status;
   if (path.empty() || is_stream(path)) return;
@@ -96,6 +90,76 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
     refuse("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
            run.iterations.size());
+}
+
+// The lines of a case without those that say how many steps are asked for, and an end.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);)
+    if (!line.starts_with("steps = ")) lines.push_back(line);
+  lines.push_back("the end");
+  return lines;
+}
+
+// Throws Error naming the first line in which the case of a trajectory differs from the one asked for.
+void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text) {
+  const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(case_text);
+  if (const auto [before, now] = std::ranges::mismatch(had, has); before != had.end() && now != has.end())
+    refuse("{}: expected the case and options of the run it holds ({}), met {}", path, *before, *now);
+  if (const std::string build = build_fingerprint(); found.build != build)
+    refuse(
+        "{}: expected a trajectory of this build of the program ({}), met one of another ({}): its steps would not "
+        "be those of one run",
+        path, build, found.build);
+}
+
+void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
+  if (old.radius.size() != system.radius.size())
+    refuse("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
+  for (std::size_t i = 0; i < system.radius.size(); ++i)
+    if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] || old.driven_by[i] != system.driven_by[i])
+      refuse("{}: expected the disks of this case, met another disk {}", path, i);
+}
+
+void require_same_start(const std::string& path, const GranularState& asked) {
+  const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
+  if (!first) return;
+  const GranularState& found = first->state;
+  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle, &GranularState::velocity_x,
+                            &GranularState::velocity_y, &GranularState::spin}) {
+    const std::vector<double>&had = found.*values, &has = asked.*values;
+    if (had.size() != has.size())
+      refuse("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
+    const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
+    if (differs.first == had.end()) continue;
+    const auto i = static_cast<std::size_t>(differs.first - had.begin());
+    refuse(
+        "{}: expected the start of the run it holds, met disk {} elsewhere or at another velocity, at ({}, {}) m "
+        "instead of ({}, {}) m",
+        path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
+  }
+}
+
+}  // namespace
+
+RunSoFar run_so_far(const std::string& path) {
+  return {path, read_summary(path, "iterations"), read_summary(path, "kinetic"),
+          read_end(path).starts_with(to_string(RunEnd::broke_down))};
+}
+
+void check_restart(const std::string& path, const std::string& table, const CaseSpec& spec) {
+  require_same_case(path, read_trajectory_header(path), to_toml(spec));
+  const Index done = read_last_step(path).state.step, steps = spec.dynamics->time.steps;
+  if (done > steps) refuse("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps);
+  require_table_to_go_on(table, run_so_far(path));
+}
+
+void take_up(Simulation& simulation, const std::string& path) {
+  require_same_disks(path, read_trajectory_header(path).system, simulation.system);
+  require_same_start(path, simulation.state);
+  simulation.state = read_last_step(path).state;
+  require_fit(path, simulation);
 }
 
 std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run) {
@@ -130,39 +194,27 @@ void RunSummary::add(const StepReport& report) {
 }
 
 std::string RunSummary::text(const Simulation& simulation, const RunOutcome& outcome) const {
-  const Index driven = simulation.system.disks() - simulation.system.free_disks();
+  const Index free = simulation.system.free_disks();
   std::vector<std::string> statuses;
   for (const auto& [status, number] : statuses_) statuses.push_back(fmt::format("{} {}", number, status));
-  const auto per_step = [&](double sum) { return steps_ > 0 ? sum / static_cast<double>(steps_) : 0; };
   std::string text = fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end),
                                  steps_, simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
-  text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n",
-                      simulation.system.disks() - driven, driven, last_.contacts, last_.interface_size);
+  text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n", free,
+                      simulation.system.disks() - free, last_.contacts, last_.interface_size);
   if (steps_ == 0) return text;
   text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
   text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", iterations_,
-                      per_step(static_cast<double>(iterations_)), most_iterations_);
+                      static_cast<double>(iterations_) / static_cast<double>(steps_), most_iterations_);
   text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n", worst_,
                       worst_step_, overlap_);
   if (last_.interface_size > 0)
     text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", gluing_);
   text += fmt::format(
-      "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} "
-      "J\n",
+      "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} J\n",
       last_.energy.kinetic, boundary_work_, dissipation_, numerical_);
   text += fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", solve_seconds_, setup_seconds_);
   if (visits_ > 0) text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * solve_seconds_ / visits_);
   return text + "\n" + warnings(simulation.dynamics);
-}
-
-std::string RunSummary::reasons_of_gain(const Dynamics& dynamics, bool unconverged) const {
-  const bool pushes = relative_overlap_ > 0 && dynamics.interaction.restitution == 0 &&
-                      dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
-  std::vector<std::string_view> reasons;
-  if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
-  if (unconverged) reasons.push_back("steps that had not converged");
-  if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
-  return fmt::format("{}", fmt::join(reasons, ", or "));
 }
 
 std::string RunSummary::warnings(const Dynamics& dynamics) const {
@@ -186,63 +238,15 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
         "not iterate on them\n",
         gluing_, solver.gluing_tolerance);
   // Every run pushes some overlaps apart; only a notable gain is worth a line.
-  if (gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))
-    text += fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", gain_, gaining_steps_,
-                        reasons_of_gain(dynamics, open > 0));
-  return text;
-}
-
-namespace {
-
-// The lines of a case without those that say how many steps are asked for, and an end.
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);)
-    if (!line.starts_with("steps = ")) lines.push_back(line);
-  lines.push_back("the end");
-  return lines;
-}
-
-}  // namespace
-
-void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text,
-                       const std::string& build) {
-  const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(case_text);
-  if (const auto [before, now] = std::ranges::mismatch(had, has); before != had.end() && now != has.end())
-    refuse("{}: expected the case and options of the run it holds ({}), met {}", path, *before, *now);
-  if (found.build != build)
-    refuse(
-        "{}: expected a trajectory of this build of the program ({}), met one of another ({}): its steps would not "
-        "be those of one run",
-        path, build, found.build);
-}
-
-void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
-  if (old.radius.size() != system.radius.size())
-    refuse("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
-  for (std::size_t i = 0; i < system.radius.size(); ++i)
-    if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] || old.driven_by[i] != system.driven_by[i])
-      refuse("{}: expected the disks of this case, met another disk {}", path, i);
-}
-
-void require_same_start(const std::string& path, const GranularState& asked) {
-  const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
-  if (!first) return;
-  const GranularState& found = first->state;
-  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle, &GranularState::velocity_x,
-                            &GranularState::velocity_y, &GranularState::spin}) {
-    const std::vector<double>&had = found.*values, &has = asked.*values;
-    if (had.size() != has.size())
-      refuse("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
-    const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
-    if (differs.first == had.end()) continue;
-    const auto i = static_cast<std::size_t>(differs.first - had.begin());
-    refuse(
-        "{}: expected the start of the run it holds, met disk {} elsewhere or at another velocity, at ({}, {}) m "
-        "instead of ({}, {}) m",
-        path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
-  }
+  if (!(gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))) return text;
+  const bool pushes = relative_overlap_ > 0 && dynamics.interaction.restitution == 0 &&
+                      dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
+  std::vector<std::string_view> reasons;
+  if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
+  if (open > 0) reasons.push_back("steps that had not converged");
+  if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
+  return text + fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", gain_, gaining_steps_,
+                            fmt::join(reasons, ", or "));
 }
 
 }  // namespace nscdd::app

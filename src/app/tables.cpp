@@ -2,10 +2,7 @@
 #include "app/tables.hpp"
 
 #include "files/hdf5.hpp"
-#include "study/inspection.hpp"
 #include "study/optimum.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -91,8 +88,7 @@ Texts known_row(const CsvReader& reader, const StudyTable& work, const Table& la
   return row;
 }
 
-// Puts the rows of a CSV file in the place of those of a table, whose types they have. Returns whether they
-// differ.
+// Puts the rows of a CSV file in the place of those of a table, whose types they have. Returns whether they differ.
 bool replace_rows(Table& table, const std::string& path) {
   const CsvText csv = parse_csv(read_text(path), path);
   if (table.rows.empty()) return false;
@@ -138,11 +134,6 @@ int leave(ResumableTable& table, const std::string& path) {
   note("{}: interrupted after {}{} rows{}", path == "-" ? "standard output" : path, table.rows(),
        total ? fmt::format(" of {}", *total) : "", table.resumable() && total ? "; --resume continues" : "");
   return interrupted_exit_code;
-}
-
-void note_empty_interface(const Model& model, std::string_view meaning) {
-  if (model.parts.interface_size() == 0)
-    note("{}: the interface is empty ({}): {}", model.name, why_empty(model), meaning);
 }
 
 void repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "app/command.hpp"
-#include "app/progress.hpp"
+#include "app/verbs.hpp"
 #include "files/resumable_table.hpp"
 #include "study/study.hpp"
 
@@ -20,15 +19,12 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
 
 /// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because what
 /// an interrupted run left of it is empty.
-inline std::optional<std::uintmax_t> kept_of_whole(bool resume) {
-  return resume ? std::optional<std::uintmax_t>(0) : std::nullopt;
+inline std::optional<std::uintmax_t> kept_of_whole(Reopening how) {
+  return how.resume ? std::optional<std::uintmax_t>(0) : std::nullopt;
 }
 
 /// Closes an interrupted table, tells the user how to go on, and returns the exit code.
 int leave(ResumableTable& table, const std::string& path);
-
-/// Tells the user that the interface of a model is empty, if it is, and what that `means`.
-void note_empty_interface(const Model& model, std::string_view meaning);
 
 /// What became of the rows that had not converged or were not certified.
 struct Repaired {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
+#include "app/options.hpp"
 #include "files/output_file.hpp"
 #include "formats/step_fclib.hpp"
 #include "formats/trajectory.hpp"
@@ -8,12 +7,8 @@
 #include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <memory>
-#include <sstream>
 
 namespace nscdd::app {
 namespace {
@@ -220,7 +215,7 @@ int run(const Options& options, const Context& context) {
 
 Action declare_export(Command& command) {
   auto options = std::make_shared<Options>();
-  command.add_required("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5");
+  command.required("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5");
   const Option* vtk = &command.add("--vtk", options->folder,
                                    "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
   command.add("--steps", options->steps, "of --vtk: A, A:B or A:B:K, steps A, A + K, ... up to B that are kept").needs =

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
+#include "app/options.hpp"
 #include "files/output_file.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <memory>
 
 namespace nscdd::app {
 namespace {
@@ -50,11 +46,7 @@ int run(const Options& options, const Context& context) {
   const PackingFormat format = output_format(options.output);
   const Case one = resolve(options);
   OutputFile file(options.output, options.force);
-  Packing packing;
-  {
-    Progress progress("generate");
-    packing = packing_of(one, progress.monitor());
-  }
+  const Packing packing = packing_of(one, Progress("generate").monitor());
   file.bytes(packing_bytes(format, packing, provenance(context, {one})));
   file.finish();
   return 0;
@@ -64,10 +56,10 @@ int run(const Options& options, const Context& context) {
 
 Action declare_generate(Command& command) {
   auto options = std::make_shared<Options>();
-  command.add_required("SPEC", options->spec,
-                       "generator with its defaults (see nscdd list), case file (.toml), or a known case");
-  command.add_required("-o,--output", options->output,
-                       "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output");
+  command.required("SPEC", options->spec,
+                   "generator with its defaults (see nscdd list), case file (.toml), or a known case");
+  command.required("-o,--output", options->output,
+                   "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output");
   command.add("--set", options->settings,
               "KEY=VALUE: a parameter of the generator, such as packing.grains=16, or masses.density");
   command.add("--force", options->force, "replace an existing output");

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
-#include "app/work_options.hpp"
+#include "app/options.hpp"
 #include "files/csv.hpp"
 #include "study/inspection.hpp"
 #include "study/network_tables.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -81,11 +75,7 @@ int run(const Options& options) {
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
-  Model model;
-  {
-    Progress progress("generate");
-    model = build(with_overlaps_of_motion(one), progress.monitor());
-  }
+  const Model model = build(with_overlaps_of_motion(one), Progress("generate").monitor());
   InspectionOptions inspection;
   if (options.ranks) inspection.ranks_up_to = std::numeric_limits<Index>::max();
   if (model.contacts() <= inspection.ranks_up_to)

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
+#include "app/options.hpp"
 #include "study/study.hpp"
 #include <nscdd/core/fields.hpp>
-
-#include <fmt/format.h>
-
-#include <memory>
 
 namespace nscdd::app {
 namespace {
@@ -17,18 +13,13 @@ void print_fields(const std::string& section) {
                field.unit == "1" ? "" : ", ", field.unit == "1" ? "" : field.unit);
 }
 
-template <class Alternatives>
-void print_alternatives(const std::string& section) {
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (
-        [&] {
-          using Alternative = std::variant_alternative_t<I, Alternatives>;
-          fmt::print("  {:<12}{}\n", Alternative::name, Alternative::summary);
-          print_fields<Alternative>(section);
-        }(),
-        ...);
-  }
-  (std::make_index_sequence<std::variant_size_v<Alternatives>>());
+template <class... Alternatives>
+void print_alternatives(const std::variant<Alternatives...>&, const std::string& section) {
+  const auto print = [&]<class Alternative>(const Alternative&) {
+    fmt::print("  {:<12}{}\n", Alternative::name, Alternative::summary);
+    print_fields<Alternative>(section);
+  };
+  (print(Alternatives{}), ...);
 }
 
 int print_names(const std::string& indent, const std::string& kind) {
@@ -42,9 +33,9 @@ int run() {
   fmt::print("Studies\n");
   print_names("  ", "studies");
   fmt::print("Generators of packings, [packing] generator = \"...\"\n");
-  print_alternatives<Generator>("packing.");
+  print_alternatives(Generator{}, "packing.");
   fmt::print("Partitioners, [partition]\n");
-  print_alternatives<Partitioner>("partition.");
+  print_alternatives(Partitioner{}, "partition.");
   fmt::print("Contact detection, [contacts]\n");
   print_fields<ContactDetection>("contacts.");
   fmt::print("Loads on every grain, [loads]\n");

@@ -3,12 +3,9 @@
 #include "files/output_file.hpp"
 #include <nscdd/core/version.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <memory>
 #include <sstream>
 
 namespace nscdd::app {
@@ -73,7 +70,7 @@ std::string option_line(const Option& option) {
   return fmt::format("  {}\n{}{}\n", name, std::string(name_columns, ' '), text);
 }
 
-std::string usage(const DescribedVerb& verb) {
+std::string usage(const Verb& verb) {
   std::string line = "nscdd " + verb.name;
   for (const Option& option : verb.command.options)
     if (option.positional()) line += " " + option.names;
@@ -82,8 +79,7 @@ std::string usage(const DescribedVerb& verb) {
   return line + " [OPTIONS]";
 }
 
-// Text as troff takes it: no line begins with a control character, hyphens and backslashes stand for
-// themselves.
+// Text as troff takes it: no line begins with a control character, hyphens and backslashes stand for themselves.
 std::string troff(const std::string& text) {
   std::string result;
   bool line_start = true;
@@ -102,7 +98,7 @@ std::string page_head(const std::string& name, const std::string& summary) {
 }
 
 // The branch of one verb: what may follow an option with words, and what else there is.
-std::string completion_branch(const DescribedVerb& verb) {
+std::string completion_branch(const Verb& verb) {
   std::string values, names;
   for (const Option& option : verb.command.options) {
     if (!option.words.empty())
@@ -116,15 +112,15 @@ std::string completion_branch(const DescribedVerb& verb) {
 }
 
 // Manual pages in troff, section 1: of the program, and of one verb ("nscdd-VERB").
-std::string manual_page(const std::vector<DescribedVerb>& verbs) {
+std::string manual_page(const std::vector<Verb>& verbs) {
   std::string page = page_head("nscdd", "convergence study of domain decomposition for nonsmooth contact dynamics");
   page += ".SH SYNOPSIS\n.B nscdd\n.I VERB\n[\\fIOPTIONS\\fR]\n.SH VERBS\n";
-  for (const DescribedVerb& verb : verbs)
+  for (const Verb& verb : verbs)
     page += fmt::format(".TP\n.BR nscdd\\-{} (1)\n{}\n", troff(verb.name), troff(verb.summary));
   return page + fmt::format(".SH EXIT STATUS\n{}\n", troff(exit_codes));
 }
 
-std::string manual_page(const DescribedVerb& verb) {
+std::string manual_page(const Verb& verb) {
   std::string page = page_head("nscdd-" + verb.name, verb.summary);
   page += fmt::format(".SH SYNOPSIS\n{}\n.SH OPTIONS\n", troff(usage(verb)));
   for (const Option& option : verb.command.options)
@@ -134,9 +130,9 @@ std::string manual_page(const DescribedVerb& verb) {
 }
 
 // A completion for bash: verbs, options, the words an option admits, known cases and studies, files.
-std::string bash_completion(const std::vector<DescribedVerb>& verbs) {
+std::string bash_completion(const std::vector<Verb>& verbs) {
   std::string names, branches;
-  for (const DescribedVerb& verb : verbs) {
+  for (const Verb& verb : verbs) {
     names += verb.name + " ";
     branches += completion_branch(verb);
   }
@@ -161,7 +157,7 @@ struct Options {
   bool force = false;
 };
 
-int run(const Options& options, const std::vector<DescribedVerb>& verbs) {
+int run(const Options& options, const std::vector<Verb>& verbs) {
   const fs::path folder(options.folder);
   const auto write = [&](const fs::path& name, const std::string& text) {
     const fs::path path = folder / name;
@@ -170,14 +166,24 @@ int run(const Options& options, const std::vector<DescribedVerb>& verbs) {
     fmt::print("{}\n", path.string());
   };
   write("man1/nscdd.1", manual_page(verbs));
-  for (const DescribedVerb& verb : verbs) write(fmt::format("man1/nscdd-{}.1", verb.name), manual_page(verb));
+  for (const Verb& verb : verbs) write(fmt::format("man1/nscdd-{}.1", verb.name), manual_page(verb));
   write("bash-completion/nscdd", bash_completion(verbs));
   return 0;
 }
 
 }  // namespace
 
-std::string short_guide(const std::vector<DescribedVerb>& verbs) {
+std::vector<std::string> Command::names() const {
+  std::vector<std::string> all{"--help"};
+  for (const Option& option : options) {
+    if (option.positional()) continue;
+    std::istringstream names(option.names);
+    for (std::string name; std::getline(names, name, ',');) all.push_back(name);
+  }
+  return all;
+}
+
+std::string short_guide(const std::vector<Verb>& verbs) {
   std::string text = fmt::format(R"(nscdd {}: how fast does domain decomposition converge on granular media?
 
 Examples:
@@ -189,7 +195,7 @@ Examples:
 Verbs:
 )",
                                  version());
-  for (const DescribedVerb& verb : verbs) text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);
+  for (const Verb& verb : verbs) text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);
   return text + fmt::format(R"(
 'nscdd VERB --help' has the options and examples of a verb, 'nscdd list' the known cases, studies and
 parameters, 'man nscdd' the manual.
@@ -198,7 +204,7 @@ Exit codes: {}
                             exit_codes);
 }
 
-std::string help_screen(const DescribedVerb& verb) {
+std::string help_screen(const Verb& verb) {
   std::string text = fmt::format("{}\nUsage: {}\n\n", verb.summary, usage(verb));
   for (const Option& option : verb.command.options) text += option_line(option);
   text += fmt::format("  {:<{}}this help; 'man nscdd-{}' has more\n", "-h, --help", name_columns - 2, verb.name);
@@ -207,12 +213,12 @@ std::string help_screen(const DescribedVerb& verb) {
 
 Action declare_manual(Command& command) {
   auto options = std::make_shared<Options>();
-  command.add_required("FOLDER", options->folder, "receives man1/*.1 and bash-completion/nscdd");
+  command.required("FOLDER", options->folder, "receives man1/*.1 and bash-completion/nscdd");
   command.add("--force", options->force, "replace existing files");
   command.footer = R"(An installation has these files in their places already.
 Examples:
   nscdd manual pages)";
-  return [options](const Context& context) { return run(*options, *context.verbs); };
+  return [options](const Context& context) { return run(*options, context.verbs); };
 }
 
 }  // namespace nscdd::app

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
-#include "app/work_options.hpp"
+#include "app/options.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
 #include "study/mode_tables.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/fields.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 namespace nscdd::app {
 namespace {
@@ -89,25 +84,23 @@ void print_end(const Mode& mode, const SpectralOptions& options) {
   fmt::print("  residual           {:.3g}\n", mode.residual);
 }
 
-void print_share(const std::string& name, const InterfaceShare& pair) {
-  const double percent = 100 * pair.share;
-  fmt::print("{:<14}{:>7}{:>10.2f} %\n", name, pair.rows, std::abs(percent) < 0.005 ? 0.0 : percent);
-}
-
 void print_shares(const Model& model, const Mode& mode) {
   fmt::print("  spread over        {:.1f} of {} gluing rows\n\n", spread(mode), model.parts.interface.gluing().size());
   fmt::print("{:<14}{:>7}{:>12}\n", "subdomains", "rows", "share");
-  const std::vector<InterfaceShare> shares = shares_by_interface(model.parts, mode);
+  const auto print = [](const std::string& name, const InterfaceShare& pair) {
+    const double percent = 100 * pair.share;
+    fmt::print("{:<14}{:>7}{:>10.2f} %\n", name, pair.rows, std::abs(percent) < 0.005 ? 0.0 : percent);
+  };
   InterfaceShare rest;
-  for (std::size_t k = 0; k < shares.size(); ++k) {
-    if (k < interfaces_shown) {
-      print_share(fmt::format("{} | {}", shares[k].first, shares[k].second), shares[k]);
+  std::size_t shown = 0;
+  for (const InterfaceShare& share : shares_by_interface(model.parts, mode))
+    if (shown++ < interfaces_shown) {
+      print(fmt::format("{} | {}", share.first, share.second), share);
     } else {
-      rest.rows += shares[k].rows;
-      rest.share += shares[k].share;
+      rest.rows += share.rows;
+      rest.share += share.share;
     }
-  }
-  if (rest.rows > 0) print_share("others", rest);
+  if (rest.rows > 0) print("others", rest);
 }
 
 void tell_doubts(const Mode& mode, double epsilon) {
@@ -159,21 +152,18 @@ int run(const Options& options) {
 Action declare_modes(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command.add_required("--epsilon", options->epsilon,
-                       "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
-  command.add_with_default(
-      "--eta", options->eta,
-      "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
+  command.required("--epsilon", options->epsilon,
+                   "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+  command.preset("--eta", options->eta,
+                 "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   options->spectral.declare(command, "all");
   command
-      .add_with_default("--end", options->end,
-                        "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
+      .preset("--end", options->end, "of the spectrum, unit eigenvalues apart: slowest (larger modulus), low or high")
       .words = {"slowest", "low", "high"};
-  command.add_with_default("--eigenvalues", options->spectral.options.eigenvalues, "eigenvalues to print at that end");
+  command.preset("--eigenvalues", options->spectral.options.eigenvalues, "eigenvalues to print at that end");
   command.add("--certify", options->spectral.options.certify,
               "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
-  command.add_required("--output", options->output,
-                       "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
+  command.required("--output", options->output, "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
   command.add("--force", options->force, "replace existing outputs");
   declare_threads(command, options->threads);
   options->memory.declare(command);

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
-#include "app/work_options.hpp"
+#include "app/options.hpp"
 #include "files/csv.hpp"
 #include "study/inspection.hpp"
 #include "study/network_tables.hpp"
-
-#include <fmt/format.h>
-
-#include <memory>
-#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -60,10 +53,10 @@ Action declare_network(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command
-      .add_with_default("--contacts", options->contacts,
-                        "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
+      .preset("--contacts", options->contacts,
+              "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
       .words = {"active", "unilateral"};
-  command.add_with_default("--csv", options->csv, "where the links go, - for standard output");
+  command.preset("--csv", options->csv, "where the links go, - for standard output");
   command.add("--grains", options->grains, "also write the grains there");
   command.add("--force", options->force, "replace existing outputs");
   options->memory.declare(command);

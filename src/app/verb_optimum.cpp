@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
+#include "app/options.hpp"
 #include "app/tables.hpp"
-#include "app/work_options.hpp"
 #include "linalg/threads.hpp"
+#include "study/inspection.hpp"
 #include "study/optimum.hpp"
 #include "study/study.hpp"
 #include "study/values.hpp"
-
-#include <fmt/format.h>
-
-#include <memory>
 
 namespace nscdd::app {
 namespace {
@@ -19,7 +15,8 @@ struct Options {
   CaseOptions one;
   SpectralCommandOptions spectral;
   std::string epsilon = "0", csv;
-  bool force = false, resume = false, redo = false;
+  Reopening how;
+  bool redo = false;
   MemoryLimit memory;
 };
 
@@ -43,15 +40,15 @@ StudyTable table_of(const Options& options) {
 }
 
 int run(const Options& options) {
-  const Reopening how{options.resume, options.force};
   const StudyTable work = table_of(options);
-  if (options.csv.empty() && options.resume) refuse("--resume: expected --csv FILE with it, met none");
-  if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.resume))
+  if (options.csv.empty() && options.how.resume) refuse("--resume: expected --csv FILE with it, met none");
+  if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.how.resume))
     refuse("--redo: expected a finished table in a file with --csv, without --resume");
-  if (!options.redo && nothing_to_resume(options.csv, "", how)) return 0;
+  if (!options.redo && nothing_to_resume(options.csv, "", options.how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
-  note_empty_interface(model, "there is nothing to optimise");
+  if (model.parts.interface_size() == 0)
+    note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));
   options.memory.require(model, work.sweep);
   if (options.csv.empty()) {
     Index reports = 0;
@@ -63,14 +60,10 @@ int run(const Options& options) {
   }
   if (options.redo) return redo_table(work, options.csv);
   Interruption interruption;
-  ResumableTable csv(options.csv, table_work(work), how);
-  Index failed = 0;
-  {
-    Progress progress(work.name, csv.kept());
-    const RowSink write = [&](const Row& cells) { csv.write(cells); };
-    failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
-                    interruption.watch(progress.monitor()), csv.kept());
-  }
+  ResumableTable csv(options.csv, table_work(work), options.how);
+  const RowSink write = [&](const Row& cells) { csv.write(cells); };
+  const Index failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
+                              interruption.watch(Progress(work.name, csv.kept()).monitor()), csv.kept());
   if (interruption.stopped()) return leave(csv, options.csv);
   csv.finish();
   remove_record(options.csv);
@@ -83,13 +76,12 @@ int run(const Options& options) {
 Action declare_optimum(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command.add_with_default(
-      "--epsilon", options->epsilon,
-      "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+  command.preset("--epsilon", options->epsilon,
+                 "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   options->spectral.declare(command, "active");
   command.add("--csv", options->csv, "write a table instead of the report, - for standard output");
-  command.add("--force", options->force, "replace existing outputs");
-  declare_resume(command, options->resume);
+  command.add("--force", options->how.force, "replace existing outputs");
+  declare_resume(command, options->how.resume);
   declare_redo(command, options->redo);
   declare_threads(command, options->threads);
   options->memory.declare(command);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
+#include "app/options.hpp"
 #include "app/tables.hpp"
-#include "app/work_options.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5.hpp"
 #include "files/output_file.hpp"
@@ -9,12 +8,8 @@
 #include "linalg/threads.hpp"
 #include "study/study.hpp"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <filesystem>
-#include <map>
-#include <memory>
-#include <set>
 
 namespace nscdd::app {
 namespace {
@@ -23,7 +18,8 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string study, output = "results";
-  bool force = false, check = false, resume = false, redo = false, large = false;
+  Reopening how;
+  bool check = false, redo = false, large = false;
   Index threads = 0;
   MemoryLimit memory;
 };
@@ -45,7 +41,7 @@ struct Work {
 Work read_work(const Options& options) {
   Work work;
   work.source = find_study(options.study);
-  if (options.redo && (options.resume || options.force))
+  if (options.redo && (options.how.resume || options.how.force))
     refuse("--redo: expected finished results, to be repaired, without --resume and --force");
   work.study = parse_study(read_text(work.study_file()), work.study_file(), [&](const std::string& name) {
     const fs::path beside = work.source / name;  // a case file of the study's own
@@ -55,25 +51,16 @@ Work read_work(const Options& options) {
   return work;
 }
 
-// Each case once, however many tables it is in.
-void resolve_cases(Study& study) {
-  std::map<std::string, Case> known;
+// Resolves each case once, however many tables it is in. Returns every case once.
+std::vector<Case> resolve_cases(Study& study) {
+  std::vector<Case> all;
   for (StudyTable& table : study.tables)
     for (Case& one : table.cases) {
-      const auto found = known.find(one.spec.source);
-      one = found != known.end() ? found->second
-                                 : known.emplace(one.spec.source, resolve_settled(one.spec)).first->second;
+      auto found = std::ranges::find(all, one.spec.source, [](const Case& known) { return known.spec.source; });
+      if (found == all.end()) found = all.insert(found, resolve_case(one.spec));
+      one = *found;
     }
-}
-
-// Every case of a study once.
-std::vector<Case> cases_of(const Study& study) {
-  std::vector<Case> cases;
-  std::set<std::string> seen;
-  for (const StudyTable& table : study.tables)
-    for (const Case& one : table.cases)
-      if (seen.insert(one.spec.name).second) cases.push_back(one);
-  return cases;
+  return all;
 }
 
 // Runs one table of the study; `result` also takes the rows found. Returns false if it was interrupted.
@@ -82,12 +69,12 @@ bool run_one(const StudyTable& table, ResumableTable& csv, Interruption& interru
   csv.replay(collect);
   Index failed = 0;
   if (!csv.finished()) {
-    Progress progress(table.name, csv.kept());
     const auto write = [&](const Row& row) {
       csv.write(row);
       collect(row);
     };
-    failed = run_table(table, write, interruption.watch(progress.monitor()), csv.kept(), &lead_in);
+    failed =
+        run_table(table, write, interruption.watch(Progress(table.name, csv.kept()).monitor()), csv.kept(), &lead_in);
   }
   if (interruption.stopped()) return false;
   csv.finish();
@@ -141,9 +128,8 @@ int check_files(const Work& work) {
 
 // Whether every table of the study is there, and no record of a run that was interrupted.
 bool is_complete(const Work& work) {
-  bool all = nscdd::is_complete(work.hdf5());
-  for (const StudyTable& table : work.study.tables) all = all && nscdd::is_complete(work.csv(table));
-  return all;
+  const auto complete = [&](const StudyTable& table) { return nscdd::is_complete(work.csv(table)); };
+  return nscdd::is_complete(work.hdf5()) && std::ranges::all_of(work.study.tables, complete);
 }
 
 // Results must not take the place of what they come from.
@@ -179,23 +165,22 @@ int redo(const Work& work, const Options& options, const Context& context) {
   return options.check ? check_files(work) : 0;
 }
 
-int compute(const Work& work, const Options& options, const Context& context) {
-  const Reopening how{options.resume, options.force};
+int compute(const Work& work, const std::vector<Case>& cases, const Options& options, const Context& context) {
   // Refused before hours of work rather than after them.
   for (const StudyTable& table : work.study.tables)
-    options.memory.require(largest_need(table, kept_rows(work.csv(table), table_work(table), how).rows));
+    options.memory.require(largest_need(table, kept_rows(work.csv(table), table_work(table), options.how).rows));
   Interruption interruption;
-  OutputFile hdf5(work.hdf5(), options.force, kept_of_whole(options.resume));
+  OutputFile hdf5(work.hdf5(), options.how.force, kept_of_whole(options.how));
   std::vector<NamedTable> tables;
   std::string seeds;
   LeadIn lead_in;
   for (const StudyTable& table : work.study.tables) {
-    ResumableTable csv(work.csv(table), table_work(table), how);
+    ResumableTable csv(work.csv(table), table_work(table), options.how);
     tables.push_back({table.name, {study_columns(table), {}}});
     if (!run_one(table, csv, interruption, lead_in, tables.back().table)) return leave(csv, work.csv(table));
     if (table.observable->uses("seed")) seeds += fmt::format("{} {}\n", table.name, table.seed);
   }
-  Provenance origin = provenance(context, cases_of(work.study));
+  Provenance origin = provenance(context, cases);
   origin.emplace_back("study", read_text(work.study_file()));
   origin.emplace_back("seeds", seeds);
   hdf5.bytes(to_hdf5(origin, tables));
@@ -213,12 +198,12 @@ int run(const Options& options, const Context& context) {
   if (!options.large) leave_out_large(work.study);
   if (options.check)  // baselines are read before hours of work rather than after them
     for (const StudyTable& table : work.study.tables) baseline_of(work, table);
-  resolve_cases(work.study);
+  const std::vector<Case> cases = resolve_cases(work.study);
   if (options.redo) return redo(work, options, context);
   std::error_code status;
   fs::create_directories(work.output, status);
   if (status) refuse("{}: cannot be made: {}", work.output.string(), status.message());
-  if (!options.resume || options.force || !is_complete(work)) return compute(work, options, context);
+  if (!options.how.resume || options.how.force || !is_complete(work)) return compute(work, cases, options, context);
   note("{}: already complete, nothing to resume", work.output.string());
   return options.check ? check_files(work) : 0;
 }
@@ -227,11 +212,11 @@ int run(const Options& options, const Context& context) {
 
 Action declare_run(Command& command) {
   auto options = std::make_shared<Options>();
-  command.add_required("STUDY", options->study, "study folder, or the name of a known study");
-  command.add_with_default("--output", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5");
-  command.add("--force", options->force, "replace existing results");
+  command.required("STUDY", options->study, "study folder, or the name of a known study");
+  command.preset("--output", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5");
+  command.add("--force", options->how.force, "replace existing results");
   command.add("--large", options->large, "also the tables that the study marks as large");
-  declare_resume(command, options->resume);
+  declare_resume(command, options->how.resume);
   declare_threads(command, options->threads);
   declare_redo(command, options->redo);
   options->memory.declare(command);

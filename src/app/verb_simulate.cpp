@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
+#include "app/options.hpp"
 #include "app/simulate_output.hpp"
-#include "app/work_options.hpp"
 #include "files/output_file.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/version.hpp>
-
-#include <fmt/format.h>
-
-#include <memory>
-#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -43,25 +36,23 @@ struct Given {
   std::string key, option;
 };
 
-// Those of options of their own, then those of --set.
+// Those of options of their own, then those of --set. Throws Error where one is given twice.
 std::vector<Given> given_parameters(const Options& options) {
   std::vector<Given> given;
+  const auto add = [&](const std::string& key, const std::string& option) {
+    const auto before = std::ranges::find(given, key, &Given::key);
+    if (before != given.end()) refuse("{}: expected {} once, met {} too", option, key, before->option);
+    given.push_back({key, option});
+  };
   const bool metis = options.subdomains.starts_with("metis:");
-  if (!options.subdomains.empty()) given.push_back({metis ? "partition.metis" : "partition.grid", "--subdomains"});
+  if (!options.subdomains.empty()) add(metis ? "partition.metis" : "partition.grid", "--subdomains");
   for (const ParameterOption& one : options.parameters)
-    if (one.value) given.push_back({one.key, one.option});
+    if (one.value) add(one.key, one.option);
   for (const std::string& setting : options.settings) {
     const std::string key = setting.substr(0, setting.find('='));
-    given.push_back({key, "--set " + key});
+    add(key, "--set " + key);
   }
   return given;
-}
-
-void require_once(const std::vector<Given>& given) {
-  for (std::size_t k = 0; k < given.size(); ++k)
-    for (std::size_t other = 0; other < k; ++other)
-      if (given[k].key == given[other].key)
-        refuse("{}: expected {} once, met {} too", given[k].option, given[k].key, given[other].option);
 }
 
 // What is asked for on the command line must not be passed over in silence. A loop over numbers of subdomains
@@ -83,7 +74,6 @@ void require_effect(const Given& given, const CaseSpec& spec) {
 void apply(const Options& options, CaseSpec& spec) {
   if (!spec.dynamics) refuse("{}: expected a case with a section [dynamics], met one without", options.name);
   const std::vector<Given> given = given_parameters(options);
-  require_once(given);
   if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
   apply_settings(spec, options.settings);
   for (const ParameterOption& parameter : options.parameters)
@@ -118,30 +108,6 @@ void check_names(const Options& options) {
   if (!options.convergence.empty()) require_writable(options.convergence, options.force);
 }
 
-// After each step of the run in a file.
-std::vector<double> speeds_of(const std::string& path, const GranularSystem& system) {
-  std::vector<double> speeds;
-  for (const double kinetic : read_summary(path, "kinetic")) speeds.push_back(mean_speed(system, kinetic));
-  return speeds;
-}
-
-// Throws Error unless the run in the file is the one asked for. The grains of the case are not known yet.
-void check_restart(const Options& options, const CaseSpec& spec) {
-  const std::string& path = options.output;
-  require_same_case(path, read_trajectory_header(path), to_toml(spec), build_fingerprint());
-  const Index done = read_last_step(path).state.step, steps = spec.dynamics->time.steps;
-  if (done > steps) refuse("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps);
-  require_table_to_go_on(options.convergence, run_so_far(path));
-}
-
-// The state to go on from: that of the file.
-void take_up(Simulation& simulation, const std::string& path) {
-  require_same_disks(path, read_trajectory_header(path).system, simulation.system);
-  require_same_start(path, simulation.state);
-  simulation.state = read_last_step(path).state;
-  require_fit(path, simulation);
-}
-
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunSummary& summary) {
   if (outcome.end == RunEnd::stopped) {
     note("{}: interrupted after {} of {} steps; --restart goes on with it", options.output, simulation.state.step,
@@ -159,7 +125,7 @@ int run(const Options& options, const Context& context) {
   const ThreadLimit limit(options.threads);
   CaseSpec spec = find_spec(options.name);
   apply(options, spec);
-  if (options.restart) check_restart(options, spec);
+  if (options.restart) check_restart(options.output, options.convergence, spec);
   const Case one = resolve_case(spec, {options.output, options.convergence});
   Simulation simulation = simulation_of(one);
   const TrajectoryHeader header{to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system};
@@ -167,8 +133,8 @@ int run(const Options& options, const Context& context) {
   std::vector<double> speeds;
   if (options.restart) {
     take_up(simulation, options.output);
-    speeds = speeds_of(options.output, simulation.system);
     found = run_so_far(options.output);
+    for (const double kinetic : found->kinetic) speeds.push_back(mean_speed(simulation.system, kinetic));
   }
   const Index before = simulation.state.step;
   Interruption interruption;
@@ -208,13 +174,13 @@ int run(const Options& options, const Context& context) {
 
 Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
-  command.add_required("CASE", options->name, "case file (.toml) with [dynamics], or a known case");
+  command.required("CASE", options->name, "case file (.toml) with [dynamics], or a known case");
   command.add("--subdomains", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
     command.add(one.option, one.value, fmt::format("{}: {}", one.help, one.key));
   command.add("--set", options->settings, "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);
-  command.add_required("-o,--output", options->output, "trajectory, .h5 or .hdf5");
+  command.required("-o,--output", options->output, "trajectory, .h5 or .hdf5");
   const Option* convergence = &command.add("--convergence", options->convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
                                            "--restart the rows of the steps taken now are added to it");
@@ -224,8 +190,8 @@ Action declare_simulate(Command& command) {
       "row costs several sweeps. The last of a step always has one");
   every.bounds = {1, 1000000000};
   every.needs = convergence;
-  command.add_with_default("--save-every", options->save_every, "keep every Nth step; the last one always is")
-      .bounds = {1, 1000000000};
+  command.preset("--save-every", options->save_every, "keep every Nth step; the last one always is").bounds = {
+      1, 1000000000};
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
   command.add("--force", options->force, "replace existing outputs");
   command.footer =

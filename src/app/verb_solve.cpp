@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/cases.hpp"
-#include "app/progress.hpp"
+#include "app/options.hpp"
 #include "files/csv.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
-
-#include <fmt/format.h>
-
-#include <memory>
-#include <optional>
 
 namespace nscdd::app {
 namespace {
@@ -144,14 +138,13 @@ int run(const Options& options, const Context& context) {
 
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
-  command.add_required("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB");
-  command.add_with_default("--tolerance", options->solver.tolerance, "on the residual");
-  command.add_with_default("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
-  command.add_with_default("--relaxation", options->solver.relaxation,
-                           "omega in r <- r + omega (r' - r), between 0 and 2");
-  command.add_with_default("--order", options->order, "of the contacts in a sweep").words = {"natural", "reverse"};
-  command.add_with_default("--check-every", options->solver.check_every, "sweeps from one residual to the next");
-  command.add_with_default("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero");
+  command.required("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB");
+  command.preset("--tolerance", options->solver.tolerance, "on the residual");
+  command.preset("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
+  command.preset("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2");
+  command.preset("--order", options->order, "of the contacts in a sweep").words = {"natural", "reverse"};
+  command.preset("--check-every", options->solver.check_every, "sweeps from one residual to the next");
+  command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero");
   command.add("--convergence", options->convergence, "write one row per residual there, as CSV, each when it is known");
   command.add("-o,--output", options->output,
               "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");

@@ -1,32 +1,99 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "app/command.hpp"
+#include "app/progress.hpp"
+#include <nscdd/core/types.hpp>
 
+#include <deque>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace nscdd::app {
 
+/// An option of a verb, described once: the command line is parsed by it, and help, manual pages and the
+/// completion of the shell are made from it.
+struct Option {
+  /// Where the value goes. An empty optional stays empty, and a list stays as it is, where the option is not
+  /// given; a bool makes the option a flag.
+  using Target = std::variant<std::string*, double*, Index*, bool*, std::optional<std::string>*, std::optional<double>*,
+                              std::optional<Index>*, std::vector<std::string>*>;
+
+  std::string names;  ///< "-o,--output", or "CASE" where it has no name
+  Target target;
+  std::string help;
+  bool required = false;
+  bool shows_default = false;           ///< the help prints the value that the target has now
+  std::vector<std::string> words = {};  ///< the only values that are accepted, unless empty
+  std::optional<std::pair<Index, Index>> bounds = {};
+  const Option* needs = nullptr;  ///< refused without the other one
+  const Option* excludes = nullptr;
+
+  bool positional() const { return names.front() != '-'; }
+  bool flag() const { return std::holds_alternative<bool*>(target); }
+};
+
+/// The options of one verb, in the order of its help.
+struct Command {
+  std::deque<Option> options;  // addresses stay: options name each other
+  std::string footer;          ///< remarks and examples below the options
+
+  template <class Value>
+  Option& add(std::string names, Value& value, std::string help) {
+    return options.emplace_back(Option{std::move(names), &value, std::move(help)});
+  }
+  template <class Value>
+  Option& required(std::string names, Value& value, std::string help) {
+    Option& option = add(std::move(names), value, std::move(help));
+    option.required = true;
+    return option;
+  }
+  /// One whose help shows the value that it has if it is not given.
+  template <class Value>
+  Option& preset(std::string names, Value& value, std::string help) {
+    Option& option = add(std::move(names), value, std::move(help));
+    option.shows_default = true;
+    return option;
+  }
+
+  /// "--help" and every name of every option that has one, "-o" and "--output" apart.
+  std::vector<std::string> names() const;
+};
+
+struct Verb;
+
 /// What every verb may need to know of the call.
 struct Context {
-  std::string command_line;                           ///< as typed, program name without its folder
-  const std::vector<DescribedVerb>* verbs = nullptr;  ///< all verbs with their options
+  std::string command_line;        ///< as typed, program name without its folder
+  const std::vector<Verb>& verbs;  ///< all verbs with their options
 };
 
 /// What a verb does once its options are parsed. The result is the exit code (0 done, 1 a check failed).
 using Action = std::function<int(const Context& context)>;
 
-/// A verb: declares its options on `command` and returns what to do with them.
+/// Declares the options of a verb on `command` and returns what to do with them.
 using Declaration = Action(Command& command);
+
+/// A verb with everything its description says.
 struct Verb {
-  const char* name;
-  const char* summary;
+  std::string name, summary;
   Declaration* declare;
+  Command command = {};
+  Action action = {};
 };
 
 Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
     declare_modes, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
+
+/// What `nscdd` prints alone: what the program is for, where to begin, and its verbs.
+std::string short_guide(const std::vector<Verb>& verbs);
+
+/// What `nscdd VERB --help` prints, at most 100 columns wide: a line per option, then remarks and examples.
+/// Of the help of an option it shows the part before the first "; "; the manual page has it all.
+std::string help_screen(const Verb& verb);
 
 }  // namespace nscdd::app

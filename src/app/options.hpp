@@ -3,11 +3,14 @@
 
 #include "app/verbs.hpp"
 #include "study/case.hpp"
+#include "study/memory_estimate.hpp"
 #include <nscdd/core/table.hpp>
+#include <nscdd/study/sweep.hpp>
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nscdd::app {
@@ -20,8 +23,7 @@ std::vector<std::string> known_names(const std::string& kind);
 /// nearest name if there is none.
 std::string find_case(const std::string& name);
 
-/// A study folder: the path given (or of its study.toml), or studies/NAME of a data folder. Throws in the
-/// same way.
+/// A study folder: the path given (or of its study.toml), or studies/NAME of a data folder. Throws in the same way.
 std::string find_study(const std::string& name);
 
 /// What is behind a name: a case file, a known case, or a packing file or contact problem with everything
@@ -39,16 +41,12 @@ std::vector<std::filesystem::path> files_behind(const CaseSpec& spec);
 /// would be lost, and --force does not ask for that.
 void require_no_input(const std::vector<std::string>& outputs, const std::vector<std::filesystem::path>& inputs);
 
-/// The case with the packing or contact problem that it names. Where the packing is settled from another
-/// case, that one is looked for beside the case file, then among the known cases, and simulated unless the
-/// cache has its end. The cache is $NSCDD_CACHE, else $XDG_CACHE_HOME/nscdd, else ~/.cache/nscdd; there is
-/// none without a home. Throws Error for whatever cannot be used, for a case that is settled from itself, and
-/// for one that breaks down.
-Case resolve_settled(const CaseSpec& spec);
-
-/// The same for a verb that writes `outputs` (empty names: not asked for). Throws Error if one of them is a
-/// file that the case comes from.
-Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs);
+/// The case with the packing or contact problem that it names, for a verb that writes `outputs` (empty names: not
+/// asked for). Where the packing is settled from another case, that one is looked for beside the case file, then among
+/// the known cases, and simulated unless the cache has its end. The cache is $NSCDD_CACHE, else $XDG_CACHE_HOME/nscdd,
+/// else ~/.cache/nscdd; there is none without a home. Throws Error for whatever cannot be used, for a case that is
+/// settled from itself, for one that breaks down, and if an output is a file that the case comes from.
+Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs = {});
 
 /// CASE and the options that go with it, the same for every verb that takes a case.
 struct CaseOptions {
@@ -62,6 +60,31 @@ struct CaseOptions {
 
   /// The case with every option applied (one subdomain unless --subdomains says otherwise), see resolve_case.
   Case resolve(const std::vector<std::string>& outputs) const;
+};
+
+/// Which contacts Stage 1 works with, and how spectra are computed.
+struct SpectralCommandOptions {
+  std::string contacts, solver = "auto";
+  SpectralOptions options;  ///< tolerance, certify and eigenvalues as given
+
+  void declare(Command& command, const std::string& default_contacts);  ///< all but certify and eigenvalues
+  ContactSet contact_set() const;
+  SpectralOptions spectral() const;
+};
+
+void declare_threads(Command& command, Index& threads);
+
+/// Memory that a run may take, and its refusal before the run begins.
+struct MemoryLimit {
+  std::optional<double> gibibytes;  ///< as given; else 90 % of what is available
+
+  void declare(Command& command);
+
+  /// Throws Error with both amounts where the need exceeds the limit: of a table, of a sweep of a model, and of
+  /// other work on a case, where `what` takes the memory and `advice` may help beside a larger limit.
+  void require(const MemoryNeed& need) const;
+  void require(const Model& model, const SweepParameters& sweep) const;
+  void require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const;
 };
 
 /// Versions, command line and the resolved cases, for a result file. Nothing in it changes from run to run.

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/options.hpp"
+
+#include "files/csv.hpp"
+#include "formats/case_file.hpp"
+#include <nscdd/core/fields.hpp>
+#include <nscdd/core/version.hpp>
+#include <nscdd/formats/fclib.hpp>
+#include <nscdd/formats/packing_file.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace nscdd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
+constexpr double usable_share = 0.9;  // of what is available, because the need is only estimated
+
+double system_available() {
+  std::ifstream stream("/proc/meminfo");
+  std::string key, unit;
+  for (double kibibytes = 0; stream >> key >> kibibytes; std::getline(stream, unit))
+    if (key == "MemAvailable:") return 1024 * kibibytes;
+  return infinity;
+}
+
+// The number in a file of a control group; infinite if the file is missing or says "max".
+double number_in(const fs::path& file) {
+  std::ifstream stream(file);
+  double value = 0;
+  return stream >> value ? value : infinity;
+}
+
+// What a group, and every group that it lies in, leave of their limits.
+double left_in(const fs::path& root, fs::path group, const char* limit_name, const char* usage_name) {
+  for (double left = infinity;; group = group.parent_path()) {
+    const fs::path folder = root / group;
+    const double limit = number_in(folder / limit_name), usage = number_in(folder / usage_name);
+    if (limit < infinity && usage < infinity) left = std::min(left, std::max(limit - usage, 0.0));
+    if (group.empty()) return left;
+  }
+}
+
+double control_groups_available() {
+  std::ifstream stream("/proc/self/cgroup");  // lines "number:controllers:/path", "0::/path" for version 2
+  double left = infinity;
+  for (std::string line; std::getline(stream, line);) {
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const fs::path group = fs::path(line.substr(second + 1)).relative_path();
+    if (controllers.empty()) left = std::min(left, left_in("/sys/fs/cgroup", group, "memory.max", "memory.current"));
+    if (controllers == "memory")
+      left = std::min(left, left_in("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+  }
+  return left;
+}
+
+// Bytes that a new run can take without swapping: MemAvailable of /proc/meminfo, and what the control groups
+// that the program is in leave of their limits; infinite where the system tells neither.
+double available_bytes() { return std::min(system_available(), control_groups_available()); }
+
+PrescribedVelocity parse_prescribed(const std::string& text) {
+  const std::string what = "--prescribed";
+  const auto first = text.find(':'), last = text.rfind(':');
+  if (std::ranges::count(text, ':') != 2) refuse("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
+  PrescribedVelocity velocity;
+  velocity.grain = parse_integer(text.substr(0, first), what);
+  velocity.velocity = {parse_number(text.substr(first + 1, last - first - 1), what),
+                       parse_number(text.substr(last + 1), what)};
+  check_bounds(velocity.velocity, Field{.description = ""}, what);
+  return velocity;
+}
+
+}  // namespace
+
+CaseSpec find_spec(const std::string& name) {
+  const std::string path = find_case(name);
+  if (fs::path(path).extension() == ".toml") return read_case(path);
+  const auto format = packing_format(path);
+  if (!format) refuse("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path);
+  CaseSpec spec;
+  spec.name = fs::path(path).stem().string();
+  if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
+    spec.packing = ContactProblemFile{path};
+  else
+    spec.packing = PackingFile{path};
+  return spec;
+}
+
+void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos) refuse("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
+    override_case(spec, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+}
+
+void CaseOptions::declare(Command& command) {
+  command.required("CASE", name,
+                   "case or packing file, contact problem (FCLIB), or a known case; case files end in .toml, "
+                   "packing files in .csv or .h5 with x,y,radius[,mass], contact problems of FCLIB in .hdf5");
+  command.add("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--prescribed", prescribed, "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
+  command.add("--density", density, "masses = density x pi radius^2, kg/m^2");
+  command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
+  command.add("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
+  command.add("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16");
+}
+
+Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
+  CaseSpec spec = find_spec(name);
+  if (!subdomains.empty()) spec.partition = parse_partitioner(subdomains, "--subdomains");
+  if (!prescribed.empty()) {
+    spec.prescribed.clear();
+    std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("prescribed"); });
+  }
+  for (const std::string& text : prescribed) {
+    const PrescribedVelocity velocity = parse_prescribed(text);
+    for (const PrescribedVelocity& other : spec.prescribed)
+      if (other.grain == velocity.grain)
+        refuse("--prescribed: expected each grain once, met grain {} again", velocity.grain);
+    spec.prescribed.push_back(velocity);
+  }
+  if (density) override_case(spec, "masses.density", field_text(*density));
+  if (tolerance) override_case(spec, "contacts.tolerance", field_text(*tolerance));
+  if (overlap_tolerance) override_case(spec, "contacts.overlap_tolerance", field_text(*overlap_tolerance));
+  apply_settings(spec, settings);
+  return resolve_case(spec, outputs);
+}
+
+void SpectralCommandOptions::declare(Command& command, const std::string& default_contacts) {
+  contacts = default_contacts;
+  command
+      .preset("--contacts", contacts,
+              "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear rigid "
+              "problem; unilateral: carrying in the frictionless unilateral problem")
+      .words = all_names<ContactSet>();
+  command
+      .preset("--solver", solver,
+              "auto, dense, arpack, or shift-invert; auto: dense for small interfaces, else shift-invert; "
+              "arpack: matrix-free Lanczos")
+      .words = all_names<SpectralSolver>();
+  command.preset("--residual-tolerance", options.tolerance, "largest residual that counts as converged");
+}
+
+ContactSet SpectralCommandOptions::contact_set() const { return Choice<ContactSet>::parse(contacts, "--contacts"); }
+
+SpectralOptions SpectralCommandOptions::spectral() const {
+  const Field positive{.description = "", .minimum = 0, .minimum_excluded = true};
+  check_bounds(options.tolerance, positive, "--residual-tolerance");
+  check_bounds(options.eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
+  SpectralOptions all = options;
+  all.solver = Choice<SpectralSolver>::parse(solver, "--solver");
+  if (all.solver == SpectralSolver::arpack && (all.certify || all.eigenvalues > 1))
+    refuse("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met arpack");
+  return all;
+}
+
+void declare_threads(Command& command, Index& threads) {
+  command.preset("--threads", threads, "threads at the most, 0 for all; results do not depend on it").bounds = {0,
+                                                                                                                4096};
+}
+
+void MemoryLimit::declare(Command& command) {
+  command.add("--memory-limit", gibibytes,
+              "memory the run may take, GiB; a run that is estimated to need more is refused; by default 90 % of what "
+              "is available");
+}
+
+void MemoryLimit::require(const MemoryNeed& need) const {
+  require(need.bytes, need.name, fmt::format("{} interface unknowns", need.interface_size),
+          "fewer subdomains or grains, the solver arpack where it is dense");
+}
+
+void MemoryLimit::require(const Model& model, const SweepParameters& sweep) const {
+  require({estimated_bytes(model, sweep), model.name, model.parts.interface_size()});
+}
+
+void MemoryLimit::require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const {
+  if (gibibytes)
+    check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--memory-limit");
+  const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
+  if (bytes <= limit) return;
+  refuse(
+      "case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} GiB for {}; {}, or a "
+      "larger --memory-limit may help",
+      name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", bytes / gibibyte, what,
+      advice);
+}
+
+Provenance provenance(const Context& context, const std::vector<Case>& cases) {
+  std::string libraries, resolved;
+  for (const auto& [name, version] : dependency_versions()) libraries += fmt::format("{} {}\n", name, version);
+  for (const Case& one : cases) {
+    resolved += fmt::format("# case {}\n{}\n", one.spec.name, to_toml(one.spec));
+    if (!one.settled_from.empty()) resolved += one.settled_from + "\n";
+  }
+  return {{"program", "nscdd " + version()},
+          {"libraries", libraries},
+          {"command_line", context.command_line},
+          {"cases", resolved}};
+}
+
+}  // namespace nscdd::app
