@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mechanics/contact_order.hpp"
-#include "mechanics/contact_rows.hpp"
+#include "mechanics/disk_contacts.hpp"
 #include "mechanics/time_stepping.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 

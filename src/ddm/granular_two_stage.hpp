@@ -3,7 +3,7 @@
 
 #include "ddm/granular_decomposition.hpp"
 #include "ddm/step_solver.hpp"
-#include "mechanics/contact_residual.hpp"
+#include "mechanics/disk_contacts.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
 #include <optional>

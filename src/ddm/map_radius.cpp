@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/map_radius.hpp"
 
-#include "linalg/arpack.hpp"
+#include "linalg/krylov.hpp"
 #include "linalg/threads.hpp"
 
 #include <Eigen/Eigenvalues>

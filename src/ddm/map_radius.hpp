@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/linear_operator.hpp"
+#include "linalg/krylov.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 
 #include <complex>

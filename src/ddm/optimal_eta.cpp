@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/continuation.hpp"
-#include "linalg/scalar_search.hpp"
+#include "linalg/scalar.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
 #include <algorithm>

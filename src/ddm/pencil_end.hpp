@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ddm/shifted_pencil.hpp"
-#include "linalg/shift_invert_lanczos.hpp"
+#include "linalg/krylov.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 #include "formats/step_fclib.hpp"
 
 #include "ddm/granular_decomposition.hpp"
-#include "mechanics/step_friction.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/ranges.h>

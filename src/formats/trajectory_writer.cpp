@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/trajectory_layout.hpp"
-#include "mechanics/contact_residual.hpp"
+#include "mechanics/disk_contacts.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>

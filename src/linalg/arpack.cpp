@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/arpack.hpp"
-
+#include "linalg/krylov.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 
@@ -34,106 +33,102 @@ Vector start_vector(Index n) {
   return v;
 }
 
-// Work arrays of one reverse-communication run, with ARPACK's own names.
+a_int checked_size(Index n) {
+  if (n < arpack_smallest_size)
+    throw Error(fmt::format("ARPACK: expected a problem of size >= {}, met {}", arpack_smallest_size, n));
+  return static_cast<a_int>(n);
+}
+
+// One reverse-communication run, alone in the process: work arrays with ARPACK's own names. Symmetric problems run in
+// mode 2, others in mode 1.
 struct Workspace {
+  OneBlasThread serial_blas;
   a_int n, nev, ncv;
+  std::lock_guard<std::mutex> lock{one_call_at_a_time};
   Vector resid, workd, workl;
   Matrix v;
+  std::vector<a_int> select;
   a_int iparam[11] = {};
   a_int ipntr[14] = {};
+  a_int lworkl, ido = 0, info = 1;  // info = 1: resid holds the start vector
   Workspace(Index size, Index wanted, const ArpackOptions& options, a_int mode)
-      : n(static_cast<a_int>(size)),
+      : n(checked_size(size)),
         nev(static_cast<a_int>(std::min(wanted, size - 2))),
         ncv(static_cast<a_int>(std::min(size, std::max(options.basis, 2 * wanted + 3)))),
         resid(start_vector(size)),
         workd(Vector::Zero(3 * size)),
-        v(Matrix::Zero(size, ncv)) {
+        workl(Vector::Zero(mode == 2 ? ncv * (ncv + 8) : 3 * ncv * ncv + 6 * ncv)),
+        v(Matrix::Zero(size, ncv)),
+        select(at(ncv), 0),
+        lworkl(static_cast<a_int>(workl.size())) {
     iparam[0] = 1;  // exact shifts
     iparam[2] = static_cast<a_int>(options.maximum_restarts);
     iparam[3] = 1;
     iparam[6] = mode;
   }
   auto block(int which) { return workd.segment(ipntr[which] - 1, n); }
+  bool any_converged() const { return info >= 0 && iparam[4] >= 1; }
 };
-
-void require_size(Index n) {
-  if (n < arpack_smallest_size)
-    throw Error(fmt::format("ARPACK: expected a problem of size >= {}, met {}", arpack_smallest_size, n));
-}
 
 }  // namespace
 
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
                       const ArpackOptions& options, const Vector& start) {
-  const OneBlasThread serial_blas;
-  require_size(n);
-  const std::lock_guard lock(one_call_at_a_time);
   LanczosResult result;
   Workspace w(n, 1, options, 2);
   if (start.size() == n && start.norm() > 0)
     w.resid = start / start.norm() + share_of_fixed_vector * w.resid / w.resid.norm();
   const auto which = end == SpectrumEnd::largest ? arpack::which::largest_algebraic : arpack::which::smallest_algebraic;
-  w.workl = Vector::Zero(w.ncv * (w.ncv + 8));
-  const a_int lworkl = static_cast<a_int>(w.workl.size());
-  a_int ido = 0, info = 1;  // info = 1: resid holds the start vector
   while (true) {
-    arpack::saupd(ido, arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
-                  w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, info);
-    if (ido == -1 || ido == 1) {
+    arpack::saupd(w.ido, arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv,
+                  w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), w.lworkl, w.info);
+    if (w.ido == -1 || w.ido == 1) {
       const Vector ax = a(w.block(0));
       w.block(1) = m_inverse(ax);
       w.block(0) = ax;  // mode 2 wants A x left in place of x
       ++result.applications;
-    } else if (ido == 2) {
+    } else if (w.ido == 2) {
       w.block(1) = m(w.block(0));
     } else {
       break;
     }
   }
-  if (info < 0 || w.iparam[4] < 1) return result;  // nothing converged: data, not an error
-  std::vector<a_int> select(at(w.ncv), 0);
+  if (!w.any_converged()) return result;  // data, not an error
   Vector value(w.nev);
   Matrix z(n, w.nev);
   a_int status = 0;
-  arpack::seupd(1, arpack::howmny::ritz_vectors, select.data(), value.data(), z.data(), w.n, 0.0,
+  arpack::seupd(1, arpack::howmny::ritz_vectors, w.select.data(), value.data(), z.data(), w.n, 0.0,
                 arpack::bmat::generalized, w.n, which, w.nev, options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n,
-                w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl, status);
+                w.iparam, w.ipntr, w.workd.data(), w.workl.data(), w.lworkl, status);
   if (status != 0) return result;
   result.value = value[0];
   result.vector = z.col(0);
-  result.converged = info == 0;
+  result.converged = w.info == 0;
   return result;
 }
 
 ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options, double unit_tolerance) {
-  const OneBlasThread serial_blas;
-  require_size(n);
-  const std::lock_guard lock(one_call_at_a_time);
   ArnoldiResult result;
   // Six wanted: neighbours of the dominant one converge with it, and a pair cut at the edge does no harm.
   Workspace w(n, std::min<Index>(6, n - 3), options, 1);
-  w.workl = Vector::Zero(3 * w.ncv * w.ncv + 6 * w.ncv);
-  const a_int lworkl = static_cast<a_int>(w.workl.size());
-  a_int ido = 0, info = 1;
   while (true) {
-    arpack::naupd(ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,
-                  w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl,
-                  info);
-    if (ido != -1 && ido != 1) break;
+    arpack::naupd(w.ido, arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,
+                  w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), w.lworkl,
+                  w.info);
+    if (w.ido != -1 && w.ido != 1) break;
     w.block(1) = a(w.block(0));
     ++result.applications;
   }
-  if (info < 0 || w.iparam[4] < 1) return result;
-  std::vector<a_int> select(at(w.ncv), 0);
+  if (!w.any_converged()) return result;
   Vector real(w.nev + 1), imaginary(w.nev + 1), workev(3 * w.ncv);
   real.setZero();
   imaginary.setZero();
   Matrix z = Matrix::Zero(n, w.nev + 1);
   a_int status = 0;
-  arpack::neupd(1, arpack::howmny::ritz_vectors, select.data(), real.data(), imaginary.data(), z.data(), w.n, 0.0, 0.0,
-                workev.data(), arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev, options.tolerance,
-                w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(), w.workl.data(), lworkl,
-                status);
+  arpack::neupd(1, arpack::howmny::ritz_vectors, w.select.data(), real.data(), imaginary.data(), z.data(), w.n, 0.0,
+                0.0, workev.data(), arpack::bmat::identity, w.n, arpack::which::largest_magnitude, w.nev,
+                options.tolerance, w.resid.data(), w.ncv, w.v.data(), w.n, w.iparam, w.ipntr, w.workd.data(),
+                w.workl.data(), w.lworkl, status);
   if (status != 0) return result;
   // A complex pair stands in two columns: the real part of its vector, then the imaginary part.
   const Index found = w.iparam[4];
@@ -156,7 +151,7 @@ ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options,
       imaginary[best] != 0 ? Vector(a(y) - result.value.real() * y - result.value.imag() * x) : Vector(Vector::Zero(n));
   result.applications += imaginary[best] != 0 ? 2 : 1;
   result.residual = std::sqrt((rx.squaredNorm() + ry.squaredNorm()) / (x.squaredNorm() + y.squaredNorm()));
-  result.converged = info == 0;
+  result.converged = w.info == 0;
   return result;
 }
 

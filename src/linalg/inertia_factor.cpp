@@ -1,9 +1,72 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/ldlt/factor.hpp"
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
 
 namespace nscdd {
+namespace {
+
+// One analysis, and the interior of the matrix that was factorised last.
+class Multifrontal {
+ public:
+  explicit Multifrontal(const InertiaPattern& pattern)
+      : analysis_(pattern.lower, pattern.group, {}, last_rows(pattern)) {}
+
+  InertiaFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
+    const SymmetricFactor factor(interior(lower, parameters), lower);
+    if (!factor.regular()) return {};
+    return {.regular = true,
+            .negative_eigenvalues = factor.negative_eigenvalues(),
+            .solve = [factor](const Vector& b) { return factor.solve(b); },
+            .solve_from_border = [factor](const Vector& g) { return factor.solve_from_border(g); },
+            .solve_to_border = [factor](const Vector& b) { return factor.solve_to_border(b); },
+            .solve_on_border = [factor](const Vector& g) { return factor.solve_on_border(g); }};
+  }
+
+  void release() {
+    const std::lock_guard lock(mutex_);
+    interior_.reset();
+  }
+
+ private:
+  static std::vector<Index> last_rows(const InertiaPattern& pattern) {
+    std::vector<Index> rows(at(pattern.border));
+    std::iota(rows.begin(), rows.end(), pattern.lower.rows() - pattern.border);
+    return rows;
+  }
+
+  SymmetricInterior interior(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
+    const std::lock_guard lock(mutex_);
+    if (!interior_ || parameters_ != parameters) {
+      interior_.reset();  // before the next takes as much memory
+      interior_.emplace(analysis_, lower);
+      parameters_ = parameters;
+    }
+    return *interior_;
+  }
+
+  SymmetricAnalysis analysis_;
+  std::mutex mutex_;
+  std::optional<SymmetricInterior> interior_;
+  std::array<double, 2> parameters_{};
+};
+
+}  // namespace
+
+InertiaMethod multifrontal() {
+  return {"multifrontal", [](const InertiaPattern& pattern) {
+            const auto own = std::make_shared<Multifrontal>(pattern);
+            return InertiaFamily{
+                [own](const auto& lower, const auto& parameters) { return own->factorise(lower, parameters); },
+                [own] { own->release(); }};
+          }};
+}
 
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern) {
   const auto spread = [n = pattern.lower.rows()](const Vector& g) {
@@ -54,11 +117,10 @@ InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second) {
 
 Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b) {
   Vector residual = b;
-  for (Index j = 0; j < lower.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(lower, j); e; ++e) {
-      residual[e.row()] -= e.value() * x[j];
-      if (e.row() != j) residual[j] -= e.value() * x[e.row()];
-    }
+  for_entries(lower, [&](Index i, Index j, double value) {
+    residual[i] -= value * x[j];
+    if (i != j) residual[j] -= value * x[i];
+  });
   return residual;
 }
 

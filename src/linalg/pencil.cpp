@@ -48,7 +48,6 @@ Pairs eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
                      value.data(), block.data(), split.data()) != 0 ||
       found < wanted)
     return {};
-  Pairs pairs{Vector(wanted), Matrix::Zero(n, wanted)};
   Matrix vectors = Matrix::Zero(n, wanted);
   if (LAPACKE_dstein(LAPACK_COL_MAJOR, n, t.diagonal.data(), t.off.data(), static_cast<lapack_int>(wanted),
                      value.data(), block.data(), split.data(), vectors.data(), n, failed.data()) != 0)
@@ -56,11 +55,7 @@ Pairs eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
   std::vector<Index> order(at(wanted));
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(), [&](Index i, Index j) { return value[i] < value[j]; });
-  for (Index k = 0; k < wanted; ++k) {
-    pairs.values[k] = value[order[at(k)]];
-    pairs.vectors.col(k) = vectors.col(order[at(k)]);
-  }
-  return pairs;
+  return {value(order), vectors(Eigen::all, order)};
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ struct PencilEnds {
   bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then empty
   Vector low, high;      ///< k eigenvalues from each end inwards: ascending, descending
   Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
-  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue of the pencil lies within
-  /// this distance of each value given (the residual bound for symmetric pencils).
+  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies within this distance of each
+  /// value.
   double residual = not_a_number;
 };
 
@@ -41,8 +41,8 @@ struct KernelSplit {
   Matrix range;   ///< n x (n - m)
 };
 
-/// Splits R^n by a symmetric positive semidefinite matrix S of known nullity: the kernel is spanned by the
-/// eigenvectors of its `nullity` smallest eigenvalues.
+/// Splits R^n by a symmetric positive semidefinite matrix of known nullity: the kernel belongs to its `nullity`
+/// smallest eigenvalues.
 KernelSplit split_kernel(const Matrix& s, Index nullity);
 
 }  // namespace nscdd

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/range_projector.hpp"
 
-#include "linalg/ldlt/saddle_point.hpp"
 #include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
+#include <Eigen/IterativeLinearSolvers>
+#include <lapacke.h>
+
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <vector>
+#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -20,6 +22,8 @@ constexpr double refined = 1e-15;
 // Largest error of coefficients of size 1: below 1 no pivot has a false sign.
 constexpr double reliable = 1e-2;
 constexpr Index dense_limit = 1500;  // up to so many columns a dense spectrum decides if no factors do
+constexpr double damping = 1e-6;     // tau^2 over the largest squared length of a column
+constexpr int most_iterations = 500;
 
 std::vector<Index> filled_columns(const SparseMatrix& a) {
   std::vector<Index> filled;
@@ -28,106 +32,146 @@ std::vector<Index> filled_columns(const SparseMatrix& a) {
   return filled;
 }
 
-// These columns, of unit length.
-SparseMatrix unit_columns(const SparseMatrix& a, const std::vector<Index>& columns) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const double norm = a.col(columns[k]).norm();
-    for (SparseMatrix::InnerIterator e(a, columns[k]); e; ++e)
-      entries.emplace_back(static_cast<int>(e.row()), static_cast<int>(k), e.value() / norm);
-  }
-  SparseMatrix b(a.rows(), count(columns));
-  b.setFromTriplets(entries.begin(), entries.end());
-  return b;
+SparseMatrix with_unit_columns(SparseMatrix a) {
+  for (Index j = 0; j < a.cols(); ++j) a.col(j) /= a.col(j).norm();
+  return a;
 }
+
+// Lower triangle of [I B; B^T diagonal I].
+SparseMatrix saddle_point(const SparseMatrix& b, double diagonal) {
+  SparseEntries entries;
+  for (Index i = 0; i < b.rows(); ++i) entries.add(i, i, 1.0);
+  for (Index j = 0; j < b.cols(); ++j) entries.add(b.rows() + j, b.rows() + j, diagonal);
+  entries.add_block(b.transpose(), b.rows(), 0);
+  return entries.matrix(b.rows() + b.cols(), b.rows() + b.cols());
+}
+
+// The analysis of such a matrix. The multiplier of a column of B is eliminated with the last of the rows that it ties.
+SymmetricAnalysis saddle_point_analysis(const SparseMatrix& matrix, const SparseMatrix& b) {
+  std::vector<Index> group(at(matrix.rows()), -1);
+  std::iota(group.begin(), group.begin() + b.rows(), Index{0});
+  Index next = b.rows();
+  for (Index j = 0; j < b.cols(); ++j)
+    if (b.col(j).nonZeros() == 0) group[at(b.rows() + j)] = next++;
+  return SymmetricAnalysis(matrix, group);
+}
+
+// x -> (A^T A + tau^2 I)^-1 x as Eigen wants a preconditioner: [I A; A^T -tau^2 I] [v; y] = [0; -x].
+class DampedInverse {
+ public:
+  using MatrixType = SparseMatrix;
+  template <class Given>
+  DampedInverse& compute(const Given& given) {
+    const SparseMatrix a = given;
+    double longest = 0;
+    for (Index j = 0; j < a.cols(); ++j) longest = std::max(longest, a.col(j).squaredNorm());
+    const SparseMatrix matrix = saddle_point(a, -damping * longest);
+    rows_ = a.rows();
+    factor_.emplace(saddle_point_analysis(matrix, a), matrix);
+    return *this;
+  }
+  Vector solve(const Vector& x) const {
+    Vector right = Vector::Zero(rows_ + x.size());
+    right.tail(x.size()) = -x;
+    return factor_->solve(right).tail(x.size());
+  }
+  Eigen::ComputationInfo info() const { return factor_->regular() ? Eigen::Success : Eigen::NumericalIssue; }
+
+ private:
+  Index rows_ = 0;
+  std::optional<SymmetricFactor> factor_;
+};
 
 }  // namespace
 
-class RangeProjector::Implementation {
- public:
-  Implementation(const SparseMatrix& a, double tolerance)
-      : rows(a.rows()), filled(filled_columns(a)), b(unit_columns(a, filled)) {
-    if (b.cols() == 0) return;
-    SparseMatrix matrix = saddle_point(b, 1.0);
-    const SymmetricAnalysis analysis = saddle_point_analysis(matrix, b);
-    // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
-    std::vector<Index> counts;
-    for (const double step : {3.0, 1.0, 0.3, 10.0, 0.1}) {
-      matrix.diagonal().tail(b.cols()).setConstant(step * tolerance * tolerance);
-      factor.emplace(analysis, matrix);
-      if (!factor->regular() || !exact_enough(matrix)) continue;
-      rank = factor->negative_eigenvalues();
-      if (std::find(counts.begin(), counts.end(), rank) != counts.end()) return;
-      counts.push_back(rank);
-    }
-    conclusive = false;
-  }
-
-  // [I B; B^T 0] [v; r] = [x; 0]. A part of r in ker B does not show in v.
-  Vector apply(const Vector& x) const {
-    if (!conclusive) return Vector::Constant(rows, not_a_number);
-    if (rank == 0) return Vector::Zero(rows);
-    Vector right = Vector::Zero(rows + b.cols());
-    right.head(rows) = x;
-    Vector solution = factor->solve(right);
-    double last = infinity;
-    for (int k = 0; k < most_refinements; ++k) {
-      Vector residual(right.size());
-      residual.head(rows) = x - solution.head(rows) - b * solution.tail(b.cols());
-      residual.tail(b.cols()) = -(b.transpose() * solution.head(rows));
-      const Vector correction = factor->solve(residual);
-      const double size = correction.head(rows).norm();
-      if (!(size < 0.5 * last)) break;
-      solution += correction;
-      if (size <= refined * x.norm()) break;
-      last = size;
-    }
-    return x - solution.head(rows);
-  }
-
-  std::vector<Index> independent_columns() const {
-    if (rank == 0 || !factor->regular()) return {};
-    std::vector<char> dependent(at(b.cols()), 0);
-    for (const Index row : factor->smallest_pivots(b.cols() - rank, rows)) dependent[at(row - rows)] = 1;
-    std::vector<Index> columns;
-    for (Index j = 0; j < b.cols(); ++j)
-      if (!dependent[at(j)]) columns.push_back(filled[at(j)]);
-    return columns;
-  }
-
-  Index rows;
-  std::vector<Index> filled;  // columns of A that B has
-  SparseMatrix b;
-  std::optional<SymmetricFactor> factor;
-  Index rank = 0;
-  bool conclusive = true;
-
- private:
-  // The pivots of dependent columns are as small as tolerance^2. Whether their signs can be relied on is
-  // estimated by how well the factors give back known coefficients, one for each column.
-  bool exact_enough(const SparseMatrix& matrix) const {
-    Vector x = Vector::Zero(matrix.rows());
-    for (Index j = 0; j < b.cols(); ++j) x[rows + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));
-    const Vector image = -symmetric_residual(matrix, x, Vector::Zero(x.size()));
-    return (factor->solve(image) - x).lpNorm<Eigen::Infinity>() < reliable;
-  }
-};
-
 RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance)
-    : implementation_(std::make_shared<const Implementation>(a, tolerance)) {}
+    : rows_(a.rows()), filled_(filled_columns(a)), b_(with_unit_columns(selected_columns(a, filled_))) {
+  if (b_.cols() == 0) return;
+  SparseMatrix matrix = saddle_point(b_, 1.0);
+  const SymmetricAnalysis analysis = saddle_point_analysis(matrix, b_);
+  // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
+  std::vector<Index> counts;
+  for (const double step : {3.0, 1.0, 0.3, 10.0, 0.1}) {
+    matrix.diagonal().tail(b_.cols()).setConstant(step * tolerance * tolerance);
+    factor_.emplace(analysis, matrix);
+    if (!factor_->regular() || !exact_enough(matrix)) continue;
+    rank_ = factor_->negative_eigenvalues();
+    if (std::find(counts.begin(), counts.end(), rank_) != counts.end()) return;
+    counts.push_back(rank_);
+  }
+  conclusive_ = false;
+}
 
-Index RangeProjector::rank() const { return implementation_->rank; }
-bool RangeProjector::conclusive() const { return implementation_->conclusive; }
-std::vector<Index> RangeProjector::independent_columns() const { return implementation_->independent_columns(); }
-Vector RangeProjector::apply(const Vector& x) const { return implementation_->apply(x); }
+// The pivots of dependent columns are as small as tolerance^2. Whether their signs can be relied on is estimated by how
+// well the factors give back known coefficients, one for each column.
+bool RangeProjector::exact_enough(const SparseMatrix& matrix) const {
+  Vector x = Vector::Zero(matrix.rows());
+  for (Index j = 0; j < b_.cols(); ++j) x[rows_ + j] = std::cos(1.0 + 0.7 * static_cast<double>(j));
+  const Vector image = -symmetric_residual(matrix, x, Vector::Zero(x.size()));
+  return (factor_->solve(image) - x).lpNorm<Eigen::Infinity>() < reliable;
+}
+
+// [I B; B^T 0] [v; r] = [x; 0]. A part of r in ker B does not show in v.
+Vector RangeProjector::apply(const Vector& x) const {
+  if (!conclusive_) return Vector::Constant(rows_, not_a_number);
+  if (rank_ == 0) return Vector::Zero(rows_);
+  Vector right = Vector::Zero(rows_ + b_.cols());
+  right.head(rows_) = x;
+  Vector solution = factor_->solve(right);
+  double last = infinity;
+  for (int k = 0; k < most_refinements; ++k) {
+    Vector residual(right.size());
+    residual.head(rows_) = x - solution.head(rows_) - b_ * solution.tail(b_.cols());
+    residual.tail(b_.cols()) = -(b_.transpose() * solution.head(rows_));
+    const Vector correction = factor_->solve(residual);
+    const double size = correction.head(rows_).norm();
+    if (!(size < 0.5 * last)) break;
+    solution += correction;
+    if (size <= refined * x.norm()) break;
+    last = size;
+  }
+  return x - solution.head(rows_);
+}
+
+std::vector<Index> RangeProjector::independent_columns() const {
+  if (rank_ == 0 || !factor_->regular()) return {};
+  std::vector<char> dependent(at(b_.cols()), 0);
+  for (const Index row : factor_->smallest_pivots(b_.cols() - rank_, rows_)) dependent[at(row - rows_)] = 1;
+  std::vector<Index> columns;
+  for (Index j = 0; j < b_.cols(); ++j)
+    if (!dependent[at(j)]) columns.push_back(filled_[at(j)]);
+  return columns;
+}
 
 Index sparse_rank(const SparseMatrix& a, double tolerance) {
   const OneBlasThread serial_blas;
-  const RangeProjector projector(a, tolerance);
-  const RangeProjector::Implementation& sparse = *projector.implementation_;
-  if (sparse.conclusive || sparse.b.cols() > dense_limit) return sparse.rank;
-  const Matrix gram = Matrix(sparse.b.transpose() * sparse.b);
+  const RangeProjector sparse(a, tolerance);
+  if (sparse.conclusive_ || sparse.b_.cols() > dense_limit) return sparse.rank_;
+  const Matrix gram = Matrix(sparse.b_.transpose() * sparse.b_);
   return (symmetric_eigen(gram, Eigenvectors::not_wanted).values.array() > tolerance * tolerance).count();
+}
+
+LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance) {
+  const OneBlasThread serial_blas;
+  const auto rows = static_cast<lapack_int>(a.rows()), columns = static_cast<lapack_int>(a.cols());
+  LeastSquares result{Vector::Zero(a.cols()), 0};
+  if (rows == 0 || columns == 0) return result;
+  Vector x = Vector::Zero(std::max(a.rows(), a.cols()));  // right-hand side in, solution out
+  x.head(a.rows()) = b;
+  std::vector<lapack_int> pivots(at(a.cols()), 0);
+  lapack_int rank = 0;
+  LAPACKE_dgelsy(LAPACK_COL_MAJOR, rows, columns, 1, a.data(), rows, x.data(), std::max(rows, columns), pivots.data(),
+                 tolerance, &rank);
+  return {x.head(a.cols()), rank};
+}
+
+Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
+  Eigen::LeastSquaresConjugateGradient<SparseMatrix, DampedInverse> solver;
+  solver.setTolerance(1e-13);
+  solver.setMaxIterations(most_iterations);
+  solver.compute(a);
+  if (solver.preconditioner().info() != Eigen::Success) return Vector::Zero(a.cols());
+  return solver.solve(b);
 }
 
 }  // namespace nscdd

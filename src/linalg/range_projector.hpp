@@ -1,44 +1,66 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "linalg/ldlt/factor.hpp"
 #include <nscdd/core/types.hpp>
 
-#include <memory>
+#include <optional>
 #include <vector>
 
 namespace nscdd {
 
-/// Orthogonal projector onto the range of a sparse matrix A (any shape, rank 0 and no columns included). With
-/// B the columns of A scaled to unit length, the sparse factorisation
+/// Orthogonal projector onto the range of a sparse matrix A (any shape, rank 0 and no columns included). With B the
+/// columns of A scaled to unit length, the sparse factorisation
 ///     [ I    B          ]
 ///     [ B^T  tolerance^2 I ]  =  L D L^T
-/// has as many negative eigenvalues as B^T B has eigenvalues above tolerance^2: that is the rank, counted by
-/// inertia. Pi x = x - v, where [I B; B^T 0] [v; r] = [x; 0] is solved by iterative refinement with these
-/// factors. Sparse QR without column exchanges, such as SuiteSparseQR, finds too large a rank for
-/// lattices of a few thousand disks.
+/// has as many negative eigenvalues as B^T B has eigenvalues above tolerance^2: that is the rank, counted by inertia.
+/// Pi x = x - v, where [I B; B^T 0] [v; r] = [x; 0] is solved by iterative refinement with these factors. Sparse QR
+/// without column exchanges, such as SuiteSparseQR, finds too large a rank for lattices of a few thousand disks.
 class RangeProjector {
  public:
   /// Singular values of B below it count as zero.
   static constexpr double default_tolerance = 1e-6;
 
   explicit RangeProjector(const SparseMatrix& a, double tolerance = default_tolerance);
-  Index rank() const;
-  /// False if there were no two reliable factorisations, with tolerances near the one asked for, that agreed
-  /// on the rank. The rank is then the last one counted, and `apply` gives NaN.
-  bool conclusive() const;
+  Index rank() const { return rank_; }
+  /// False if there were no two reliable factorisations, with tolerances near the one asked for, that agreed on the
+  /// rank. The rank is then the last one counted, and `apply` gives NaN.
+  bool conclusive() const { return conclusive_; }
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
-  /// As many columns of A as its rank, ascending, that are likely to span its range: all but those with the
-  /// smallest pivots.
+  /// As many columns of A as its rank, ascending, that are likely to span its range: all but those with the smallest
+  /// pivots.
   std::vector<Index> independent_columns() const;
-  class Implementation;
 
  private:
   friend Index sparse_rank(const SparseMatrix& a, double tolerance);
-  std::shared_ptr<const Implementation> implementation_;
+  bool exact_enough(const SparseMatrix& matrix) const;
+
+  Index rows_;
+  std::vector<Index> filled_;  // columns of A that B has
+  SparseMatrix b_;
+  std::optional<SymmetricFactor> factor_;
+  Index rank_ = 0;
+  bool conclusive_ = true;
 };
 
-/// Rank of a sparse matrix, by the same factorisation and tolerance. If that is not conclusive, by the dense
-/// spectrum of B^T B for up to 1 500 columns.
+/// Rank of a sparse matrix, by the same factorisation and tolerance. If that is not conclusive, by the dense spectrum
+/// of B^T B for up to 1 500 columns.
 Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
+
+/// Solution of min || A x - b || of least norm, with the numerical rank of A.
+struct LeastSquares {
+  Vector solution;
+  Index rank = 0;
+};
+
+/// Dense complete orthogonal decomposition (LAPACK dgelsy), any shape and rank. Pivots below `tolerance` x the largest
+/// count as zero.
+LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance = 1e-10);
+
+/// The same solution for a sparse A, by conjugate gradients on A^T A x = A^T b from zero, preconditioned by
+/// (A^T A + tau^2 I)^-1 from one sparse factorisation: this shares the eigenvectors of A^T A, so that the iterates
+/// stay in the range of A^T, where the solution of least norm is. tau^2 = 1e-6 max_j ||a_j||^2: smaller ones let more
+/// rounding into the kernel. May stop before the residual is 1e-13 ||A^T b||. Zero if the factorisation fails.
+Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b);
 
 }  // namespace nscdd

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/shift_invert_lanczos.hpp"
-
+#include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
@@ -28,8 +27,7 @@ class Basis {
     for (Index k = 0; k < locked.cols(); ++k) locked_image_.col(k) = m(locked.col(k));
   }
 
-  // Appends the part of w that is orthogonal to the basis, if there is room, and returns its length: 0 if w
-  // has none.
+  // Appends the part of w that is orthogonal to the basis, if there is room, and returns its length: 0 if w has none.
   double append(Vector w) {
     double old = 0;
     for (int pass = 0; pass < 2; ++pass) {  // twice is enough

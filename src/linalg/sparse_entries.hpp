@@ -7,8 +7,15 @@
 
 namespace nscdd {
 
-/// Entries of a sparse matrix, gathered one by one in any order. Entries of one place add up; a zero that is
-/// added is stored.
+/// Calls visit(row, column, value) for the stored entries of a sparse matrix, column by column.
+template <class Visit>
+void for_entries(const SparseMatrix& matrix, Visit&& visit) {
+  for (Index j = 0; j < matrix.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) visit(e.row(), j, e.value());
+}
+
+/// Entries of a sparse matrix, gathered one by one in any order. Entries of one place add up; a zero that is added is
+/// stored.
 class SparseEntries {
  public:
   void reserve(std::size_t entries) { entries_.reserve(entries); }
@@ -16,8 +23,7 @@ class SparseEntries {
     entries_.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
   }
   void add_block(const SparseMatrix& block, Index row, Index column) {
-    for (Index j = 0; j < block.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator e(block, j); e; ++e) add(row + e.row(), column + j, e.value());
+    for_entries(block, [&](Index i, Index j, double value) { add(row + i, column + j, value); });
   }
   SparseMatrix matrix(Index rows, Index columns) const {
     SparseMatrix result(rows, columns);

@@ -6,7 +6,7 @@
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
-#include <optional>
+#include <cstdlib>
 
 // Null if the BLAS is another than OpenBLAS.
 extern "C" {
@@ -17,16 +17,12 @@ __attribute__((weak)) int openblas_get_parallel();
 
 namespace nscdd {
 
-class ThreadLimit::Implementation {
- public:
-  explicit Implementation(Index threads) {
-    if (threads > 0) control.emplace(tbb::global_control::max_allowed_parallelism, at(threads));
-  }
-  std::optional<tbb::global_control> control;
-};
+static std::mutex metis_mutex;
 
-ThreadLimit::ThreadLimit(Index threads) : implementation_(std::make_unique<Implementation>(threads)) {}
-ThreadLimit::~ThreadLimit() = default;
+ThreadLimit::ThreadLimit(Index threads) {
+  using tbb::global_control;
+  if (threads > 0) control_ = std::make_shared<global_control>(global_control::max_allowed_parallelism, at(threads));
+}
 
 int take_one_blas_thread() {
   if (openblas_get_num_threads == nullptr) return 1;
@@ -45,8 +41,7 @@ void with_threads(const std::function<void()>& work) {
   if (unlocked) {
     tbb::task_arena(1).execute(work);
   } else {
-    // A waiting thread may hold a lock; `isolate` keeps TBB from handing it unrelated work, which could
-    // deadlock.
+    // A waiting thread may hold a lock; `isolate` keeps TBB from handing it unrelated work, which could deadlock.
     tbb::this_task_arena::isolate(work);
   }
 }
@@ -54,5 +49,8 @@ void with_threads(const std::function<void()>& work) {
 void for_each_in_parallel(Index n, const std::function<void(Index)>& work) {
   with_threads([&] { tbb::parallel_for(Index{0}, n, work, tbb::simple_partitioner()); });
 }
+
+OneMetis::OneMetis() : lock_(metis_mutex), before_(initstate(1, state_.data(), state_.size())) {}
+OneMetis::~OneMetis() { setstate(before_); }
 
 }  // namespace nscdd

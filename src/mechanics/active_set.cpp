@@ -1,10 +1,113 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/active_set.hpp"
 
-#include "linalg/least_squares.hpp"
 #include "linalg/range_projector.hpp"
+#include "linalg/sparse_cholesky.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 namespace nscdd {
+namespace {
+
+// Bounds the weights of dependent columns by 1/proximal, whose steps would otherwise drown in rounding. The
+// proximal term is centred at the present x: it damps steps and leaves the solution as it is.
+constexpr double proximal = 1e-9;
+
+// Largest step along d that keeps x >= 0.
+double step_to_boundary(const Vector& x, const Vector& d) {
+  double step = infinity;
+  for (Index i = 0; i < x.size(); ++i)
+    if (d[i] < 0) step = std::min(step, -x[i] / d[i]);
+  return step;
+}
+
+struct Direction {
+  Vector x, s;
+};
+
+// Newton's direction, which takes `excess` off the products x_i s_i and `infeasibility` = B^T u - s to nothing:
+//     s dx + x ds = -excess,   ds = B^T du + infeasibility + proximal dx,   du = B dx
+// dx eliminated:  (I + B D B^T) du = -B (excess + x infeasibility) / damped,   D = x / damped. damped = s + proximal x.
+Direction newton(const SparseMatrix& b, const SparseCholesky& factor, const Vector& x, const Vector& damped,
+                 const Vector& infeasibility, const Vector& excess) {
+  const Vector right = excess + x.cwiseProduct(infeasibility);
+  const Vector du = factor.solve(Vector(-(b * right.cwiseQuotient(damped))));
+  const Vector change = b.transpose() * du;
+  Direction d;
+  d.x = -(right + x.cwiseProduct(change)).cwiseQuotient(damped);
+  d.s = change + infeasibility + proximal * d.x;
+  return d;
+}
+
+// The point of a polyhedral cone nearest to a given one, with its multipliers.
+struct ConeProjection {
+  Vector multipliers;     // x >= 0, one per column of B; u = point + B x
+  double residual = 0;    // max |min(x, s)| / max |B^T point|: the natural map, 0 at the solution only
+  Index iterations = 0;   // factorisations
+  bool converged = true;  // residual <= tolerance
+};
+
+// Projects a point of R^n on { u : B^T u >= 0 }, B sparse n x c without zero columns:
+//     u = point + B x,   x >= 0,   s = B^T u >= 0,   x^T s = 0,
+// the complementarity problem of B^T B and B^T point. u and s are unique; x is not if columns are dependent.
+// Primal-dual interior point method (Mehrotra), one sparse Cholesky factorisation of I + B D B^T, D diagonal, per
+// iteration. It follows the central path, so x tends to a maximally complementary solution: x_i > 0 if any solution
+// has it (O. Guler, Y. Ye, Math. Program. 60 (1993) 145-162), so that the set of these i does not depend on choices of
+// the method. It ends with x_i s_i <= (0.001 tolerance max |B^T point|)^2 for every i, or when rounding lets it go no
+// further. x and s should be of comparable size (unit columns). A run that does not converge, or that a monitor stops,
+// is data: see `converged`. Throws std::bad_alloc if the factor does not fit.
+ConeProjection project_on_cone(const SparseMatrix& b, const Vector& point, const UnilateralOptions& options,
+                               const Monitor& monitor) {
+  ConeProjection result;
+  const Vector load = b.transpose() * point;
+  Vector& x = result.multipliers = Vector::Zero(b.cols());
+  Vector slack = load;
+  if (b.cols() == 0 || load.minCoeff() >= 0) return result;
+  const double scale = load.cwiseAbs().maxCoeff(), columns = static_cast<double>(b.cols());
+  const double smallest = std::pow(1e-3 * options.tolerance * scale, 2);
+  const SparseMatrix transposed = b.transpose();
+  SparseMatrix identity(b.rows(), b.rows());
+  identity.setIdentity();
+  const auto normal_matrix = [&](const Vector& weights) -> SparseMatrix {  // one pattern for all weights
+    const SparseMatrix full = b * weights.asDiagonal() * transposed + identity;
+    return full.triangularView<Eigen::Lower>();
+  };
+  const CholeskyAnalysis analysis(normal_matrix(Vector::Ones(b.cols())));
+  x.setConstant(scale);
+  Vector s = x;
+  double previous = infinity;
+  while (true) {
+    slack = load + b.transpose() * Vector(b * x);
+    result.residual = x.cwiseMin(slack).cwiseAbs().maxCoeff() / scale;
+    const double mean = x.dot(s) / columns;
+    result.converged = result.residual <= options.tolerance;
+    const bool stagnates = mean > 0.5 * previous || !std::isfinite(mean);
+    if (result.converged && (stagnates || x.cwiseProduct(s).maxCoeff() <= smallest)) break;
+    if (result.iterations >= options.maximum_iterations || !std::isfinite(mean)) break;
+    previous = mean;
+
+    const Vector damped = s + proximal * x;
+    const SparseCholesky factor(analysis, normal_matrix(x.cwiseQuotient(damped)));
+    if (!factor.positive_definite()) break;
+    ++result.iterations;
+    const Vector infeasibility = slack - s;
+    const Direction affine = newton(b, factor, x, damped, infeasibility, x.cwiseProduct(s));
+    const double reach = std::min({1.0, step_to_boundary(x, affine.x), step_to_boundary(s, affine.s)});
+    const double foreseen = (x + reach * affine.x).dot(s + reach * affine.s) / columns;
+    const double centre = mean * std::pow(foreseen / mean, 3);
+    const Vector excess = (x.array() * s.array() + affine.x.array() * affine.s.array() - centre).matrix();
+    const Direction d = newton(b, factor, x, damped, infeasibility, excess);
+    const double step = std::min(1.0, 0.995 * std::min(step_to_boundary(x, d.x), step_to_boundary(s, d.s)));
+    x += step * d.x;
+    s += step * d.s;
+    if (!report(monitor, result.iterations, options.maximum_iterations)) break;
+  }
+  return result;
+}
+
+}  // namespace
+
 RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
   RigidImpulses result;
   const SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);  // M^-1/2 H
@@ -30,6 +133,43 @@ std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidIm
   std::vector<char> active(at(problem.contacts()), 0);
   for (Index c = 0; c < problem.contacts(); ++c) active[at(c)] = rigid.impulses[c] > 1e-10 * largest;
   return active;
+}
+
+Index UnilateralImpulses::count(UnilateralStatus wanted) const {
+  return std::count(status.begin(), status.end(), wanted);
+}
+
+UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options,
+                                       const Monitor& monitor) {
+  UnilateralImpulses result;
+  const Index contacts = problem.contacts();
+  SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);
+  Vector root(contacts);  // sqrt(W_ii)
+  for (Index c = 0; c < contacts; ++c) root[c] = b.col(c).norm();
+  b = b * root.cwiseInverse().asDiagonal();  // M^-1/2 H diag(W)^-1/2, of unit columns
+  const Vector point = problem.inertia.cwiseSqrt().cwiseProduct(problem.arriving_velocity);
+  const Vector load = b.transpose() * point;
+  ConeProjection found = project_on_cone(b, point, options, monitor);  // its unknowns are r_i sqrt(W_ii)
+  result.residual = found.residual;
+  result.iterations = found.iterations;
+  result.converged = found.converged;
+
+  const double threshold = contacts == 0 ? 0.0 : options.tolerance * load.cwiseAbs().maxCoeff();
+  const Vector scaled_separation = load + b.transpose() * Vector(b * found.multipliers);
+  result.status.reserve(at(contacts));
+  for (Index c = 0; c < contacts; ++c) {
+    const double r = found.multipliers[c], w = scaled_separation[c];
+    result.status.push_back(std::max(r, w) <= threshold ? UnilateralStatus::idle
+                            : r > w                     ? UnilateralStatus::carrying
+                                                        : UnilateralStatus::open);
+    // An interior point leaves a remainder of the order of tolerance^2 on contacts that open.
+    if (result.status.back() == UnilateralStatus::open) found.multipliers[c] = 0;
+  }
+  result.impulses = found.multipliers.cwiseQuotient(root);
+  result.velocities =
+      problem.arriving_velocity + problem.inertia.cwiseInverse().cwiseProduct(Vector(problem.h * result.impulses));
+  result.separation = problem.h.transpose() * result.velocities;
+  return result;
 }
 
 }  // namespace nscdd

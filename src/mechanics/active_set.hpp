@@ -18,16 +18,51 @@ struct RigidImpulses {
 /// Contacts up to which `rigid_impulses` works densely.
 inline constexpr Index dense_impulse_limit = 4000;
 
-/// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts neither open nor close, and may be in tension. This is
-/// the least-squares problem min || M^-1/2 H r + M^1/2 V^- ||; of its solutions the one of least norm is
-/// returned. Up to `dense_impulse_limit` contacts it is found by a dense complete orthogonal decomposition,
-/// above by preconditioned conjugate gradients from zero. These may stop short: see the residual.
+/// Solves  W r = -H^T V^-,  W = H^T M^-1 H: contacts neither open nor close, and may be in tension. Of the solutions of
+/// this least-squares problem, min || M^-1/2 H r + M^1/2 V^- ||, it returns the one of least norm: up to
+/// `dense_impulse_limit` contacts by a dense complete orthogonal decomposition, above by preconditioned conjugate
+/// gradients from zero, which may stop short: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
-/// The active contacts by the paper's rule ([ADI12] section 4.3): those in compression, r > 0. One flag per
-/// contact. An impulse of at most 1e-10 times the largest one counts as zero, so its contact is inactive.
-/// Throws Error if no grain has an arriving velocity. If the velocities load no contact, no contact is
-/// active.
+/// The active contacts by the paper's rule ([ADI12] section 4.3): those in compression, r > 0, as flags. An impulse of
+/// at most 1e-10 times the largest one counts as zero; if the velocities load no contact, none is active. Throws Error
+/// if no grain has an arriving velocity.
 std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidImpulses& rigid);
+
+struct UnilateralOptions {
+  double tolerance = 1e-8;  ///< on the residual, see UnilateralImpulses
+  Index maximum_iterations = 200;
+};
+
+/// What a contact does in a frictionless impact.
+enum class UnilateralStatus : char {
+  open,      ///< w > 0: separates
+  idle,      ///< r = 0 and w = 0, both within the tolerance: weakly active
+  carrying,  ///< r > 0
+};
+
+/// Impulses and velocities after a frictionless impact without restitution.
+struct UnilateralImpulses {
+  Vector impulses;    ///< r >= 0, kg m/s, one per contact
+  Vector velocities;  ///< V = V^- + M^-1 H r, d n entries, m/s
+  Vector separation;  ///< w = H^T V, one per contact, m/s
+  std::vector<UnilateralStatus> status;
+  double residual = 0;    ///< max |min(r_i sqrt(W_ii), w_i / sqrt(W_ii))| / max (|b_i| / sqrt(W_ii))
+  Index iterations = 0;   ///< factorisations
+  bool converged = true;  ///< residual <= tolerance
+
+  Index count(UnilateralStatus wanted) const;
+};
+
+/// Solves the frictionless Signorini conditions in velocities, of every contact at once:
+///     r >= 0,   w = W r + b >= 0,   r^T w = 0,      W = H^T M^-1 H,   b = H^T V^-,
+/// which is  V = argmin 1/2 (V - V^-)^T M (V - V^-)  subject to  H^T V >= 0. V and w are unique; r is not
+/// if W is singular on the contacts that stay closed. Residual and status are those of r_i sqrt(W_ii)
+/// and w_i / sqrt(W_ii), both in sqrt(kg) m/s: a contact carries if the first, and opens if the second,
+/// exceeds tolerance x the largest |b_i| / sqrt(W_ii). A network that nothing compresses has r = 0 and
+/// residual 0. Solved by an interior point method, W is never formed. Unlike in `rigid_impulses`, no contact
+/// pulls. If the method does not converge, or a monitor stops it, the result says so.
+UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options = {},
+                                       const Monitor& monitor = {});
 
 }  // namespace nscdd

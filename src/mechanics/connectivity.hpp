@@ -14,10 +14,9 @@ struct BodyRows {
   double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
 };
 
-/// Builds H column by column from contacts and bodies: everything that knows how an impulse at a contact acts
-/// on two bodies. A column belongs to a contact and a direction (n, t) of its frame: -impulse on a, +impulse
-/// on b, and -arm r_t on the spin of both. Directions without a tangential part leave the rows of spin out.
-/// In space a body has six rows, a frame two tangents, and this file alone would know.
+/// Builds H column by column: all that knows how an impulse at a contact acts on two bodies. A column belongs to a
+/// contact and a direction (n, t) of its frame: -impulse on a, +impulse on b, and -arm r_t on the spin of both.
+/// Directions without a tangential part leave the rows of spin out. In space a body has six rows, a frame two tangents.
 class ConnectivityBuilder {
  public:
   explicit ConnectivityBuilder(std::size_t columns) { entries_.reserve(5 * columns); }

@@ -1,9 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_law.hpp"
 
+#include "mechanics/disk_contacts.hpp"
+
 #include <cmath>
 
 namespace nscdd {
+namespace {
+
+// Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
+constexpr double edge_tolerance = 1e-12;
+
+template <class Law>
+ContactStatus status_under(const Law&, const DiskContact& c) {
+  if constexpr (!Law::opens) return ContactStatus::stick;
+  return contact_status({c.impulse_n + c.pull, c.impulse_t}, c.friction, edge_tolerance);
+}
+
+template <class Law>
+void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
+  const LocalVector r{c.impulse_n, c.impulse_t};
+  const LocalVector next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
+  const LocalVector change = c.inverse_w.apply(next - r);
+  const LocalVector here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
+  sum.impulses += squared(r);
+  sum.violation += squared(change);
+  sum.work += dot({(next.n + r.n) / 2, (next.t + r.t) / 2}, change);
+  sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
+  sum.scale_velocity += (squared(here) + squared(there)) / 2;
+  if constexpr (!Law::opens) {
+    sum.natural_map += squared(next - r);
+  } else {
+    const LocalVector relative = relative_velocity(c, v);
+    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, relative + LocalVector{c.bias_n, c.bias_t}, c.friction,
+                                           c.inverse_w.inverse_n));
+  }
+  if (r.n == 0 && r.t == 0) return;
+  ++sum.active;
+  const ContactStatus status = status_under(law, c);
+  sum.stick += status == ContactStatus::stick;
+  sum.slide += status == ContactStatus::slide_forward || status == ContactStatus::slide_backward;
+}
+
+template <class Contact>
+ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, std::span<const DiskVelocity> v,
+                         const Contact& contact) {
+  ContactResidual sum;
+  const auto under = [&](const auto& one) {
+    for (std::size_t k = 0; k < contacts; ++k) add(sum, one, contact(k), v);
+  };
+  std::visit(under, law);
+  return sum;
+}
+
+}  // namespace
+
+ContactLaw contact_law(const Interaction& interaction, double h) {
+  ContactLaw law;
+  // Tries every alternative; the choices of the field are their names.
+  const auto attempt = [&]<class... Laws>(const std::variant<Laws...>&) {
+    return ((to_string(interaction.law) == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
+  };
+  static_cast<void>(attempt(law));
+  return law;
+}
 
 ContactStatus contact_status(LocalVector impulse, double friction, double tolerance) {
   if (impulse.n <= 0) return ContactStatus::open;
@@ -24,6 +84,40 @@ LocalVector natural_map(LocalVector impulse, LocalVector velocity, double fricti
   const LocalVector moved{impulse.n - rho * (velocity.n + friction * std::abs(velocity.t)),
                           impulse.t - rho * velocity.t};
   return impulse - project_on_cone(moved, friction);
+}
+
+ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
+  natural_map += other.natural_map;
+  impulses += other.impulses;
+  violation += other.violation;
+  work += other.work;
+  scale_work += other.scale_work;
+  scale_velocity += other.scale_velocity;
+  active += other.active;
+  stick += other.stick;
+  slide += other.slide;
+  return *this;
+}
+
+double ContactResidual::relative_natural_map() const {
+  return natural_map == 0 ? 0.0 : std::sqrt(natural_map / impulses);
+}
+
+double ContactResidual::quad_dv() const { return violation == 0 ? 0.0 : std::sqrt(violation / scale_velocity); }
+
+double ContactResidual::mean_dv_over_r() const { return work == 0 ? 0.0 : work / scale_work; }
+
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts, std::span<const DiskVelocity> v) {
+  return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
+}
+
+ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> v) {
+  return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts[k]; });
+}
+
+ContactStatus status_of(const ContactLaw& law, const DiskContact& contact) {
+  return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
 }
 
 }  // namespace nscdd

@@ -5,27 +5,22 @@
 #include "mechanics/laws/coulomb.hpp"
 #include "mechanics/laws/frictionless.hpp"
 #include <nscdd/core/choice.hpp>
+#include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/law.hpp>
 
 #include <variant>
 
 namespace nscdd {
 
-/// Laws between two bodies with a normal and a tangential component: one file and one word here per law.
-/// A law has
+/// Laws between two bodies with a normal and a tangential component: one file and one word here per law. A law has
 ///   name
-///   impulse(stop, w, friction)
-///       the impulse of one contact, solved together with v = W (r - stop); a sweep needs nothing else
-///   of(interaction, h)
-///       the law with its parameters, at a time step of h seconds
-///   opens
-///       whether a contact may part. If it may, it obeys Coulomb's law once `pull` is added to its normal
-///       impulse; statuses and residuals are those of this shifted law
-///   rubs
-///       whether a contact has a tangential impulse
-///   pulls, pull()
-///       whether touching bodies hold each other, and the largest impulse with which they do, N s. A law that
-///       pulls can be made from that impulse alone
+///   impulse(stop, w, friction)  the impulse of one contact, solved together with v = W (r - stop); all a sweep needs
+///   of(interaction, h)          the law with its parameters, at a time step of h seconds
+///   opens                       whether a contact may part: it then obeys Coulomb's law once `pull` is added to its
+///                               normal impulse, and statuses and residuals are those of this shifted law
+///   rubs                        whether a contact has a tangential impulse
+///   pulls, pull()               whether touching bodies hold each other, and the largest impulse with which they do,
+///                               N s; a law that pulls can be made from that impulse alone
 using ContactLaw = std::variant<Coulomb, Frictionless, Cohesive, LinearViscous>;
 
 /// A law by its place in ContactLaw.
@@ -55,15 +50,52 @@ Law law_at(const Law& law, double pull) {
     return law;
 }
 
-/// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact
-/// slides if its impulse is within `tolerance` x friction r_n of the edge of the cone.
+/// How bodies touch.
+struct Interaction {
+  Choice<LawName> law;  ///< Coulomb's by default
+  double friction = 0.3, boundary_friction = -1;
+  double restitution = 0, tangential_restitution = 0;
+  double cohesion = 0;  ///< N
+  double epsilon = 0;   ///< 1/kg
+
+  double friction_at_boundaries() const { return boundary_friction < 0 ? friction : boundary_friction; }
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("law", self.law, Field{.description = "contact law"});
+    visit("friction", self.friction,
+          Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
+    visit("boundary_friction", self.boundary_friction,
+          Field{.description = "Coulomb's coefficient at boundaries; -1: as between grains",
+                .minimum = 0,
+                .maximum = 100,
+                .also = -1});
+    visit("restitution", self.restitution,
+          Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
+    visit("tangential_restitution", self.tangential_restitution,
+          Field{.description = "coefficient of tangential restitution", .minimum = 0, .maximum = 1});
+    visit("cohesion", self.cohesion,
+          Field{.description = "largest pulling force of a contact that touches, law cohesive",
+                .unit = "N",
+                .minimum = 0,
+                .maximum = 1e100});
+    visit("epsilon", self.epsilon,
+          Field{.description = "flexibility of law linear_viscous", .unit = "1/kg", .minimum = 0});
+  }
+};
+
+/// The law with its parameters; `h`: time step, s (a cohesive force acts through its impulse).
+ContactLaw contact_law(const Interaction& interaction, double h);
+
+/// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact slides if its
+/// impulse is within `tolerance` x friction r_n of the edge of the cone.
 ContactStatus contact_status(LocalVector impulse, double friction, double tolerance = 0);
 
 /// Projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }, orthogonal in the plane.
 LocalVector project_on_cone(LocalVector impulse, double friction);
 
-/// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction
-/// |v_t| n)), N s. For any rho > 0 (kg) it is zero if and only if (v, r) obeys Signorini and Coulomb.
+/// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction |v_t| n)), N
+/// s. For any rho > 0 (kg) it is zero if and only if (v, r) obeys Signorini and Coulomb.
 LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho);
 
 }  // namespace nscdd

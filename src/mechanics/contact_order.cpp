@@ -9,8 +9,7 @@
 namespace nscdd {
 namespace {
 
-// Contacts of a block: enough for out-of-order execution to find independent ones, few enough for the first
-// cache.
+// Contacts of a block: enough for out-of-order execution to find independent ones, few enough for the first cache.
 constexpr Index interleaved_block = 256;
 
 // Place of a cell of a 2^16 x 2^16 grid along Hilbert's curve.
@@ -52,17 +51,8 @@ std::vector<Index> along_curve(std::span<const std::array<double, 2>> points) {
   return order;
 }
 
-std::vector<Index> by_colour(std::vector<Index> order, const std::vector<int>& colours, Index block) {
-  for (Index first = 0; first < count(order); first += block) {
-    const Index last = std::min(first + block, count(order));
-    std::stable_sort(order.begin() + first, order.begin() + last,
-                     [&](Index p, Index q) { return colours[at(p)] < colours[at(q)]; });
-  }
-  return order;
-}
-
-}  // namespace
-
+// Smallest colours such that no two contacts of one colour share a free disk, greedily in the given order within each
+// block of `block` contacts.
 std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::span<const DiskVelocity> bodies,
                                  Index block) {
   // Bit c of used[i] says that colour c is taken at disk i within the present block. Disks have few contacts.
@@ -90,25 +80,32 @@ std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::spa
   return colours;
 }
 
+// The contacts in this order, by blocks, those of a block by their colours.
+std::vector<Index> by_colour(const std::vector<Index>& order, std::span<const DiskContact> contacts,
+                             std::span<const DiskVelocity> bodies, Index block) {
+  std::vector<DiskContact> ordered;
+  ordered.reserve(order.size());
+  for (const Index k : order) ordered.push_back(contacts[at(k)]);
+  const std::vector<int> colours = contact_colours(ordered, bodies, block);
+  std::vector<Index> places(order.size());
+  std::iota(places.begin(), places.end(), Index{0});
+  for (Index first = 0; first < count(places); first += block)
+    std::stable_sort(places.begin() + first, places.begin() + std::min(first + block, count(places)),
+                     [&](Index p, Index q) { return colours[at(p)] < colours[at(q)]; });
+  for (Index& place : places) place = order[at(place)];
+  return places;
+}
+
+}  // namespace
+
 std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
                                  std::span<const DiskVelocity> bodies, std::uint64_t seed,
                                  std::span<const std::array<double, 2>> points) {
   std::vector<Index> result(contacts.size());
   std::iota(result.begin(), result.end(), Index{0});
-  if (order == ContactOrder::coloured) {
-    const Index all = std::max<Index>(1, count(result));
-    return by_colour(std::move(result), contact_colours(contacts, bodies, all), all);
-  }
-  if (order == ContactOrder::interleaved) {
-    if (!points.empty()) result = along_curve(points);
-    std::vector<DiskContact> curve;
-    curve.reserve(contacts.size());
-    for (const Index k : result) curve.push_back(contacts[at(k)]);
-    const std::vector<int> along = contact_colours(curve, bodies, interleaved_block);
-    std::vector<int> colours(contacts.size());
-    for (std::size_t k = 0; k < result.size(); ++k) colours[at(result[k])] = along[k];
-    return by_colour(std::move(result), colours, interleaved_block);
-  }
+  if (order == ContactOrder::coloured) return by_colour(result, contacts, bodies, std::max<Index>(1, count(result)));
+  if (order == ContactOrder::interleaved)
+    return by_colour(points.empty() ? result : along_curve(points), contacts, bodies, interleaved_block);
   if (order == ContactOrder::random) {
     RandomStream stream(seed);
     for (Index k = count(result) - 1; k > 0; --k) std::swap(result[at(k)], result[at(stream.below(k + 1))]);

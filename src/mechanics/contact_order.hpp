@@ -33,9 +33,4 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
                                  std::span<const DiskVelocity> bodies, std::uint64_t seed,
                                  std::span<const std::array<double, 2>> points = {});
 
-/// Smallest colours such that no two contacts of one colour share a free disk, greedily in the given order
-/// within each block of `block` contacts.
-std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::span<const DiskVelocity> bodies,
-                                 Index block);
-
 }  // namespace nscdd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/contact_rows.hpp"
+#include "mechanics/disk_contacts.hpp"
 
 namespace nscdd {
 namespace {

@@ -11,8 +11,8 @@
 
 namespace nscdd {
 
-/// Velocity of a disk while a step is solved. The speed of the rim, radius x angular velocity, stands for the
-/// spin: a full disk has the inertia mass/2 in it, whatever its radius, and contacts need no lever arm.
+/// Velocity of a disk while a step is solved. The speed of the rim, radius x angular velocity, stands for the spin: a
+/// full disk has the inertia mass/2 in it, whatever its radius, and contacts need no lever arm.
 struct DiskVelocity {
   double x = 0, y = 0, rim = 0;  ///< m/s
   double inverse_mass = 0;       ///< 1/kg; 0 for a body whose motion is prescribed
@@ -83,5 +83,60 @@ inline LocalVector stopping_impulse(const DiskContact& c, std::span<const DiskVe
   return {c.impulse_n - c.inverse_w.inverse_n * (relative.n + c.bias_n),
           c.impulse_t - c.inverse_w.inverse_t * (relative.t + c.bias_t)};
 }
+
+/// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: what never changes is stored apart from the
+/// impulses, and nothing that the velocities (masses, hence W) or the law (friction) know already. A sweep reads 32
+/// bytes per contact and reads and writes 16; DiskContact has 88.
+struct ContactRows {
+  struct Row {
+    std::int32_t a = 0, b = 0;  ///< positions in the array of velocities
+    double normal_x = 1, normal_y = 0;
+    double bias_n = 0;  ///< m/s
+  };
+  std::vector<Row> rows;
+  std::vector<LocalVector> impulses;  ///< r, N s
+  std::vector<double> bias_t;         ///< m/s; empty without tangential restitution
+  std::vector<double> pull;           ///< N s; empty unless the law pulls
+  double friction = 0;                ///< between free disks
+  double boundary_friction = 0;       ///< if one of both bodies is driven
+
+  std::size_t size() const { return rows.size(); }
+  DiskContact contact(std::size_t k, std::span<const DiskVelocity> v) const;
+};
+
+/// One nonlinear Gauss-Seidel sweep over the contacts in the order they have in memory. Each takes the impulse that its
+/// law gives at the present velocities, or the part `relaxation` of the way to it, and its disks are updated at once:
+/// the velocities carry the off-diagonal part of W, which is never formed.
+SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows& contacts, std::span<DiskVelocity> v,
+                             double relaxation = 1);
+
+/// How well impulses and velocities obey the contact law: sums over contacts, so that subdomains add up.
+struct ContactResidual {
+  double natural_map = 0;     ///< |natural map|^2 with rho = 1/W_nn of each contact, (N s)^2
+  double impulses = 0;        ///< |r|^2, (N s)^2
+  double violation = 0;       ///< |W_c (r_c' - r_c)|^2, r_c' the law's answer now; SumDVDV of LMGC90, (m/s)^2
+  double work = 0;            ///< (r_c' + r_c)/2 . W_c (r_c' - r_c); SumDVoR of LMGC90, J
+  double scale_work = 0;      ///< mean of r_c . W_c r_c and r_c' . W_c r_c'; SumWRR of LMGC90, J
+  double scale_velocity = 0;  ///< mean of |W_c r_c|^2 and |W_c r_c'|^2; SumWRWR of LMGC90, (m/s)^2
+  Index active = 0;           ///< contacts with an impulse
+  Index stick = 0, slide = 0;
+
+  ContactResidual& operator+=(const ContactResidual& other);
+
+  /// |natural map| / |r|: error of the contact law in the form of De Saxce; 0 if there is no impulse.
+  double relative_natural_map() const;
+  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not yet divided by its tolerance.
+  double quad_dv() const;
+  double mean_dv_over_r() const;
+};
+
+/// Sums over the contacts at the velocities v. With a cohesive law the natural map is that of the shifted impulses,
+/// with a viscous law r' - r.
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts, std::span<const DiskVelocity> v);
+ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> v);
+
+/// Status of each contact under the law: open, stick or slide.
+ContactStatus status_of(const ContactLaw& law, const DiskContact& contact);
 
 }  // namespace nscdd

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace nscdd {
@@ -26,33 +28,28 @@ void require_finite(const std::string& what, const Vector& values) {
 }
 
 void require_finite(const std::string& what, const SparseMatrix& matrix) {
-  for (Index j = 0; j < matrix.cols(); ++j)
-    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e)
-      if (!std::isfinite(e.value()))
-        throw Error(
-            fmt::format("{}: expected finite numbers, met {} at row {}, column {}", what, e.value(), e.row(), j));
+  for_entries(matrix, [&](Index i, Index j, double value) {
+    if (!std::isfinite(value))
+      throw Error(fmt::format("{}: expected finite numbers, met {} at row {}, column {}", what, value, i, j));
+  });
 }
 
 void require_symmetric(const std::string& what, const SparseMatrix& matrix) {
   double largest = 0;
-  for (Index j = 0; j < matrix.cols(); ++j)
-    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) largest = std::max(largest, std::abs(e.value()));
   bool above = false, below = false;
-  for (Index j = 0; j < matrix.cols(); ++j)
-    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) {
-      above = above || (e.row() < j && e.value() != 0);
-      below = below || (e.row() > j && e.value() != 0);
-    }
-  const SparseMatrix difference = matrix - SparseMatrix(matrix.transpose());
-  for (Index j = 0; j < matrix.cols(); ++j)
-    for (SparseMatrix::InnerIterator e(difference, j); e; ++e)
-      if (std::abs(e.value()) > symmetry_tolerance * largest)
-        throw Error(
-            fmt::format("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}", what,
-                        matrix.coeff(e.row(), j), e.row(), j, matrix.coeff(j, e.row()), j, e.row(),
-                        above == below ? ""
-                        : above        ? ": the upper triangle alone"
-                                       : ": the lower triangle alone"));
+  for_entries(matrix, [&](Index i, Index j, double value) {
+    largest = std::max(largest, std::abs(value));
+    above = above || (i < j && value != 0);
+    below = below || (i > j && value != 0);
+  });
+  for_entries(matrix - SparseMatrix(matrix.transpose()), [&](Index i, Index j, double difference) {
+    if (std::abs(difference) > symmetry_tolerance * largest)
+      throw Error(fmt::format("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}",
+                              what, matrix.coeff(i, j), i, j, matrix.coeff(j, i), j, i,
+                              above == below ? ""
+                              : above        ? ": the upper triangle alone"
+                                             : ": the lower triangle alone"));
+  });
 }
 
 void require_friction(const std::string& name, const Vector& friction) {
@@ -107,22 +104,20 @@ ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const s
   if (problem.mass.rows() == 0 || problem.mass.rows() % dofs != 0)
     throw Error(fmt::format("{}: M: expected three rows per body (two translations and a rotation), met {} rows", name,
                             problem.mass.rows()));
-  for (Index j = 0; j < problem.mass.cols(); ++j)
-    for (SparseMatrix::InnerIterator e(problem.mass, j); e; ++e)
-      if (e.row() != j && e.value() != 0)
-        throw Error(
-            fmt::format("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name, e.value(), e.row(), j));
-  ReferenceProblem result;
-  result.dofs_per_grain = dofs;
-  result.columns_per_contact = 2;
-  result.inertia = problem.mass.diagonal();
-  for (Index i = 0; i < result.inertia.size(); ++i)
-    if (!(result.inertia[i] > 0))
-      throw Error(fmt::format("{}: M: expected positive numbers on the diagonal, met {} at row {}", name,
-                              result.inertia[i], i));
-  result.h = problem.h;
-  result.arriving_velocity = problem.f.cwiseQuotient(result.inertia);
-  return result;
+  for_entries(problem.mass, [&](Index i, Index j, double value) {
+    if (i != j && value != 0)
+      throw Error(fmt::format("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name, value, i, j));
+  });
+  const Vector inertia = problem.mass.diagonal();
+  for (Index i = 0; i < inertia.size(); ++i)
+    if (!(inertia[i] > 0))
+      throw Error(
+          fmt::format("{}: M: expected positive numbers on the diagonal, met {} at row {}", name, inertia[i], i));
+  return {.dofs_per_grain = dofs,
+          .columns_per_contact = 2,
+          .inertia = inertia,
+          .h = problem.h,
+          .arriving_velocity = problem.f.cwiseQuotient(inertia)};
 }
 
 }  // namespace nscdd

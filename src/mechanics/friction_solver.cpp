@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_law.hpp"
 #include "mechanics/gauss_seidel.hpp"
-#include "mechanics/progress_watch.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -18,6 +17,8 @@ namespace {
 constexpr double progress_wanted = 0.99;  // of the smallest residual, within `patience` checks
 constexpr double growth_allowed = 1e12;
 
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
 // [nn nt; tn tt] of a pair of contacts.
 struct Block {
   double nn = 0, nt = 0, tn = 0, tt = 0;
@@ -32,18 +33,17 @@ struct BlockRows {
 };
 
 // One row of blocks, gathered column by column of W^T.
-void append_row(const Eigen::SparseMatrix<double, Eigen::RowMajor>& w, Index c, BlockRows& rows) {
+void append_row(const SparseRows& w, Index c, BlockRows& rows) {
   const auto begin = rows.contact.size();
   for (const Index row : {2 * c, 2 * c + 1})
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator e(w, row); e; ++e)
-      rows.contact.push_back(static_cast<int>(e.col() / 2));
+    for (SparseRows::InnerIterator e(w, row); e; ++e) rows.contact.push_back(static_cast<int>(e.col() / 2));
   const auto from = rows.contact.begin() + static_cast<std::ptrdiff_t>(begin);
   std::sort(from, rows.contact.end());
   rows.contact.erase(std::unique(from, rows.contact.end()), rows.contact.end());
   rows.block.resize(rows.contact.size());
   for (const Index row : {2 * c, 2 * c + 1}) {
     std::size_t k = begin;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator e(w, row); e; ++e) {
+    for (SparseRows::InnerIterator e(w, row); e; ++e) {
       while (rows.contact[k] != e.col() / 2) ++k;
       Block& b = rows.block[k];
       (row % 2 == 0 ? (e.col() % 2 == 0 ? b.nn : b.nt) : (e.col() % 2 == 0 ? b.tn : b.tt)) = e.value();
@@ -53,7 +53,7 @@ void append_row(const Eigen::SparseMatrix<double, Eigen::RowMajor>& w, Index c, 
 }
 
 BlockRows block_rows(const LocalFrictionProblem& problem) {
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> w = problem.w;
+  const SparseRows w = problem.w;
   BlockRows rows;
   rows.start.push_back(0);
   for (Index c = 0; c < problem.contacts(); ++c) {
@@ -107,30 +107,24 @@ double lone_impulses(const LocalFrictionProblem& problem) {
   return std::sqrt(squares);
 }
 
-double natural_map_norm(const LocalFrictionProblem& problem, const Vector& impulses, const Vector& velocities,
-                        const Vector& rho) {
-  double squares = 0;
-  for (Index c = 0; c < problem.contacts(); ++c)
-    squares += squared(natural_map(component(impulses, c), component(velocities, c), problem.friction[c], rho[c]));
-  return std::sqrt(squares);
-}
-
 // `alone`: lone_impulses, which do not change from check to check.
 FrictionState state_of(const LocalFrictionProblem& problem, const Vector& impulses, double alone) {
   FrictionState state;
   state.velocities = problem.w * impulses + problem.q;
-  Vector rho(problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c) rho[c] = 1 / problem.w.coeff(2 * c, 2 * c);
-  const double map = natural_map_norm(problem, impulses, state.velocities, rho);
-  state.residual = map == 0 ? 0 : map / std::max(impulses.norm(), alone);
-  state.siconos_residual = natural_map_norm(problem, impulses, state.velocities, Vector::Ones(problem.contacts()));
+  double squares = 0, siconos_squares = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const LocalVector r = component(impulses, c), u = component(state.velocities, c);
+    const double mu = problem.friction[c];
+    squares += squared(natural_map(r, u, mu, 1 / problem.w.coeff(2 * c, 2 * c)));
+    siconos_squares += squared(natural_map(r, u, mu, 1));
+    const ContactStatus status = contact_status(r, mu);
+    ++(status == ContactStatus::open ? state.open : status == ContactStatus::stick ? state.stick : state.slide);
+  }
+  state.residual = squares == 0 ? 0 : std::sqrt(squares) / std::max(impulses.norm(), alone);
+  state.siconos_residual = std::sqrt(siconos_squares);
   const double size = std::max({impulses.norm(), state.velocities.norm(), problem.q.norm()});
   state.siconos_relative = size > std::numeric_limits<double>::epsilon();
   if (state.siconos_relative) state.siconos_residual /= size;
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    const ContactStatus status = contact_status(component(impulses, c), problem.friction[c]);
-    ++(status == ContactStatus::open ? state.open : status == ContactStatus::stick ? state.stick : state.slide);
-  }
   return state;
 }
 

@@ -3,12 +3,15 @@
 
 #include <nscdd/core/types.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 namespace nscdd {
 
-/// The local step of a Gauss-Seidel sweep (that over disks writes it out, for speed). `wanted` is the impulse
-/// that the law of a contact gives while the others keep theirs; the contact takes the part `relaxation` of
-/// the way to it. Returns the change, which its bodies must feel at once. Without `relaxed` the impulse is
-/// `wanted` to the last bit.
+/// The local step of a Gauss-Seidel sweep (that over disks writes it out, for speed). The contact takes the part
+/// `relaxation` of the way to `wanted`, the impulse that its law gives while the others keep theirs. Returns the
+/// change, which its bodies must feel at once. Without `relaxed` the impulse is `wanted` to the last bit.
 template <bool relaxed, class Impulse>
 Impulse take_impulse(Impulse& impulse, Impulse wanted, double relaxation = 1) {
   const Impulse before = impulse;
@@ -23,12 +26,15 @@ struct ContactSystem {
   Vector delassus;        ///< diagonal of W = H^T M^-1 H, c entries
 };
 
-ContactSystem prepare_contacts(const Vector& inertia, const SparseMatrix& h);
+inline ContactSystem prepare_contacts(const Vector& inertia, const SparseMatrix& h) {
+  ContactSystem system{h, inertia.cwiseInverse().asDiagonal() * h, Vector::Zero(h.cols())};
+  for (Index c = 0; c < h.cols(); ++c) system.delassus[c] = h.col(c).dot(system.response.col(c));
+  return system;
+}
 
-/// One NonLinear Gauss-Seidel sweep in the order of the contacts: each contact in turn takes the impulse its
-/// law gives for the present velocities, and its grains are updated at once. Grain velocities carry the
-/// off-diagonal part of W, which is never formed.
-/// `impulses`: r, c entries; `velocities`: V, d n entries, on entry and exit V = V_free + M^-1 H r.
+/// One NonLinear Gauss-Seidel sweep in the order of the contacts: each takes the impulse its law gives for the present
+/// velocities, and its grains are updated at once: their velocities carry the off-diagonal part of W, which is never
+/// formed. `impulses`: r, c entries; `velocities`: V, d n entries, on entry and exit V = V_free + M^-1 H r.
 template <class Law>
 void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& impulses, Vector& velocities) {
   for (Index c = 0; c < contacts.h.cols(); ++c) {
@@ -39,5 +45,43 @@ void gauss_seidel_sweep(const ContactSystem& contacts, const Law& law, Vector& i
     for (SparseMatrix::InnerIterator e(contacts.response, c); e; ++e) velocities[e.row()] += e.value() * change;
   }
 }
+
+/// When an iteration ends.
+struct ProgressLimits {
+  double tolerance = 0;      ///< of the indicator
+  double growth = infinity;  ///< of the size of the solution over its scale
+  double fall = 1;           ///< an indicator makes progress if it is below this part of the smallest so far
+  Index patience = 1;        ///< the iteration stalls after so many steps without progress ...
+  Index longer = 0;          ///< ... and so many times as many as it took to get there
+};
+
+/// Watches an iteration by an indicator that is to fall to a tolerance and by the size of its solution.
+/// Status: an enumeration that has at least converged, stalled and diverged.
+template <class Status>
+class ProgressWatch {
+ public:
+  /// `not_finite`: the status of an indicator that is not a number or a size that is not finite.
+  ProgressWatch(const ProgressLimits& limits, Status not_finite) : limits_(limits), not_finite_(not_finite) {}
+
+  /// How the iteration ended, or nothing if it goes on. `may_converge`: whether a small indicator is enough.
+  std::optional<Status> judge(Index step, double indicator, double size, double scale, bool may_converge = true) {
+    if (std::isnan(indicator) || !std::isfinite(size)) return not_finite_;
+    if (size > limits_.growth * scale) return Status::diverged;
+    if (indicator <= limits_.tolerance && may_converge) return Status::converged;
+    if (indicator < limits_.fall * smallest_) {
+      smallest_ = indicator;
+      last_progress_ = step;
+    }
+    const Index waited = step - last_progress_;
+    const bool stalled = waited >= std::max(limits_.patience, limits_.longer * last_progress_);
+    return stalled && indicator < infinity ? std::optional(Status::stalled) : std::nullopt;
+  }
+
+ private:
+  ProgressLimits limits_;
+  Status not_finite_;
+  double smallest_ = infinity;
+  Index last_progress_ = 0;
+};
 
 }  // namespace nscdd

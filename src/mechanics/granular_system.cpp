@@ -10,6 +10,62 @@
 
 namespace nscdd {
 
+RigidVelocity Motion::at(double t) const {
+  if (velocity.empty()) return {};
+  const auto after = std::upper_bound(time.begin(), time.end(), t);
+  if (after == time.begin()) return velocity.front();
+  if (after == time.end()) return velocity.back();
+  const auto k = static_cast<std::size_t>(after - time.begin());
+  const double s = (t - time[k - 1]) / (time[k] - time[k - 1]);
+  const auto between = [s](double a, double b) { return a + s * (b - a); };
+  const RigidVelocity &a = velocity[k - 1], &b = velocity[k];
+  return {between(a.x, b.x), between(a.y, b.y), between(a.spin, b.spin)};
+}
+
+std::array<double, 2> carried(const std::array<double, 2>& p, const Pose& before, const Pose& after) {
+  const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
+  const double dx = p[0] - before.x, dy = p[1] - before.y;
+  return {after.x + c * dx - s * dy, after.y + s * dx + c * dy};
+}
+
+Wall moved(const Wall& wall, const Motion& motion, const Pose& pose) {
+  const double c = std::cos(pose.angle), s = std::sin(pose.angle);
+  return {.point = carried(wall.point, {motion.centre[0], motion.centre[1]}, pose),
+          .normal = {c * wall.normal[0] - s * wall.normal[1], s * wall.normal[0] + c * wall.normal[1]},
+          .boundary = wall.boundary};
+}
+
+Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h) {
+  return {pose.x + h * velocity.x, pose.y + h * velocity.y, pose.angle + h * velocity.spin};
+}
+
+std::array<double, 2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose,
+                                        const std::array<double, 2>& p) {
+  return {velocity.x - velocity.spin * (p[1] - pose.y), velocity.y + velocity.spin * (p[0] - pose.x)};
+}
+
+void check(const Boundary& boundary) {
+  const Motion& motion = boundary.motion;
+  if (motion.time.size() != motion.velocity.size())
+    throw Error(fmt::format("boundary '{}': expected one velocity per time, met {} times and {} velocities",
+                            boundary.name, motion.time.size(), motion.velocity.size()));
+  for (std::size_t k = 0; k < motion.time.size(); ++k) {
+    const RigidVelocity& v = motion.velocity[k];
+    if (!std::isfinite(motion.time[k]) || !std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.spin))
+      throw Error(fmt::format("boundary '{}': expected finite numbers, met another in entry {} of its motion",
+                              boundary.name, k));
+    if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
+      throw Error(fmt::format("boundary '{}': expected ascending times, met {} s after {} s", boundary.name,
+                              motion.time[k], motion.time[k - 1]));
+  }
+}
+
+std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time) {
+  std::vector<RigidVelocity> result;
+  for (const Boundary& boundary : system.boundaries) result.push_back(boundary.motion.at(time));
+  return result;
+}
+
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y) {
   GranularState state;
   const std::vector<double> zero(at(system.disks()), 0.0);
@@ -50,16 +106,6 @@ void check(const GranularSystem& system, const GranularState& state) {
   }
   if (!any_free) throw Error("granular system: expected a free grain, met driven ones only");
   for (const Boundary& boundary : system.boundaries) check(boundary);
-}
-
-ContactLaw contact_law(const Interaction& interaction, double h) {
-  ContactLaw law;
-  // Tries every alternative; the choices of the field are their names.
-  const auto attempt = [&]<class... Laws>(const std::variant<Laws...>&) {
-    return ((to_string(interaction.law) == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
-  };
-  static_cast<void>(attempt(law));
-  return law;
 }
 
 }  // namespace nscdd

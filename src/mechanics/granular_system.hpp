@@ -1,17 +1,75 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/boundary.hpp"
 #include "mechanics/contact_law.hpp"
-#include <nscdd/core/fields.hpp>
+#include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
-#include <nscdd/packing/packing.hpp>
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nscdd {
+
+/// Velocity of a rigid body in the plane: of its reference point, m/s, and its spin, rad/s.
+struct RigidVelocity {
+  double x = 0, y = 0, spin = 0;
+};
+
+/// Prescribed motion of a rigid body: velocities at given times, linear in between, constant before the first and after
+/// the last. No entry is rest. To turn a body about a foot, put the reference point there.
+struct Motion {
+  std::array<double, 2> centre{0, 0};  ///< reference point at time 0, m
+  std::vector<double> time;            ///< s, ascending
+  std::vector<RigidVelocity> velocity;
+
+  RigidVelocity at(double t) const;
+};
+
+/// What the disks of a boundary do while it turns.
+enum class Orientation {
+  turning,  ///< they turn with it, as parts of one rigid body
+  fixed,    ///< their centres go round, but they keep their angle and do not spin
+};
+constexpr auto names_of(Orientation) { return std::to_array<std::string_view>({"turning", "fixed"}); }
+
+/// A rigid body driven by a motion: disks (GranularSystem::driven_by) or a straight wall.
+struct Boundary {
+  std::string name;
+  Motion motion;
+  Orientation orientation = Orientation::turning;  ///< of its disks
+};
+
+/// Where a boundary is: its reference point and the angle it has turned by.
+struct Pose {
+  double x = 0, y = 0, angle = 0;  ///< m, rad
+};
+
+/// A straight wall: grains stay in the half-plane that `normal` points to. It is given at time 0 and moves with its
+/// boundary.
+struct Wall {
+  std::array<double, 2> point{0, 0};
+  std::array<double, 2> normal{0, 1};  ///< unit
+  Index boundary = 0;
+};
+
+/// Where a point of a body is after the body went from one pose to another: on the exact circle, not on its tangent.
+std::array<double, 2> carried(const std::array<double, 2>& p, const Pose& before, const Pose& after);
+
+/// The wall when its boundary has moved from the centre of its motion to `pose`.
+Wall moved(const Wall& wall, const Motion& motion, const Pose& pose);
+
+/// The pose after a time h at constant velocity.
+Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h);
+
+/// Velocity of the point p of a body with that pose, m/s.
+std::array<double, 2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose,
+                                        const std::array<double, 2>& p);
+
+/// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
+void check(const Boundary& boundary);
 
 /// Disks and walls, and what drives them. The grains of a packing come first, then the disks of boundaries.
 struct GranularSystem {
@@ -58,51 +116,17 @@ struct GranularState {
   double eta = 0;                               ///< best flexibility found at that step, 1/kg; 0 if none was asked for
 };
 
+/// Velocities of all boundaries at a time, s.
+std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time);
+
 /// The state at time 0: grains are at rest at their places in the packing, boundaries at their centres.
 GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y);
 
 /// "disk 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() + its number.
 std::string body_name(const GranularSystem& system, Index body);
 
-/// Throws Error naming the disk or boundary if sizes differ, if a disk is driven by a boundary that does not
-/// exist, or if no disk is free.
+/// Throws Error naming the disk or boundary if sizes differ, a number is not finite, a disk is driven by a boundary
+/// that does not exist, or no disk is free.
 void check(const GranularSystem& system, const GranularState& state);
-
-/// How bodies touch.
-struct Interaction {
-  Choice<LawName> law;  ///< Coulomb's by default
-  double friction = 0.3, boundary_friction = -1;
-  double restitution = 0, tangential_restitution = 0;
-  double cohesion = 0;  ///< N
-  double epsilon = 0;   ///< 1/kg
-
-  double friction_at_boundaries() const { return boundary_friction < 0 ? friction : boundary_friction; }
-
-  template <class Self, class Visitor>
-  static void fields(Self& self, Visitor&& visit) {
-    visit("law", self.law, Field{.description = "contact law"});
-    visit("friction", self.friction,
-          Field{.description = "Coulomb's coefficient between grains", .minimum = 0, .maximum = 100});
-    visit("boundary_friction", self.boundary_friction,
-          Field{.description = "Coulomb's coefficient at boundaries; -1: as between grains",
-                .minimum = 0,
-                .maximum = 100,
-                .also = -1});
-    visit("restitution", self.restitution,
-          Field{.description = "Newton's coefficient of normal restitution", .minimum = 0, .maximum = 1});
-    visit("tangential_restitution", self.tangential_restitution,
-          Field{.description = "coefficient of tangential restitution", .minimum = 0, .maximum = 1});
-    visit("cohesion", self.cohesion,
-          Field{.description = "largest pulling force of a contact that touches, law cohesive",
-                .unit = "N",
-                .minimum = 0,
-                .maximum = 1e100});
-    visit("epsilon", self.epsilon,
-          Field{.description = "flexibility of law linear_viscous", .unit = "1/kg", .minimum = 0});
-  }
-};
-
-/// The law with its parameters; `h`: time step, s (a cohesive force acts through its impulse).
-ContactLaw contact_law(const Interaction& interaction, double h);
 
 }  // namespace nscdd

@@ -1,217 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/time_stepping.hpp"
 
-#include "mechanics/step_contacts.hpp"
-#include <nscdd/core/error.hpp>
+#include "mechanics/connectivity.hpp"
+#include <nscdd/mechanics/friction_problem.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
+#include <vector>
 
 namespace nscdd {
 namespace {
 
-// A grain that moves by more than so many of its radii in one step passes through others unseen.
-constexpr double largest_move = 10;
-
-std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time) {
-  std::vector<RigidVelocity> result;
-  for (const Boundary& boundary : system.boundaries) result.push_back(boundary.motion.at(time));
-  return result;
-}
-
-// Velocities of all disks. The state knows those of free disks; a boundary gives those of the disks it
-// drives.
-std::vector<DiskVelocity> start_velocities(const GranularSystem& system, const GranularState& state,
-                                           const std::vector<RigidVelocity>& motions) {
-  std::vector<DiskVelocity> result(at(system.disks()));
-  for (Index i = 0; i < system.disks(); ++i) {
-    const double radius = system.radius[at(i)];
-    if (system.free(i)) {
-      result[at(i)] = {state.velocity_x[at(i)], state.velocity_y[at(i)], radius * state.spin[at(i)],
-                       1 / system.mass[at(i)]};
-    } else {
-      const Index k = system.driven_by[at(i)];
-      const RigidVelocity& motion = motions[at(k)];
-      const auto v = velocity_of_point(motion, state.poses[at(k)], {state.x[at(i)], state.y[at(i)]});
-      const bool turns = system.boundaries[at(k)].orientation == Orientation::turning;
-      result[at(i)] = {v[0], v[1], turns ? radius * motion.spin : 0.0, 0};
-    }
+// Three rows for every free body; lever arms are radii (walls, which have none, are driven).
+std::vector<BodyRows> rows_of(std::span<const DiskVelocity> bodies, std::span<const double> radius) {
+  std::vector<BodyRows> rows(bodies.size());
+  Index next = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].inverse_mass == 0) continue;
+    rows[i] = {next, radius[i]};
+    next += 3;
   }
-  return result;
-}
-
-void check_moves(const GranularSystem& system, const GranularState& state, const std::vector<DiskVelocity>& v,
-                 double h) {
-  for (Index i = 0; i < system.disks(); ++i) {
-    if (!std::isfinite(state.x[at(i)]) || !std::isfinite(state.y[at(i)]))
-      throw Error(fmt::format("{}: expected a finite position, met ({}, {}) m", body_name(system, i), state.x[at(i)],
-                              state.y[at(i)]));
-    const double move = h * std::hypot(v[at(i)].x, v[at(i)].y);
-    if (!(move <= largest_move * system.radius[at(i)]) || !std::isfinite(v[at(i)].rim))
-      throw Error(
-          fmt::format("{}: expected to move by at most {} of its radii in a step, met a velocity of "
-                      "({}, {}) m/s and a step of {} s",
-                      body_name(system, i), largest_move, v[at(i)].x, v[at(i)].y, h));
-  }
-}
-
-// A driven disk goes round the reference point of its boundary on the exact circle, not along its tangent.
-void move_driven(double& x, double& y, const Pose& before, const Pose& after) {
-  const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
-  const double dx = x - before.x, dy = y - before.y;
-  x = after.x + c * dx - s * dy;
-  y = after.y + s * dx + c * dy;
-}
-
-Configuration middle(const GranularSystem& system, const GranularState& state,
-                     const std::vector<RigidVelocity>& motions, double time) {
-  Configuration where{state.x, state.y, system.walls, state.poses, motions};
-  for (std::size_t k = 0; k < where.poses.size(); ++k) where.poses[k] = advanced(where.poses[k], motions[k], time);
-  for (Index i = 0; i < system.disks(); ++i) {
-    if (system.free(i)) {
-      where.x[at(i)] += time * state.velocity_x[at(i)];
-      where.y[at(i)] += time * state.velocity_y[at(i)];
-    } else {
-      const auto k = at(system.driven_by[at(i)]);
-      move_driven(where.x[at(i)], where.y[at(i)], state.poses[k], where.poses[k]);
-    }
-  }
-  for (Wall& wall : where.walls)
-    wall = moved(wall, system.boundaries[at(wall.boundary)].motion, where.poses[at(wall.boundary)]);
-  return where;
-}
-
-// Adds one body per wall contact, which moves as the wall does at the foot of the grain.
-void add_wall_bodies(StepProblem& problem, const GranularSystem& system, const Configuration& where,
-                     const std::vector<RigidVelocity>& motions, std::vector<Index>& second) {
-  for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
-    const StepContact& c = problem.geometry[k];
-    second[k] = c.b;
-    if (c.b < system.disks()) continue;
-    const Index boundary = where.walls[at(c.b - system.disks())].boundary;
-    const auto v = velocity_of_point(motions[at(boundary)], where.poses[at(boundary)], c.point);
-    second[k] = count(problem.free);
-    problem.free.push_back({v[0], v[1], 0, 0});
-    problem.start.push_back(problem.free.back());
-  }
-}
-
-// Of the bodies whose motion is prescribed, m/s.
-double fastest_boundary(const std::vector<DiskVelocity>& velocities) {
-  double fastest = 0;
-  for (const DiskVelocity& v : velocities)
-    if (v.inverse_mass == 0) fastest = std::max(fastest, std::hypot(v.x, v.y));
-  return fastest;
-}
-
-double smaller_radius(const GranularSystem& system, const StepContact& c) {
-  const double a = system.radius[at(c.a)];
-  return c.b < system.disks() ? std::min(a, system.radius[at(c.b)]) : a;
-}
-
-bool touches(const GranularSystem& system, const StepContact& c) {
-  return c.gap <= touching_gap * smaller_radius(system, c);
-}
-
-DiskContact solver_contact(const StepContact& c, Index second, const StepProblem& problem,
-                           const Interaction& interaction, double correction, double push) {
-  DiskContact k;
-  k.a = static_cast<std::int32_t>(c.a);
-  k.b = static_cast<std::int32_t>(second);
-  k.normal_x = c.normal[0];
-  k.normal_y = c.normal[1];
-  const DiskVelocity &a = problem.free[at(c.a)], &b = problem.free[at(second)];
-  k.inverse_w = disk_delassus(a, b);
-  const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
-  k.friction = driven ? problem.boundary_friction : problem.friction;
-  k.bias_n = c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push);
-  if (interaction.restitution > 0 || interaction.tangential_restitution > 0) {
-    const LocalVector before = relative_velocity(k, problem.start);
-    if (interaction.restitution > 0) k.bias_n = interaction.restitution * std::min(0.0, before.n);
-    k.bias_t = interaction.tangential_restitution * before.t;
-  }
-  return k;
-}
-
-// Both lists ascend by (a, b).
-void start_from(std::vector<DiskContact>& contacts, const std::vector<StepContact>& geometry,
-                const std::vector<RememberedImpulse>& remembered) {
-  auto old = remembered.begin();
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const auto key = std::pair(geometry[k].a, geometry[k].b);
-    while (old != remembered.end() && std::pair(old->a, old->b) < key) ++old;
-    if (old == remembered.end()) return;
-    if (std::pair(old->a, old->b) != key) continue;
-    contacts[k].impulse_n = old->impulse.n;
-    contacts[k].impulse_t = old->impulse.t;
-  }
+  return rows;
 }
 
 }  // namespace
-
-double mean_normal_delassus(const StepProblem& problem) {
-  double sum = 0;
-  for (const DiskContact& c : problem.contacts) sum += 1 / c.inverse_w.inverse_n;
-  return problem.contacts.empty() ? 0 : sum / static_cast<double>(problem.contacts.size());
-}
-
-double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
-  if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
-  const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1]);
-  return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
-}
-
-void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
-  for (const StepContact& c : problem.geometry) {
-    if (c.gap < -largest * smaller_radius(system, c))
-      throw Error(fmt::format("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m",
-                              body_name(system, c.a), body_name(system, c.b), largest, -c.gap));
-  }
-}
-
-StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
-                         const TimeStepping& scheme, bool warm_start) {
-  const double h = scheme.step;
-  const auto motions = boundary_velocities(system, state.time + h / 2);
-  StepProblem problem;
-  problem.h = h;
-  const ContactLaw law = contact_law(interaction, h);
-  const bool has_friction = rubs(law);
-  problem.friction = has_friction ? interaction.friction : 0;
-  problem.boundary_friction = has_friction ? interaction.friction_at_boundaries() : 0;
-  problem.pulls = pulls(law);
-  problem.tangential_bias = interaction.tangential_restitution > 0;
-  problem.start = start_velocities(system, state, motions);
-  problem.free = problem.start;
-  for (Index i = 0; i < system.disks(); ++i) {
-    if (!system.free(i)) continue;
-    problem.free[at(i)].x += h * scheme.gravity[0];
-    problem.free[at(i)].y += h * scheme.gravity[1];
-  }
-  check_moves(system, state, problem.free, h);
-  const Configuration where = middle(system, state, motions, (1 - scheme.theta) * h);
-  // Bodies that hold each other are found however short the alert distance.
-  const double hold = problem.pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
-  problem.geometry = find_contacts(system, where, problem.free, scheme, hold);
-  // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
-  if (interaction.restitution > 0)
-    std::erase_if(problem.geometry,
-                  [&](const StepContact& c) { return c.gap > 0 && !(problem.pulls && touches(system, c)); });
-  std::vector<Index> second(problem.geometry.size());
-  add_wall_bodies(problem, system, where, motions, second);
-  const double boundary_speed = fastest_boundary(problem.start);
-  problem.contacts.reserve(problem.geometry.size());
-  for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
-    const StepContact& c = problem.geometry[k];
-    problem.contacts.push_back(solver_contact(c, second[k], problem, interaction, scheme.penetration_correction,
-                                              push_speed(scheme, smaller_radius(system, c), boundary_speed)));
-    if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull(law);
-  }
-  if (warm_start) start_from(problem.contacts, problem.geometry, state.impulses);
-  return problem;
-}
 
 std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts) {
   std::vector<DiskVelocity> v = problem.free;
@@ -249,7 +59,9 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
       state.angle[i] += h * ((1 - theta) * state.spin[i] + theta * spin);
     } else {
       const auto k = at(system.driven_by[i]);
-      move_driven(state.x[i], state.y[i], poses[k], state.poses[k]);
+      const auto centre = carried({state.x[i], state.y[i]}, poses[k], state.poses[k]);
+      state.x[i] = centre[0];
+      state.y[i] = centre[1];
       state.angle[i] += h * spin;
     }
     state.velocity_x[i] = v.x;
@@ -283,18 +95,37 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   return energy;
 }
 
-Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem) {
-  Interpenetration result;
-  Index overlaps = 0;
-  for (const StepContact& c : problem.geometry) {
-    if (c.gap >= 0) continue;
-    result.maximum = std::max(result.maximum, -c.gap);
-    result.relative = std::max(result.relative, -c.gap / smaller_radius(system, c));
-    result.mean -= c.gap;
-    ++overlaps;
+GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
+                                       std::span<const double> radius) {
+  const std::vector<BodyRows> row_of = rows_of(bodies, radius);
+  std::vector<double> inertia, momentum;
+  std::vector<DiskVelocity> driven(bodies.begin(), bodies.end());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (row_of[i].first < 0) continue;
+    const DiskVelocity& v = bodies[i];
+    const double m = 1 / v.inverse_mass, rim_mass = m / rim_mass_ratio;
+    inertia.insert(inertia.end(), {m, m, rim_mass * radius[i] * radius[i]});
+    momentum.insert(momentum.end(), {m * v.x, m * v.y, rim_mass * radius[i] * v.rim});
+    driven[i].x = driven[i].y = driven[i].rim = 0;
   }
-  if (overlaps > 0) result.mean /= static_cast<double>(overlaps);
-  return result;
+  const Index rows = count(inertia), size = static_cast<Index>(contacts.size());
+  GlobalFrictionProblem problem;
+  problem.mass = SparseMatrix(Vector::Map(inertia.data(), rows).asDiagonal());
+  problem.f = Vector::Map(momentum.data(), rows);
+  problem.w.resize(2 * size);
+  problem.friction.resize(size);
+  ConnectivityBuilder h(2 * contacts.size());
+  for (Index c = 0; c < size; ++c) {
+    const DiskContact& k = contacts[at(c)];
+    for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
+      h.add(k.normal(), row_of[at(k.a)], row_of[at(k.b)], direction);
+    const LocalVector u = relative_velocity(k, driven);
+    problem.w[2 * c] = u.n + k.bias_n;
+    problem.w[2 * c + 1] = u.t + k.bias_t;
+    problem.friction[c] = k.friction;
+  }
+  problem.h = h.matrix(rows);
+  return problem;
 }
 
 }  // namespace nscdd

@@ -9,6 +9,8 @@
 
 namespace nscdd {
 
+struct GlobalFrictionProblem;
+
 /// Moreau-Jean scheme at velocity level, step h:
 ///     q_m = q^- + (1 - theta) h V^-              contacts are found here
 ///     M (V - V^-) = h F + H r,  law(H^T V, r)    solved by Gauss-Seidel sweeps, whole or decomposed
@@ -53,9 +55,9 @@ struct TimeStepping {
   }
 };
 
-/// For a law that pulls, bodies touch whose gap at q_m is at most this part of the smaller radius. That is
-/// far more than rounding and unfinished iterations leave, or a rolling contact opens in a step. It is far
-/// less than the alert distance, which must not be felt.
+/// For a law that pulls, bodies touch whose gap at q_m is at most this part of the smaller radius: far more than
+/// rounding, unfinished iterations or a rolling contact leave, far less than the alert distance, which must not be
+/// felt.
 inline constexpr double touching_gap = 1e-3;
 
 /// Geometry of a contact considered in a step.
@@ -66,8 +68,8 @@ struct StepContact {
   double gap = 0;                  ///< m, at q_m
 };
 
-/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall
-/// does there.
+/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall does
+/// there.
 struct StepProblem {
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
   bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
@@ -79,28 +81,27 @@ struct StepProblem {
   std::vector<DiskVelocity> free;              ///< V^- + h M^-1 F
 };
 
-/// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`,
-/// otherwise from zero. Throws Error naming the disk if one would move by more than ten of its radii in the
-/// step or has a velocity that is not finite, and naming both disks if two have the same centre.
+/// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`, otherwise from
+/// zero. Throws Error naming the disk if one would move by more than ten of its radii in the step or has a velocity
+/// that is not finite, and naming both disks if two have the same centre.
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                          const TimeStepping& scheme, bool warm_start);
 
-/// Scale of flexibilities in a step: the mean of W_nn over its contacts, 1/kg (see ReferenceProblem). A body
-/// whose motion is prescribed adds nothing to W_nn. 0 without contacts.
+/// Scale of flexibilities: the mean of W_nn over the contacts, 1/kg, to which driven bodies add nothing. 0 without
+/// contacts.
 double mean_normal_delassus(const StepProblem& problem);
 
-/// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where
-/// that is negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and
-/// the speed w of the fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r
-/// that lifts a grain by its radius. Where N overlaps follow each other from a support, their speeds add up,
-/// and a column gains c^2 N/12 of its weight times its height: 0.3 % for a hundred grains, whatever the
-/// overlaps, the size of the grains and the time step are. Without gravity and with boundaries at rest no
-/// speed is natural, and overlaps stay.
+/// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
+/// negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the
+/// fastest boundary. A push of bodies at rest brings at most c^2/2 of the energy m g r that lifts a grain by its
+/// radius. Where N overlaps follow each other from a support, their speeds add up, and a column gains c^2 N/12 of its
+/// weight times its height: 0.3 % for a hundred grains, whatever the overlaps, the grains and the step. Without gravity
+/// and with boundaries at rest overlaps stay.
 double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed);
 inline constexpr double natural_push_speed = 0.02;
 
-/// Overlap that ends a run, and one that deserves attention, times the smaller radius. An overlap beyond the
-/// radius would push the bodies through each other.
+/// Overlap that ends a run (beyond the radius, bodies would be pushed through each other), and one that deserves
+/// attention, times the smaller radius.
 inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
 
 /// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
@@ -132,5 +133,14 @@ struct Interpenetration {
   double relative = 0;           ///< the largest ratio of an overlap to the smaller radius of its two bodies
 };
 Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem);
+
+/// The contact problem of a step in the unknowns (v_x, v_y, spin) of its free bodies, three rows each in their order,
+/// as other programs have it:
+///     M = diag(m, m, m R^2 / 2),   f = M V_free,   M v = H r + f,   u = H^T v + w.
+/// The law acts on u: w holds its biases (gap / h, restitution) and the velocities of driven bodies, which have no
+/// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `radius`:
+/// of each body, m; it may end before the driven bodies at the end (walls have no radius).
+GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
+                                       std::span<const double> radius);
 
 }  // namespace nscdd

@@ -7,21 +7,8 @@
 namespace nscdd {
 namespace {
 
-// Disks in a cell, on average over the disks, beyond which another grid is cheaper. Measured; the value
-// matters little.
+// Disks in a cell, on average over the disks, beyond which another grid is cheaper. Measured; the value matters little.
 constexpr double crowded = 32;
-
-struct Disks {
-  std::vector<Index> numbers;
-  std::vector<double> x, y, radius;
-
-  void add(Index number, double x_new, double y_new, double radius_new) {
-    numbers.push_back(number);
-    x.push_back(x_new);
-    y.push_back(y_new);
-    radius.push_back(radius_new);
-  }
-};
 
 }  // namespace
 
@@ -61,16 +48,19 @@ DiskGrid::DiskGrid(std::span<const double> x, std::span<const double> y, std::sp
     const auto coarse_one = [&](double r) { return 2 * r >= largest; };
     CellGrid grid(x, y, 2 * reach);
     if (grid.crowd() <= crowded || std::all_of(radius.begin(), radius.end(), coarse_one)) {
-      levels_.push_back({std::move(rest.numbers), std::move(rest.x), std::move(rest.y), reach, std::move(grid)});
+      levels_.push_back({std::move(rest), reach, std::move(grid)});
       return;
     }
     Disks coarse, fine;
     for (std::size_t k = 0; k < radius.size(); ++k) {
-      const Index number = rest.numbers.empty() ? static_cast<Index>(k) : rest.numbers[k];
-      (coarse_one(radius[k]) ? coarse : fine).add(number, x[k], y[k], radius[k]);
+      Disks& part = coarse_one(radius[k]) ? coarse : fine;
+      part.numbers.push_back(rest.numbers.empty() ? static_cast<Index>(k) : rest.numbers[k]);
+      part.x.push_back(x[k]);
+      part.y.push_back(y[k]);
+      part.radius.push_back(radius[k]);
     }
     CellGrid own(coarse.x, coarse.y, 2 * reach);
-    levels_.push_back({std::move(coarse.numbers), std::move(coarse.x), std::move(coarse.y), reach, std::move(own)});
+    levels_.push_back({std::move(coarse), reach, std::move(own)});
     rest = std::move(fine);
     x = rest.x, y = rest.y, radius = rest.radius;
   }

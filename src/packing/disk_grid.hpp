@@ -4,13 +4,14 @@
 #include <nscdd/core/types.hpp>
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <vector>
 
 namespace nscdd {
 
-/// Points sorted into square cells of at least a given side, for neighbour searches in O(N). The cells form a
-/// table of at most about two per point: in a sparse or elongated cloud, cells grow until the table fits.
+/// Points sorted into square cells of at least a given side, for neighbour searches in O(N). There are at most about
+/// two cells per point: in a sparse or elongated cloud, cells grow.
 class CellGrid {
  public:
   /// x, y: coordinates, m, at least one, finite and of the same length; side > 0, m.
@@ -39,6 +40,8 @@ class CellGrid {
   /// Calls visit(i) for every point of the cells that a square about (x, y) meets: every point no farther
   /// than `distance` from there in both coordinates, and some that are. x, y anywhere, m.
   template <class Visit>
+  /// Calls visit(i) for every point of the cells that a square about (x, y) meets: every point no farther than
+  /// `distance` from there in both coordinates, and some that are. x, y anywhere, m.
   void for_each_near(double x, double y, double distance, Visit&& visit) const {
     distance += rounding * side_;
     const Index first = along(x - x_low_ - distance, columns_), last = along(x - x_low_ + distance, columns_);
@@ -83,10 +86,10 @@ class CellGrid {
   std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
 };
 
-/// Disks of any sizes, for neighbour searches in O(N log ratio). One CellGrid with cells for the largest disk
-/// serves them all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks; then
-/// the disks within a factor 2 of the largest have that grid to themselves, the others a grid for the largest
-/// of them, and so on. Each disk meets those of its own grid and of the coarser ones.
+/// Disks of any sizes, for neighbour searches in O(N log ratio). One CellGrid with cells for the largest disk serves
+/// them all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks; then the disks within a
+/// factor 2 of the largest have that grid to themselves, the others a grid for the largest of them, and so on. Each
+/// disk meets those of its own grid and of the coarser ones.
 class DiskGrid {
  public:
   /// x, y: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
@@ -99,15 +102,15 @@ class DiskGrid {
   void for_each_pair(Visit&& visit) const {
     if (levels_.size() == 1) return levels_.front().grid.for_each_pair(visit);
     for (std::size_t fine = 0; fine < levels_.size(); ++fine) {
-      const Level& level = levels_[fine];
-      level.grid.for_each_pair([&](Index a, Index b) { visit(level.disks[at(a)], level.disks[at(b)]); });
+      const Disks& disks = levels_[fine].disks;
+      levels_[fine].grid.for_each_pair([&](Index a, Index b) { visit(disks.numbers[at(a)], disks.numbers[at(b)]); });
       for (std::size_t coarse = 0; coarse < fine; ++coarse) {
         const Level& other = levels_[coarse];
-        const double distance = level.largest + other.largest;
-        for (const Index a : level.grid.points()) {  // by cells: neighbours after each other
-          const Index i = level.disks[at(a)];
-          other.grid.for_each_near(level.x[at(a)], level.y[at(a)], distance, [&](Index b) {
-            const Index j = other.disks[at(b)];
+        const double distance = levels_[fine].largest + other.largest;
+        for (const Index a : levels_[fine].grid.points()) {  // by cells: neighbours after each other
+          const Index i = disks.numbers[at(a)];
+          other.grid.for_each_near(disks.x[at(a)], disks.y[at(a)], distance, [&](Index b) {
+            const Index j = other.disks.numbers[at(b)];
             i < j ? visit(i, j) : visit(j, i);
           });
         }
@@ -116,13 +119,33 @@ class DiskGrid {
   }
 
  private:
+  struct Disks {
+    std::vector<Index> numbers;  // ascending
+    std::vector<double> x, y, radius;
+  };
   struct Level {
-    std::vector<Index> disks;  // ascending; not needed, and empty, where one level holds all
-    std::vector<double> x, y;
+    Disks disks;     // not needed, and empty, where one level holds all
     double largest;  // radius, stretched, and half the range
     CellGrid grid;
   };
   std::vector<Level> levels_;  // coarsest first
 };
+
+/// Contacts (anything with members a and b) ascending by (a, b), in O(N): each is counted into place by its
+/// a, 0 <= a < bodies, then the few of one a are sorted by b.
+template <class AnyContact>
+std::vector<AnyContact> sorted_by_bodies(const std::vector<AnyContact>& contacts, Index bodies) {
+  std::vector<std::size_t> start(at(bodies) + 1, 0);
+  for (const AnyContact& contact : contacts) ++start[at(contact.a) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<AnyContact> result(contacts.size());
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  for (const AnyContact& contact : contacts) result[next[at(contact.a)]++] = contact;
+  for (std::size_t a = 0; a + 1 < start.size(); ++a)
+    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[a]),
+              result.begin() + static_cast<std::ptrdiff_t>(start[a + 1]),
+              [](const AnyContact& l, const AnyContact& r) { return l.b < r.b; });
+  return result;
+}
 
 }  // namespace nscdd

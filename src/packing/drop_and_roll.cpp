@@ -90,10 +90,9 @@ void Heap::visit_row(const Level& level, std::size_t row, double left, double ri
     for (std::int32_t i = level.first[cell]; i >= 0; i = next_[at(i)]) visit(i, disks_[at(i)]);
 }
 
-// Whether a disk meets grain i before what it met in `met`: where `lead` is positive. Where it is 0, the disk
-// meets both at one place, and a fixed order of the grains decides, so that the bed does not depend on the
-// order of search: by rows of cells of the coarsest level, in a row from left to right, in a cell from the
-// latest grain to the first.
+// Whether a disk meets grain i before what it met in `met`: where `lead` is positive. Where it is 0, the disk meets
+// both at one place, and a fixed order of the grains decides, so that the bed does not depend on the order of search:
+// by rows of cells of the coarsest level, in a row from left to right, in a cell from the latest grain to the first.
 bool Heap::first_met(double lead, std::int32_t i, const Meeting& met, Rows rows) const {
   if (lead != 0 || met.with != Meeting::With::grain) return lead > 0;
   const auto cell = [&](std::int32_t grain) {

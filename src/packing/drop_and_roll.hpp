@@ -24,26 +24,24 @@ std::optional<double> fall_onto(const Disk& support, double x, double radius);
 /// Which way a disk rolls over another: to the right is clockwise.
 enum class Side { left = -1, right = 1 };
 
-/// Where a disk of that radius, rolling over `pivot` to that side, meets `other`: of the two points at
-/// distance r + r_p from the pivot and r + r_o from the other, the one met first. Empty where the disk passes
-/// between them without touching.
+/// Where a disk of that radius, rolling over `pivot` to that side, first meets `other`: a point at distance r + r_p
+/// from the pivot and r + r_o from the other. Empty where the disk passes between them without touching.
 std::optional<Point> roll_against(const Disk& pivot, const Disk& other, double radius, Side side);
 
 /// Area of disks of these radii, overlaps counted twice, m^2.
 double disk_area(std::span<const double> radii);
 
-/// The bed of a box that grains are dropped into. Its grains lie in square cells, level by level: each level
-/// has the grains of one range of sizes, in cells as wide as the largest of them. A falling or rolling grain
-/// searches only the cells along its way. So the cost of a grain does not grow with the bed, and little with
-/// the ratio of sizes.
+/// The bed of a box that grains are dropped into. Its grains lie in square cells, level by level: each level has the
+/// grains of one range of sizes, in cells as wide as the largest of them. A falling or rolling grain searches only the
+/// cells along its way: its cost does not grow with the bed, and little with the ratio of sizes.
 class Heap {
  public:
-  /// A box with the floor y = 0 and walls x = 0 and x = width, m. `radii`, m, are those of the grains to
-  /// come: they decide how the cells are cut, not where a grain comes to rest.
+  /// A box with the floor y = 0 and walls x = 0 and x = width, m. `radii`, m, are those of the grains to come: they
+  /// decide how the cells are cut, not where a grain comes to rest.
   Heap(double width, double largest_radius, std::vector<double> radii);
 
-  /// Where a disk dropped at x comes to rest: on the floor, or on two supports (grains, or a grain and a
-  /// wall) with its centre between them. radius <= x <= width - radius, radius <= largest_radius.
+  /// Where a disk dropped at x comes to rest: on the floor, or on two supports (grains, or a grain and a wall) with its
+  /// centre between them. radius <= x <= width - radius, radius <= largest_radius.
   Disk settle(double x, double radius) const;
 
   void add(const Disk& disk);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "packing/statistics.hpp"
 
+#include "packing/drop_and_roll.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,19 +13,14 @@ namespace {
 using std::numbers::pi;
 
 struct Rectangle {
-  double left = infinity, right = -infinity, low = infinity, high = -infinity;
+  double left, right, low, high;
   double area() const { return (right - left) * (high - low); }
 };
 
 Rectangle box_around(const Packing& p) {
-  Rectangle box;
-  for (std::size_t i = 0; i < p.x.size(); ++i) {
-    box.left = std::min(box.left, p.x[i] - p.radius[i]);
-    box.right = std::max(box.right, p.x[i] + p.radius[i]);
-    box.low = std::min(box.low, p.y[i] - p.radius[i]);
-    box.high = std::max(box.high, p.y[i] + p.radius[i]);
-  }
-  return box;
+  const auto numbers = [](const std::vector<double>& values) { return Vector::Map(values.data(), count(values)); };
+  const auto x = numbers(p.x), y = numbers(p.y), r = numbers(p.radius);
+  return {(x - r).minCoeff(), (x + r).maxCoeff(), (y - r).minCoeff(), (y + r).maxCoeff()};
 }
 
 // Area of the unit disk in x <= a, for -1 <= a <= 1.
@@ -59,12 +56,10 @@ SolidFraction solid_fraction(const Packing& packing) {
   const double quarter_width = 0.25 * (box.right - box.left), quarter_height = 0.25 * (box.high - box.low);
   const Rectangle middle{box.left + quarter_width, box.right - quarter_width, box.low + quarter_height,
                          box.high - quarter_height};
-  double in_box = 0, in_middle = 0;
-  for (std::size_t i = 0; i < packing.x.size(); ++i) {
-    in_box += pi * packing.radius[i] * packing.radius[i];
+  double in_middle = 0;
+  for (std::size_t i = 0; i < packing.x.size(); ++i)
     in_middle += area_in(middle, packing.x[i], packing.y[i], packing.radius[i]);
-  }
-  return {in_box / box.area(), in_middle / middle.area()};
+  return {disk_area(packing.radius) / box.area(), in_middle / middle.area()};
 }
 
 std::vector<char> rattlers(const ContactNetwork& network) {
@@ -101,11 +96,8 @@ std::vector<SizeClass> size_histogram(const Packing& packing, Index classes) {
   const double low = *smallest, span = *largest - low;
   if (span <= 1e-12 * *largest) classes = 1;
   std::vector<SizeClass> all(at(classes));
-  for (Index k = 0; k < classes; ++k) {
-    all[at(k)].from = low + span * static_cast<double>(k) / static_cast<double>(classes);
-    all[at(k)].to =
-        k + 1 == classes ? *largest : low + span * static_cast<double>(k + 1) / static_cast<double>(classes);
-  }
+  const auto edge = [&](Index k) { return low + span * static_cast<double>(k) / static_cast<double>(classes); };
+  for (Index k = 0; k < classes; ++k) all[at(k)] = {edge(k), k + 1 == classes ? *largest : edge(k + 1)};
   for (const double radius : packing.radius) {
     const double place = span > 0 ? (radius - low) / span * static_cast<double>(classes) : 0;
     SizeClass& one = all[at(std::min(classes - 1, static_cast<Index>(place)))];

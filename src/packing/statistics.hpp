@@ -10,8 +10,8 @@ namespace nscdd {
 /// Area of grains over area, overlaps counted twice.
 struct SolidFraction {
   double box = 0;  ///< in the smallest axis-parallel rectangle around all grains
-  /// In the rectangle half as wide and half as high about the same centre, the grains on its border cut
-  /// exactly: that of the bulk, without the gaps along walls, floor and a rough top.
+  /// In the rectangle half as wide and half as high about the same centre, the grains on its border cut exactly: that
+  /// of the bulk, without the gaps along walls, floor and a rough top.
   double middle = 0;
 };
 SolidFraction solid_fraction(const Packing& packing);
@@ -19,11 +19,10 @@ SolidFraction solid_fraction(const Packing& packing);
 /// Area that the disk of radius 1 about the origin has in x <= a, y <= b.
 double disk_corner_area(double a, double b);
 
-/// Rattlers as flags: grains that no load can reach through contacts. A grain with fewer than two contacts
-/// cannot be in equilibrium by contact forces alone; leaving it out takes a contact from its neighbour, and
-/// so on until every other grain has two at least (what is left is the 2-core of the contact graph). Two is
-/// what a grain under gravity rests on; a grain that leans on a wall, which is no grain, may count as a
-/// rattler.
+/// Rattlers as flags: grains that no load can reach through contacts. A grain with fewer than two contacts cannot be in
+/// equilibrium by contact forces alone; leaving it out takes a contact from its neighbour, and so on until every other
+/// grain has two at least (the 2-core of the contact graph). Two is what a grain under gravity rests on; a grain that
+/// leans on a wall, which is no grain, may count as a rattler.
 std::vector<char> rattlers(const ContactNetwork& network);
 
 /// Grains of radius in [from, to), the last class with its upper end.
@@ -33,8 +32,7 @@ struct SizeClass {
   double area = 0;  ///< of those grains, m^2
 };
 
-/// Classes of equal width between the smallest and the largest radius; one class where these are equal to
-/// rounding.
+/// Classes of equal width between the smallest and the largest radius; one class where these are equal to rounding.
 std::vector<SizeClass> size_histogram(const Packing& packing, Index classes = 10);
 
 }  // namespace nscdd

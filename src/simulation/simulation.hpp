@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ddm/granular_two_stage.hpp"
-#include "mechanics/progress_watch.hpp"
+#include "mechanics/gauss_seidel.hpp"
 #include "simulation/dynamics.hpp"
 #include <nscdd/core/table.hpp>
 

@@ -2,7 +2,7 @@
 #include "simulation/step_decomposition.hpp"
 
 #include "ddm/granular_decomposition.hpp"
-#include "mechanics/contact_residual.hpp"
+#include "mechanics/disk_contacts.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
 #include <algorithm>

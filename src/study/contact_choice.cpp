@@ -2,7 +2,6 @@
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/active_set.hpp"
-#include "mechanics/unilateral.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/model.hpp>
 

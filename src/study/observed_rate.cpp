@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/observed_rate.hpp"
 
-#include "linalg/linear_fit.hpp"
 #include "linalg/random.hpp"
+#include "linalg/scalar.hpp"
 #include "study/study.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "study/predicted_observed.hpp"
 
 #include "ddm/frozen_iteration.hpp"
-#include "linalg/linear_fit.hpp"
+#include "linalg/scalar.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 // contacts do.
 #include "../support/granular.hpp"
 #include "ddm/frozen_iteration.hpp"
-#include "linalg/linear_operator.hpp"
+#include "linalg/krylov.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "study/predicted_observed.hpp"
 #include <nscdd/core/error.hpp>

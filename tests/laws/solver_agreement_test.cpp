@@ -2,7 +2,7 @@
 // Dense against sparse subdomains, dense pencils against ARPACK, matrices against applications.
 #include "../support/problems.hpp"
 #include "ddm/two_stage.hpp"
-#include "linalg/linear_operator.hpp"
+#include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>

@@ -5,7 +5,7 @@
 #include "../support/dense.hpp"
 #include "../support/literal_formulas.hpp"
 #include "../support/problems.hpp"
-#include "linalg/linear_operator.hpp"
+#include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "study/observed_rate.hpp"

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/unilateral.hpp"
-
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
-#include "linalg/cone_projection.hpp"
-#include "linalg/nonnegative_quadratic.hpp"
+#include "../support/projected_gradients.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
@@ -16,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -57,7 +55,17 @@ void load_at_random(ReferenceProblem& problem, std::uint64_t seed) {
 
 double energy(const ReferenceProblem& problem, const Vector& v) { return 0.5 * v.dot(problem.inertia.cwiseProduct(v)); }
 
-constexpr UnilateralMethod both[] = {UnilateralMethod::interior_point, UnilateralMethod::projected_gradients};
+enum class Method { interior_point, projected_gradients };
+constexpr Method both[] = {Method::interior_point, Method::projected_gradients};
+
+UnilateralImpulses solve(const ReferenceProblem& problem, Method method, std::optional<Index> maximum_iterations = {},
+                         const Monitor& monitor = {}) {
+  UnilateralOptions cone;
+  QuadraticOptions quadratic;
+  if (maximum_iterations) cone.maximum_iterations = quadratic.maximum_iterations = *maximum_iterations;
+  return method == Method::interior_point ? unilateral_impulses(problem, cone, monitor)
+                                          : by_projected_gradients(problem, quadratic, monitor);
+}
 
 // Seven disks, one in the middle: 12 contacts, of rank 11.
 Case hexagon() {
@@ -91,15 +99,13 @@ std::vector<ReferenceProblem> loaded_problems() {
 
 TEST_CASE("unilateral: two disks share their momentum, or part") {
   const Packing packing{{0.0, 1.0}, {0.0, 0.0}, {0.5, 0.5}, {1.0, 3.0}};
-  for (const UnilateralMethod method : both) {
-    const UnilateralImpulses hit =
-        unilateral_impulses(assemble(packing, detect_contacts(packing), {{1, {-1.0, 0.0}}}), {.method = method});
+  for (const Method method : both) {
+    const UnilateralImpulses hit = solve(assemble(packing, detect_contacts(packing), {{1, {-1.0, 0.0}}}), method);
     CHECK(hit.impulses[0] == doctest::Approx(0.75));
     CHECK(hit.velocities[0] == doctest::Approx(-0.75));
     CHECK(hit.velocities[2] == doctest::Approx(-0.75));
     CHECK(hit.count(UnilateralStatus::carrying) == 1);
-    const UnilateralImpulses leaving =
-        unilateral_impulses(assemble(packing, detect_contacts(packing), {{1, {1.0, 0.0}}}), {.method = method});
+    const UnilateralImpulses leaving = solve(assemble(packing, detect_contacts(packing), {{1, {1.0, 0.0}}}), method);
     CHECK(leaving.impulses[0] == 0);
     CHECK(leaving.count(UnilateralStatus::open) == 1);
     CHECK(leaving.residual == 0);
@@ -119,8 +125,8 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
     const Dense w = delassus(problem);
     const Vector expected = by_enumeration(w, problem.h.transpose() * problem.arriving_velocity);
     REQUIRE(expected.size() == problem.contacts());
-    for (const UnilateralMethod method : both) {
-      const UnilateralImpulses found = unilateral_impulses(problem, {.method = method});
+    for (const Method method : both) {
+      const UnilateralImpulses found = solve(problem, method);
       CAPTURE(seed);
       CHECK(found.converged);
       CHECK((found.separation - expected).cwiseAbs().maxCoeff() < 1e-7);
@@ -145,8 +151,7 @@ TEST_CASE("unilateral: where no bilateral impulse pulls, it is the answer; least
   const RigidImpulses bilateral = rigid_impulses(problem);
   REQUIRE(bilateral.impulses.minCoeff() > 0);
   REQUIRE_FALSE(bilateral.unique);
-  const UnilateralImpulses least =
-      unilateral_impulses(problem, {.method = UnilateralMethod::projected_gradients, .tolerance = 1e-12});
+  const UnilateralImpulses least = by_projected_gradients(problem, {.tolerance = 1e-12});
   CHECK((least.impulses - bilateral.impulses).norm() < 1e-7 * bilateral.impulses.norm());
   const UnilateralImpulses inner = unilateral_impulses(problem);
   CHECK(inner.count(UnilateralStatus::carrying) == problem.contacts());
@@ -164,11 +169,11 @@ TEST_CASE("unilateral: where no bilateral impulse pulls, it is the answer; least
 TEST_CASE("unilateral: complementarity on hundreds of contacts, from quantities computed afresh") {
   for (const ReferenceProblem& problem : loaded_problems()) {
     REQUIRE(problem.contacts() > 250);
-    for (const UnilateralMethod method : both) {
-      const UnilateralImpulses found = unilateral_impulses(problem, {.method = method});
+    for (const Method method : both) {
+      const UnilateralImpulses found = solve(problem, method);
       CHECK(found.converged);
       CHECK(found.iterations > 0);
-      if (method == UnilateralMethod::interior_point) CHECK(found.iterations <= 24);  // few, whatever the packing
+      if (method == Method::interior_point) CHECK(found.iterations <= 24);  // few, whatever the packing
       const Dense w = delassus(problem);
       const Vector b = problem.h.transpose() * problem.arriving_velocity;
       const Vector separation = w * found.impulses + b;
@@ -232,8 +237,7 @@ TEST_CASE("unilateral: the interior point carries wherever another solution does
   Index more = 0;
   for (const ReferenceProblem& problem : loaded_problems()) {
     const UnilateralImpulses interior = unilateral_impulses(problem);
-    const UnilateralImpulses gradients =
-        unilateral_impulses(problem, {.method = UnilateralMethod::projected_gradients, .tolerance = 1e-10});
+    const UnilateralImpulses gradients = by_projected_gradients(problem, {.tolerance = 1e-10});
     const double largest = gradients.impulses.maxCoeff();
     for (Index c = 0; c < problem.contacts(); ++c) {
       if (gradients.impulses[c] > 1e-4 * largest) CHECK(interior.status[at(c)] == UnilateralStatus::carrying);
@@ -284,14 +288,13 @@ TEST_CASE("unilateral: contacts that nothing moves are idle, a load that pulls o
 
 TEST_CASE("unilateral: want of convergence is data, and a monitor stops the work") {
   const ReferenceProblem problem = build(random_lattice(1, 14, 12, {1, 1})).problem;
-  for (const UnilateralMethod method : both) {
-    const UnilateralImpulses few = unilateral_impulses(problem, {.method = method, .maximum_iterations = 4});
+  for (const Method method : both) {
+    const UnilateralImpulses few = solve(problem, method, 4);
     CHECK_FALSE(few.converged);
     CHECK(few.residual > 1e-8);
     CHECK(few.residual < infinity);
     Index calls = 0;
-    const UnilateralImpulses stopped =
-        unilateral_impulses(problem, {.method = method}, [&](Index, Index) { return ++calls < 3; });
+    const UnilateralImpulses stopped = solve(problem, method, {}, [&](Index, Index) { return ++calls < 3; });
     CHECK(calls == 3);
     CHECK_FALSE(stopped.converged);
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dense.hpp"
-#include "linalg/linear_operator.hpp"
+#include "linalg/krylov.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/types.hpp>
 

@@ -2,8 +2,8 @@
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/active_set.hpp"
 #include "mechanics/contact_law.hpp"
-#include "mechanics/unilateral.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 

@@ -4,7 +4,7 @@
 #include "../support/granular.hpp"
 #include "ddm/granular_decomposition.hpp"
 #include "linalg/random.hpp"
-#include "mechanics/contact_residual.hpp"
+#include "mechanics/disk_contacts.hpp"
 
 #include <Eigen/LU>
 #include <doctest/doctest.h>

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/matrices.hpp"
-#include "linalg/arpack.hpp"
-#include "linalg/least_squares.hpp"
-#include "linalg/linear_fit.hpp"
+#include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/range_projector.hpp"
-#include "linalg/scalar_search.hpp"
+#include "linalg/scalar.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/core/error.hpp>

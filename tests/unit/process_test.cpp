@@ -2,7 +2,7 @@
 // What the whole process shares is left as it was found: settings held by guards, BLAS threads, random
 // numbers.
 #include "core/process_guard.hpp"
-#include "linalg/scalar_search.hpp"
+#include "linalg/scalar.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 

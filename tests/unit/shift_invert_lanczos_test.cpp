@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shift-inverted Lanczos on pencils whose eigenvalues are known.
-#include "linalg/shift_invert_lanczos.hpp"
-
 #include "../support/matrices.hpp"
-#include "linalg/arpack.hpp"
+#include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/core/error.hpp>

@@ -10,9 +10,8 @@
 
 namespace nscdd {
 
-/// A factorisation A = L D L^T, up to a permutation, of a sparse symmetric n x n matrix, as the search for
-/// eigenvalues uses it: by Sylvester's law of inertia D has as many negative eigenvalues as A. Most solutions
-/// are wanted on the last m rows only, the border; E = [0; I], n x m.
+/// A = L D L^T, up to a permutation, of a sparse symmetric n x n matrix: by Sylvester's law of inertia D has as many
+/// negative eigenvalues as A. Most solutions are wanted on the last m rows only, the border; E = [0; I], n x m.
 struct InertiaFactor {
   using Solve = std::function<Vector(const Vector&)>;
   bool regular = false;            ///< false where the factorisation broke down; nothing else may then be asked
@@ -26,16 +25,16 @@ struct InertiaFactor {
 /// The matrices that are factorised one after the other: they have one pattern.
 struct InertiaPattern {
   SparseMatrix lower;  ///< n x n, lower triangle, values ignored
-  /// For each row the number of its group, 0 ... groups - 1. Rows of a group should be eliminated together: a
-  /// multiplier of a saddle point belongs with what it ties. -1: with any of the groups that the row touches.
+  /// For each row the number of its group, 0 ... groups - 1, or -1: with any of the groups that the row touches. Rows
+  /// of a group should be eliminated together: a multiplier of a saddle point belongs with what it ties.
   std::vector<Index> group;
   Index border = 0;  ///< m, the number of the last rows; all rows apart from their groups are the interior
 };
 
 /// Factorisations of the matrices of one pattern.
 struct InertiaFamily {
-  /// Factorises the matrix with this lower triangle. `parameters`: matrices of equal parameters have the same
-  /// interior, which may be kept from one to the next.
+  /// Factorises the matrix with this lower triangle. Matrices of equal `parameters` have the same interior, which may
+  /// be kept from one to the next.
   std::function<InertiaFactor(const SparseMatrix& lower, const std::array<double, 2>& parameters)> factorise;
   std::function<void()> release;  ///< frees what is kept
 };
@@ -46,23 +45,22 @@ struct InertiaMethod {
   std::function<InertiaFamily(const InertiaPattern&)> analyse;
 };
 
-/// Our own multifrontal factorisation (src/linalg/ldlt/README.md). It keeps the interior, and solves on the
-/// border without a walk over the interior. The bits do not depend on the number of threads.
+/// Our own multifrontal factorisation (src/linalg/ldlt/README.md). It keeps the interior, and solves on the border
+/// without a walk over it. The bits do not depend on the number of threads.
 InertiaMethod multifrontal();
 
 /// A factor that solves from, to and on the border by whole solves, for methods that know no better.
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);
 
-/// ||d|| / ||x|| on the border, where x = A^-1 E 1 as the factor has it and d is the correction that one step
-/// of iterative refinement makes to it: how far the factor is from exact. Infinite if the ratio is
-/// not a finite number.
+/// How far a factor is from exact: ||d|| / ||x|| on the border, where x = A^-1 E 1 as the factor has it and d is the
+/// correction of one step of iterative refinement. Infinite if the ratio is not a finite number.
 double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border);
 
 /// Inexactness below which an inertia and solutions are used.
 inline constexpr double reliable_inexactness = 1e-3;
 
-/// Factorises with `first`, and where that factor is not regular or not exact enough to be relied on, with
-/// `second`, whose factor is then taken if it is the more exact one.
+/// Factorises with `first`, and where that factor is not regular or not reliable, with `second`; takes the more exact
+/// one.
 InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second);
 
 /// b - A x for a symmetric matrix given by its lower triangle.

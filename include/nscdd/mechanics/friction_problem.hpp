@@ -9,12 +9,10 @@
 
 namespace nscdd {
 
-/// A plane frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities
-/// u,
-///     u = W r + q,
-/// such that every contact obeys Signorini's and Coulomb's laws. Rows 2 c and 2 c + 1 are the normal and the
-/// tangential component of contact c; W is stored in full. Contacts carry impulses (N s) and velocities
-/// (m/s); a file in forces and displacements reads just as well.
+/// A plane frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities u = W r + q
+/// such that every contact obeys Signorini's and Coulomb's laws. Rows 2 c and 2 c + 1 are the normal and the tangential
+/// component of contact c; W is stored in full. Impulses are in N s, velocities in m/s; a file in forces and
+/// displacements reads just as well.
 struct LocalFrictionProblem {
   SparseMatrix w;   ///< W, 2c x 2c, symmetric, 1/kg
   Vector q;         ///< relative velocities without contact impulses, 2c entries
@@ -48,17 +46,15 @@ void check(const GlobalFrictionProblem& problem, const std::string& name);
 /// The diagonal block W_c of a contact; its off-diagonal entry is the mean of both stored ones.
 FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact);
 
-/// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. Each connected piece of the pattern of M,
-/// in most problems one body, is factorised alone: densely if it is small, else by sparse Cholesky. So W
-/// couples only contacts that share a piece. Throws Error, beginning with `name`, for a problem that `check`
-/// refuses and for an M that is not positive definite.
+/// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. Each connected piece of the pattern of M, in most
+/// problems one body, is factorised alone, densely if it is small: W couples only contacts that share a piece. Throws
+/// Error, beginning with `name`, for a problem that `check` refuses and for an M that is not positive definite.
 LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
-/// A problem of plane bodies as the linear study takes it: M is diagonal with three rows per body (two
-/// translations and a rotation), V^- = M^-1 f, and a contact is two links, its normal and its tangent. The
-/// velocities w of supports change no operator and are left out. Throws Error, beginning with `name`, for a
-/// problem that `check` refuses, an M that is not diagonal and positive, and rows that are not three per
-/// body.
+/// A problem of plane bodies as the linear study takes it: M is diagonal with three rows per body (two translations and
+/// a rotation), V^- = M^-1 f, and a contact is two links, its normal and its tangent. The velocities w of supports
+/// change no operator and are left out. Throws Error, beginning with `name`, for a problem that `check` refuses, an M
+/// that is not diagonal and positive, and rows that are not three per body.
 ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
 /// v = M^-1 (H r + f), n entries. The problem must be one that `reduce` accepts.

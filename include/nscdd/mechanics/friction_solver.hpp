@@ -72,11 +72,11 @@ struct FrictionSolution {
   FrictionStatus status = FrictionStatus::converged;
 };
 
-/// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2
-/// problem exactly while the others keep theirs, relaxed by omega. W is stored as compressed rows of 2 x 2
-/// blocks. `guess`: impulses to start from, 2c entries, or empty to start from zero. The problem must pass
-/// `check`. If friction is large, a solution need not exist nor be unique, and the sweeps need not converge;
-/// the status says how they ended. Throws Error for a guess of another length and options out of bounds.
+/// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2 problem
+/// exactly while the others keep theirs, relaxed by omega. `guess`: impulses to start from, 2c entries, or empty for
+/// zero. The problem must pass `check`. If friction is large, a solution need not exist nor be unique, and the sweeps
+/// need not converge; the status says how they ended. Throws Error for a guess of another length and options out of
+/// bounds.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
                                 const Vector& guess = {}, const FrictionObserver& observer = {});
 

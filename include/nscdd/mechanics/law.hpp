@@ -31,8 +31,7 @@ struct LinearViscous {
 };
 
 /// Laws of the linear study: one file and one word here per law. A law has
-///   impulse(free_velocity, delassus)  the impulse r of one contact, solved together with v = free_velocity +
-///                                     delassus r; a Gauss-Seidel sweep needs it
+///   impulse(free_velocity, delassus)  of one contact, with v = free_velocity + delassus r; a sweep needs it
 ///   flexibility()                     of its linear (or linearised) form, 1/kg; S = X_epsilon needs it
 using Law = std::variant<LinearViscous>;
 

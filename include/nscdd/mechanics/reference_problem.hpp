@@ -10,11 +10,11 @@
 
 namespace nscdd {
 
-/// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the
-/// centre of mass x_c,
+/// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the centre of
+/// mass,
 ///     V^-_i = D (x_i - x_c),   D = [ -compression_x  shear ; shear  -compression_y ],  1/s.
-/// D symmetric is no restriction: a rotation opens and closes no contact. Nor does a uniform velocity or
-/// acceleration (gravity): without walls the packing just moves. No net momentum is brought in.
+/// D symmetric is no restriction: a rotation opens and closes no contact. Nor does a uniform velocity or acceleration
+/// (gravity): without walls the packing just moves. No net momentum is brought in.
 struct Loads {
   std::array<double, 2> compression{0, 0};
   double shear = 0;
@@ -55,15 +55,14 @@ struct ReferenceProblem {
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
 
-/// Throws Error, which says how to give one, if no grain has an arriving velocity: all impulses would be
-/// zero.
+/// Throws Error, which says how to give one, if no grain has an arriving velocity: all impulses would be zero.
 void require_arriving_velocity(const ReferenceProblem& problem);
 
 /// Grains that a contact acts on, ascending, read off the pattern of H.
 std::vector<Index> grains_of_contact(const ReferenceProblem& problem, Index contact);
 
-/// Scale of flexibilities: the mean over the contacts of W_nn = h_n^T M^-1 h_n, h_n their normal columns of
-/// H, 1/kg. With masses m_i, m_j of the grains of a contact, W_nn = 1/m_i + 1/m_j. 0 without contacts.
+/// Scale of flexibilities: the mean over the contacts of W_nn = h_n^T M^-1 h_n, h_n their normal columns of H, 1/kg:
+/// that is 1/m_i + 1/m_j for two grains. 0 without contacts.
 double mean_normal_delassus(const ReferenceProblem& problem);
 
 /// M^-1/2 H: its Gram matrix is the Delassus operator W = H^T M^-1 H, its rank that of W.

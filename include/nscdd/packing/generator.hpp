@@ -10,8 +10,7 @@
 
 namespace nscdd {
 
-/// Every generator of packings: one file and one word here. Each has `name`, `summary`, fields and
-/// `generate`.
+/// Every generator of packings: one file and one word here. Each has `name`, `summary`, fields and `generate`.
 using Generator = std::variant<TriangularStrip, HexagonalLattice, Deposit>;
 
 /// The packing of a generator. The monitor counts grains; one that asks to stop leaves those there are.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/one_metis.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
 

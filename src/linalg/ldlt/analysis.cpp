@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/ldlt/analysis.hpp"
 
-#include "linalg/ldlt/ordering.hpp"
+#include "linalg/cholmod_factor.hpp"
+#include "linalg/ldlt/factor.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
+
+#include <metis.h>
 
 #include <algorithm>
+#include <new>
+#include <numeric>
 #include <utility>
 
 namespace nscdd {
@@ -11,14 +18,98 @@ namespace {
 
 constexpr Index panel_width = 128;  // columns among which pivots are sought
 
+// Adjacency of row groups. The neighbours of group g, without g itself and ascending, are
+// neighbours[start[g]] ... neighbours[start[g + 1] - 1].
+struct GroupGraph {
+  std::vector<int> start{0}, neighbours;
+};
+
+// Supernodes of the groups: runs of groups whose columns of the factor have the same rows below them. A
+// "position" is the place of a group in the elimination order.
+struct Supernodes {
+  std::vector<int> group;         // at each position
+  std::vector<int> first_column;  // supernode s eliminates positions first_column[s] ... first_column[s + 1] - 1
+  std::vector<int> first_row;     // its rows are rows[first_row[s]] ... rows[first_row[s + 1] - 1]
+  std::vector<int> rows;          // as positions, ascending; those that s eliminates come first
+  Index size() const { return static_cast<Index>(first_column.size()) - 1; }
+};
+
+std::vector<int> nested_dissection(GroupGraph graph, std::vector<int> weight) {
+  auto n = static_cast<idx_t>(weight.size());
+  std::vector<idx_t> order(weight.size()), position(weight.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (graph.neighbours.empty()) return order;  // METIS does not take a graph without edges
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  const OneMetis one_at_a_time;
+  if (METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.data(), options, order.data(),
+                   position.data()) != METIS_OK)
+    throw std::bad_alloc();
+  return order;
+}
+
+// The groups marked `last` are cut out of the graph and put behind the dissection of the others.
+std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector<int>& weight,
+                                      const std::vector<char>& last) {
+  if (last.empty()) return nested_dissection(graph, weight);
+  std::vector<int> kept, number(weight.size(), -1), kept_weight, order, tail;
+  for (std::size_t g = 0; g < weight.size(); ++g)
+    if (last[g]) {
+      tail.push_back(static_cast<int>(g));
+    } else {
+      number[g] = static_cast<int>(kept.size());
+      kept.push_back(static_cast<int>(g));
+      kept_weight.push_back(weight[g]);
+    }
+  GroupGraph inner;
+  for (const int g : kept) {
+    for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
+      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0) inner.neighbours.push_back(other);
+    inner.start.push_back(static_cast<int>(inner.neighbours.size()));
+  }
+  for (const int k : nested_dissection(inner, kept_weight)) order.push_back(kept[at(k)]);
+  order.insert(order.end(), tail.begin(), tail.end());
+  return order;
+}
+
+// Orders groups of `weight` rows each by nested dissection (METIS), those marked in `last` (one flag per
+// group, or none) behind all others, and finds the supernodes of that order (CHOLMOD's symbolic
+// factorisation). Throws std::bad_alloc where the libraries run out of memory.
+Supernodes ordered_supernodes(const GroupGraph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
+  if (weight.empty()) return {.group = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
+  std::vector<int> order = dissection_with_last(graph, weight, last), start{0}, rows;
+  for (int j = 0; j < static_cast<int>(order.size()); ++j) {  // lower triangle with its diagonal
+    rows.push_back(j);
+    for (int k = graph.start[at(j)]; k < graph.start[at(j + 1)]; ++k)
+      if (graph.neighbours[at(k)] > j) rows.push_back(graph.neighbours[at(k)]);
+    start.push_back(static_cast<int>(rows.size()));
+  }
+  cholmod_sparse a = lower_triangle_view(order.size(), rows.size(), start.data(), rows.data(), nullptr);
+  CholmodFactor cholmod(CHOLMOD_GIVEN);
+  cholmod.common.supernodal = CHOLMOD_SUPERNODAL;
+  cholmod.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &cholmod.common);
+  cholmod.require_memory(cholmod.factor != nullptr && cholmod.common.status >= CHOLMOD_OK);
+  const cholmod_factor* const factor = cholmod.factor;
+  const auto numbers = [](const void* from, std::size_t size) {
+    const auto* const first = static_cast<const int*>(from);
+    return std::vector<int>(first, first + size);
+  };
+  Supernodes nodes{.group = numbers(factor->Perm, order.size()),
+                   .first_column = numbers(factor->super, factor->nsuper + 1),
+                   .first_row = numbers(factor->pi, factor->nsuper + 1),
+                   .rows = {}};
+  nodes.rows = numbers(factor->s, at(nodes.first_row.back()));
+  return nodes;
+}
+
 // For each row without a group of its own, the groups that it touches.
 std::vector<std::vector<Index>> touched_groups(const SparseMatrix& pattern, const std::vector<Index>& group) {
   std::vector<std::vector<Index>> touched(group.size());
-  for (Index j = 0; j < pattern.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(pattern, j); e; ++e) {
-      if (group[at(e.row())] < 0 && group[at(j)] >= 0) touched[at(e.row())].push_back(group[at(j)]);
-      if (group[at(j)] < 0 && group[at(e.row())] >= 0) touched[at(j)].push_back(group[at(e.row())]);
-    }
+  for_entries(pattern, [&](Index i, Index j, double) {
+    if (group[at(i)] < 0 && group[at(j)] >= 0) touched[at(i)].push_back(group[at(j)]);
+    if (group[at(j)] < 0 && group[at(i)] >= 0) touched[at(j)].push_back(group[at(i)]);
+  });
   return touched;
 }
 
@@ -30,9 +121,9 @@ GroupGraph group_graph(const SparseMatrix& pattern, const std::vector<Index>& gr
     lists[at(a)].push_back(static_cast<int>(b));
     lists[at(b)].push_back(static_cast<int>(a));
   };
-  for (Index j = 0; j < pattern.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(pattern, j); e; ++e)
-      if (group[at(e.row())] >= 0 && group[at(j)] >= 0) connect(group[at(e.row())], group[at(j)]);
+  for_entries(pattern, [&](Index i, Index j, double) {
+    if (group[at(i)] >= 0 && group[at(j)] >= 0) connect(group[at(i)], group[at(j)]);
+  });
   for (const std::vector<Index>& together : touched)
     for (std::size_t i = 0; i < together.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) connect(together[i], together[j]);
@@ -63,8 +154,6 @@ double elimination_flops(const Front& front) {  // the sum over the pivots of (r
   return (first * first * first - last * last * last) / 3;
 }
 
-}  // namespace
-
 // The rows of the matrix in their groups, and the supernode and the position of each group.
 struct RowGroups {
   RowGroups(std::vector<Index> of_rows, const std::vector<std::vector<Index>>& touched, Index groups,
@@ -93,90 +182,73 @@ struct RowGroups {
   std::vector<Index> position_of;         // of a group
 };
 
-SymmetricAnalysis::Implementation::Implementation(const SparseMatrix& pattern, std::vector<Index> group,
-                                                  const std::vector<char>& last, const std::vector<Index>& border_rows)
-    : size(pattern.rows()), border(border_rows) {
-  const Index groups = size == 0 ? 0 : *std::max_element(group.begin(), group.end()) + 1;
-  std::vector<int> weight(at(groups), 0);
-  for (const Index g : group)
-    if (g >= 0) ++weight[at(g)];
-  const std::vector<std::vector<Index>> touched = touched_groups(pattern, group);
-  const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, last);
-  const RowGroups rows(std::move(group), touched, groups, nodes);
-  lay_out_fronts(nodes, rows);
-  share_out_entries(pattern, rows);
-  place_rows(rows);
-  mark_border();
-}
-
 // One front for each supernode.
-void SymmetricAnalysis::Implementation::lay_out_fronts(const Supernodes& nodes, const RowGroups& groups) {
-  fronts.resize(at(nodes.size()));
+void lay_out_fronts(FrontTree& tree, const Supernodes& nodes, const RowGroups& groups) {
+  tree.fronts.resize(at(nodes.size()));
   for (Index s = 0; s < nodes.size(); ++s) {
-    Front& front = fronts[at(s)];
-    front.first_row = count(row_of);
+    Front& front = tree.fronts[at(s)];
+    front.first_row = count(tree.row_of);
     const int pivot_groups = nodes.first_column[at(s + 1)] - nodes.first_column[at(s)];
     const int first = nodes.first_row[at(s)], end = nodes.first_row[at(s + 1)];
     std::vector<Index> ends;
     for (int k = first; k < end; ++k) {
       const std::vector<int>& members = groups.members[at(nodes.group[at(nodes.rows[at(k)])])];
-      row_of.insert(row_of.end(), members.begin(), members.end());
-      if (k - first < pivot_groups) ends.push_back(count(row_of) - front.first_row);
+      tree.row_of.insert(tree.row_of.end(), members.begin(), members.end());
+      if (k - first < pivot_groups) ends.push_back(count(tree.row_of) - front.first_row);
     }
-    front.rows = count(row_of) - front.first_row;
+    front.rows = count(tree.row_of) - front.first_row;
     front.pivots = ends.back();
     front.panels = cut_panels(ends);
     if (first + pivot_groups < end) front.parent = groups.supernode[at(nodes.rows[at(first + pivot_groups)])];
     front.subtree_flops += elimination_flops(front);
-    factor_entries +=
+    tree.factor_entries +=
         static_cast<double>(front.pivots) * (static_cast<double>(front.rows + front.update_rows()) + 1) / 2;
     if (front.parent >= 0) {
-      fronts[at(front.parent)].children.push_back(s);
-      fronts[at(front.parent)].subtree_flops += front.subtree_flops;
+      tree.fronts[at(front.parent)].children.push_back(s);
+      tree.fronts[at(front.parent)].subtree_flops += front.subtree_flops;
     }
   }
-  front_of_row.resize(at(size));
-  for (Index i = 0; i < size; ++i) front_of_row[at(i)] = static_cast<int>(groups.front(i));
+  tree.front_of_row.resize(at(tree.rows));
+  for (Index i = 0; i < tree.rows; ++i) tree.front_of_row[at(i)] = static_cast<int>(groups.front(i));
 }
 
 // Each entry of the matrix belongs to the front that eliminates the earlier of its two rows.
-void SymmetricAnalysis::Implementation::share_out_entries(const SparseMatrix& pattern, const RowGroups& groups) {
-  const auto for_entries = [&](auto&& visit) {
+void share_out_entries(FrontTree& tree, const SparseMatrix& pattern, const RowGroups& groups) {
+  const auto for_front_entries = [&](auto&& visit) {
     int source = 0;
-    for (Index j = 0; j < size; ++j)
-      for (SparseMatrix::InnerIterator e(pattern, j); e; ++e, ++source) {
-        const Index earlier = groups.position(e.row()) < groups.position(j) ? e.row() : j;
-        visit(fronts[at(groups.front(earlier))], FrontEntry{source, static_cast<int>(e.row()), static_cast<int>(j)});
-      }
+    for_entries(pattern, [&](Index i, Index j, double) {
+      const Index earlier = groups.position(i) < groups.position(j) ? i : j;
+      visit(tree.fronts[at(groups.front(earlier))], FrontEntry{source++, static_cast<int>(i), static_cast<int>(j)});
+    });
   };
-  for_entries([](Front& front, const FrontEntry&) { ++front.last_entry; });  // counts them
+  for_front_entries([](Front& front, const FrontEntry&) { ++front.last_entry; });  // counts them
   Index next = 0;
-  for (Front& front : fronts) {
+  for (Front& front : tree.fronts) {
     const Index entries_of_front = front.last_entry;
     front.first_entry = front.last_entry = next;
     next += entries_of_front;
   }
-  entries.resize(at(next));
-  for_entries([&](Front& front, const FrontEntry& entry) { entries[at(front.last_entry++)] = entry; });
+  tree.entries.resize(at(next));
+  for_front_entries([&](Front& front, const FrontEntry& entry) { tree.entries[at(front.last_entry++)] = entry; });
 }
 
 // From rows of the matrix to places in a front, for its entries and for the updates of its children.
-void SymmetricAnalysis::Implementation::place_rows(const RowGroups& groups) {
-  place_in_parent.assign(row_of.size(), -1);
+void place_rows(FrontTree& tree, const RowGroups& groups) {
+  tree.place_in_parent.assign(tree.row_of.size(), -1);
   std::vector<int> first(groups.supernode.size(), 0);  // place of the first row of a group, by position
   const auto place = [&](int row) { return first[at(groups.position(row))] + groups.rank[at(row)]; };
-  for (const Front& front : fronts) {
+  for (const Front& front : tree.fronts) {
     for (Index i = 0; i < front.rows; ++i) {
-      const int row = row_of[at(front.first_row + i)];
+      const int row = tree.row_of[at(front.first_row + i)];
       if (groups.rank[at(row)] == 0) first[at(groups.position(row))] = static_cast<int>(i);
     }
     for (const Index c : front.children)
-      for (Index i = fronts[at(c)].pivots; i < fronts[at(c)].rows; ++i) {
-        const Index k = fronts[at(c)].first_row + i;
-        place_in_parent[at(k)] = place(row_of[at(k)]);
+      for (Index i = tree.fronts[at(c)].pivots; i < tree.fronts[at(c)].rows; ++i) {
+        const Index k = tree.fronts[at(c)].first_row + i;
+        tree.place_in_parent[at(k)] = place(tree.row_of[at(k)]);
       }
     for (Index k = front.first_entry; k < front.last_entry; ++k) {
-      FrontEntry& entry = entries[at(k)];
+      FrontEntry& entry = tree.entries[at(k)];
       const int a = place(entry.row), b = place(entry.column);
       entry.row = std::max(a, b);
       entry.column = std::min(a, b);
@@ -184,26 +256,43 @@ void SymmetricAnalysis::Implementation::place_rows(const RowGroups& groups) {
   }
 }
 
-void SymmetricAnalysis::Implementation::mark_border() {
-  for (const Index row : border)
-    for (Index s = front_of_row[at(row)]; s >= 0 && !fronts[at(s)].on_border; s = fronts[at(s)].parent)
-      fronts[at(s)].on_border = true;
-  for (Index s = 0; s < count(fronts); ++s) {
-    const Front& front = fronts[at(s)];
-    if (!front.on_border && (front.parent < 0 || fronts[at(front.parent)].on_border)) interior_roots.push_back(s);
+void mark_border(FrontTree& tree) {
+  for (const Index row : tree.border)
+    for (Index s = tree.front_of_row[at(row)]; s >= 0 && !tree.fronts[at(s)].on_border; s = tree.fronts[at(s)].parent)
+      tree.fronts[at(s)].on_border = true;
+  for (Index s = 0; s < count(tree.fronts); ++s) {
+    const Front& front = tree.fronts[at(s)];
+    if (!front.on_border && (front.parent < 0 || tree.fronts[at(front.parent)].on_border))
+      tree.interior_roots.push_back(s);
   }
 }
 
-SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
-                                     const std::vector<char>& last, const std::vector<Index>& border)
-    : implementation_(std::make_shared<const Implementation>(pattern, group, last, border)) {}
+}  // namespace
 
-Index SymmetricAnalysis::rows() const { return implementation_->size; }
-double SymmetricAnalysis::entries() const { return implementation_->factor_entries; }
+SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
+                                     const std::vector<char>& last, const std::vector<Index>& border) {
+  const Index groups = group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
+  std::vector<int> weight(at(groups), 0);
+  for (const Index g : group)
+    if (g >= 0) ++weight[at(g)];
+  const std::vector<std::vector<Index>> touched = touched_groups(pattern, group);
+  const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, last);
+  const RowGroups rows(group, touched, groups, nodes);
+  const auto tree = std::make_shared<FrontTree>();
+  tree->rows = pattern.rows();
+  tree->border = border;
+  lay_out_fronts(*tree, nodes, rows);
+  share_out_entries(*tree, pattern, rows);
+  place_rows(*tree, rows);
+  mark_border(*tree);
+  tree_ = tree;
+}
+
+double SymmetricAnalysis::entries() const { return tree_->factor_entries; }
+
 double SymmetricAnalysis::flops() const {
   double all = 0;
-  for (const Front& front : implementation_->fronts)
-    if (front.parent < 0) all += front.subtree_flops;
+  tree_->for_roots(false, [&](Index s) { all += tree_->front(s).subtree_flops; });
   return all;
 }
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/ldlt/factor.hpp"
+#include <nscdd/core/types.hpp>
+
+#include <tbb/task_group.h>
 
 #include <vector>
 
 namespace nscdd {
 
-/// One front of the multifrontal method, a dense symmetric matrix of `rows` rows, of which the first `pivots`
-/// are eliminated.
+/// One front of the multifrontal method, a dense symmetric matrix of `rows` rows, of which the first `pivots` are
+/// eliminated.
 struct Front {
   Index first_row = 0;  ///< of its `rows` entries in row_of
   Index rows = 0, pivots = 0;
@@ -27,16 +29,9 @@ struct FrontEntry {
   int row = 0, column = 0;  ///< in the front, row >= column
 };
 
-struct RowGroups;
-struct Supernodes;
-
-class SymmetricAnalysis::Implementation {
- public:
-  /// The arguments of SymmetricAnalysis.
-  Implementation(const SparseMatrix& pattern, std::vector<Index> group, const std::vector<char>& last,
-                 const std::vector<Index>& border);
-
-  Index size = 0;
+/// The elimination tree, and walks over it in parallel over subtrees with enough work for a task.
+struct FrontTree {
+  Index rows = 0;                     ///< of the matrix
   std::vector<Front> fronts;          ///< children before parents
   std::vector<int> row_of;            ///< rows of the matrix, front by front, pivots first
   std::vector<int> place_in_parent;   ///< at row_of's positions: place of an update row in the parent's rows
@@ -46,11 +41,48 @@ class SymmetricAnalysis::Implementation {
   std::vector<Index> interior_roots;  ///< fronts off the border whose parents, if any, are on it
   double factor_entries = 0;
 
+  const Front& front(Index s) const { return fronts[at(s)]; }
+  Index size() const { return count(fronts); }
+  const int* rows_of(const Front& front) const { return row_of.data() + front.first_row; }
+  const int* places_of_updates(const Front& child) const {
+    return place_in_parent.data() + child.first_row + child.pivots;
+  }
+
+  /// Calls visit(front) for all fronts of the subtree, or for those on the border only; children before parents.
+  template <class Visit>
+  void up(Index s, bool border_only, const Visit& visit) const {
+    for_children(s, border_only, [&](Index c) { up(c, border_only, visit); });
+    visit(s);
+  }
+  template <class Visit>
+  void down(Index s, bool border_only, const Visit& visit) const {
+    visit(s);
+    for_children(s, border_only, [&](Index c) { down(c, border_only, visit); });
+  }
+  template <class Visit>
+  void for_roots(bool border_only, const Visit& visit) const {
+    for (Index s = 0; s < size(); ++s)
+      if (front(s).parent < 0 && (!border_only || front(s).on_border)) visit(s);
+  }
+
  private:
-  void lay_out_fronts(const Supernodes& nodes, const RowGroups& groups);
-  void share_out_entries(const SparseMatrix& pattern, const RowGroups& groups);
-  void place_rows(const RowGroups& groups);
-  void mark_border();
+  static constexpr double parallel_subtree_flops = 2e6;  // below, a task costs more than it brings
+
+  template <class Visit>
+  void for_children(Index s, bool border_only, const Visit& visit) const {
+    const auto one = [&](Index c) {
+      if (!border_only || front(c).on_border) visit(c);
+    };
+    const std::vector<Index>& children = front(s).children;
+    if (front(s).subtree_flops < parallel_subtree_flops || children.size() < 2) {
+      for (const Index c : children) one(c);
+      return;
+    }
+    tbb::task_group tasks;
+    for (std::size_t k = 1; k < children.size(); ++k) tasks.run([&one, c = children[k]] { one(c); });
+    one(children[0]);
+    tasks.wait();
+  }
 };
 
 }  // namespace nscdd

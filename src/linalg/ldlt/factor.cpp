@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/ldlt/factor.hpp"
+
 #include "linalg/ldlt/fronts.hpp"
 #include "linalg/threads.hpp"
 
+#include <sys/mman.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <new>
 
 namespace nscdd {
 namespace {
 
+constexpr std::size_t huge_page = 2 << 20, large_from = 4 * huge_page;  // bytes
 constexpr Index block_columns = 128;  // so many columns of an update matrix are one task
 
 Index negative_pivots(const Block& diagonal, const double* e) {
@@ -110,16 +116,15 @@ class Elimination {
   // Entries of the matrix, then the updates of the children in their order.
   void assemble(Index s, Block& columns, Matrix& update) const {
     const Front& front = tree_.front(s);
-    const auto& entries = tree_.analysis->entries;
     for (Index k = front.first_entry; k < front.last_entry; ++k) {
-      const FrontEntry& entry = entries[at(k)];
+      const FrontEntry& entry = tree_.entries[at(k)];
       columns(entry.row, entry.column) += values_[entry.source];
     }
     for (const Index c : front.children) {
       const Front& child = tree_.front(c);
       const bool kept = child.on_border != front.on_border;
       const Matrix& from = (kept ? *below_ : result_).updates[at(c)];
-      const int* place = tree_.analysis->place_in_parent.data() + child.first_row + child.pivots;
+      const int* place = tree_.places_of_updates(child);
       for (Index j = 0; j < from.cols(); ++j) {
         const Index column = place[j];
         double* to = column < front.pivots ? &columns(0, column)
@@ -137,54 +142,79 @@ class Elimination {
   const EliminatedFronts* below_;
 };
 
+// Size of the columns of all fronts on the border, or of all others.
+Index column_entries(const FrontTree& tree, bool on_border) {
+  Index sum = 0;
+  for (const Front& front : tree.fronts)
+    if (front.on_border == on_border) sum += front.rows * front.pivots;
+  return sum;
+}
+
+LargeArray memory_of_factor(const InteriorFronts& interior) {
+  const std::lock_guard lock(interior.mutex);
+  return interior.left ? std::move(interior.left) : large_array(column_entries(*interior.tree, true));
+}
+
 }  // namespace
 
-SymmetricInterior::Implementation::Implementation(std::shared_ptr<const FrontTree::Analysis> analysis,
-                                                  const SparseMatrix& lower)
-    : tree(std::move(analysis)), fronts(tree, false, LargeArray(tree.entries(false))) {
-  const Elimination elimination(tree, lower, fronts, nullptr);
-  const std::vector<Index>& roots = tree.analysis->interior_roots;
+LargeArray large_array(Index size) {
+  const std::size_t bytes = at(size) * sizeof(double);
+  const bool large = bytes >= large_from;
+  const std::size_t whole_pages = (bytes / huge_page + 1) * huge_page;
+  void* const memory =
+      large ? std::aligned_alloc(huge_page, whole_pages) : std::malloc(std::max<std::size_t>(bytes, 1));
+  if (memory == nullptr) throw std::bad_alloc();
+#ifdef MADV_HUGEPAGE
+  if (large) madvise(memory, whole_pages, MADV_HUGEPAGE);  // may be refused; small pages serve as well
+#endif
+  return LargeArray(static_cast<double*>(memory));
+}
+
+EliminatedFronts::EliminatedFronts(const FrontTree& tree, bool on_border, LargeArray memory)
+    : columns(std::move(memory)), factors(at(tree.size())), updates(at(tree.size())) {
+  double* next = columns.get();
+  for (Index s = 0; s < tree.size(); ++s) {
+    if (tree.front(s).on_border != on_border) continue;
+    factors[at(s)].columns = next;
+    next += tree.front(s).rows * tree.front(s).pivots;
+  }
+}
+
+InteriorFronts::InteriorFronts(std::shared_ptr<const FrontTree> analysis, const SparseMatrix& lower)
+    : tree(std::move(analysis)), fronts(*tree, false, large_array(column_entries(*tree, false))) {
+  const Elimination elimination(*tree, lower, fronts, nullptr);
+  const std::vector<Index>& roots = tree->interior_roots;
   tbb::parallel_for(Index{0}, count(roots),
-                    [&](Index k) { tree.up(roots[at(k)], false, [&](Index s) { elimination.eliminate(s); }); });
+                    [&](Index k) { tree->up(roots[at(k)], false, [&](Index s) { elimination.eliminate(s); }); });
 }
 
-LargeArray SymmetricInterior::Implementation::memory() const {
-  const std::lock_guard lock(mutex_);
-  if (!left_) return LargeArray(tree.entries(true));
-  LargeArray memory = std::move(*left_);
-  left_.reset();
-  return memory;
-}
-
-void SymmetricInterior::Implementation::keep(LargeArray memory) const {
-  const std::lock_guard lock(mutex_);
-  left_ = std::move(memory);
-}
-
-SymmetricFactor::Implementation::Implementation(
-    std::shared_ptr<const SymmetricInterior::Implementation> interior_fronts, const SparseMatrix& lower)
-    : interior(std::move(interior_fronts)), tree(interior->tree), border(tree, true, interior->memory()) {
+FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts, const SparseMatrix& lower)
+    : interior(std::move(interior_fronts)), tree(*interior->tree), border(tree, true, memory_of_factor(*interior)) {
   const Elimination elimination(tree, lower, border, &interior->fronts);
   tree.for_roots(true, [&](Index root) { tree.up(root, true, [&](Index s) { elimination.eliminate(s); }); });
   border.updates.clear();
 }
 
+FactorFronts::~FactorFronts() {
+  const std::lock_guard lock(interior->mutex);
+  interior->left = std::move(border.columns);
+}
+
 SymmetricInterior::SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower) {
-  with_threads([&] { implementation_ = std::make_shared<const Implementation>(analysis.implementation_, lower); });
+  with_threads([&] { fronts_ = std::make_shared<const InteriorFronts>(analysis.tree_, lower); });
 }
 
 SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower)
     : SymmetricFactor(SymmetricInterior(analysis, lower), lower) {}
 
 SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower) {
-  with_threads([&] { implementation_ = std::make_shared<const Implementation>(interior.implementation_, lower); });
+  with_threads([&] { fronts_ = std::make_shared<const FactorFronts>(interior.fronts_, lower); });
 }
 
-bool SymmetricFactor::regular() const {
-  return !implementation_->interior->fronts.singular && !implementation_->border.singular;
-}
+bool SymmetricFactor::regular() const { return !fronts_->interior->fronts.singular && !fronts_->border.singular; }
+
 Index SymmetricFactor::negative_eigenvalues() const {
-  return implementation_->interior->fronts.negative + implementation_->border.negative;
+  return fronts_->interior->fronts.negative + fronts_->border.negative;
 }
 
 }  // namespace nscdd

@@ -8,54 +8,48 @@
 
 namespace nscdd {
 
-/// Elimination order and fronts of the multifrontal factorisation of one sparsity pattern, made once and used
-/// for every matrix of that pattern: nested dissection (METIS) of the graph of row groups, supernodes of the
-/// groups (CHOLMOD).
+struct FrontTree;
+struct InteriorFronts;
+struct FactorFronts;
+
+/// Elimination order and fronts of one sparsity pattern, for every matrix that has it: nested dissection (METIS) of the
+/// graph of row groups, supernodes of the groups (CHOLMOD).
 class SymmetricAnalysis {
  public:
-  /// `pattern`: n x n symmetric, lower triangle stored, values ignored.
-  /// `group`: for each row the number of its group, 0 ... groups - 1. Rows of a group are eliminated
-  /// together, so that pivots can be chosen among them: a multiplier of a saddle point belongs with what it
-  /// ties. -1 puts a row with the last of the groups that it touches, one at least; by then all that the row
-  /// ties can serve as its pivot. `last`: flags, one per group, of groups to be eliminated after all others,
-  /// which makes `SymmetricFactor::inverse_block` on their rows cheap; may be empty. `border`: rows on which
-  /// solutions are wanted, and to which the differences between the matrices of a family are confined: only
-  /// entries between two rows of groups of the border may differ. Fronts that lie on no way from a border row
-  /// to the root then serve the whole family, see SymmetricInterior. Throws std::bad_alloc if the libraries
-  /// run out of memory.
+  /// `pattern`: n x n symmetric, lower triangle stored, values ignored. `group`: for each row the number of its group,
+  /// 0 ... groups - 1. Rows of a group are eliminated together, so that pivots can be chosen among them: a multiplier
+  /// of a saddle point belongs with what it ties. -1 puts a row with the last of the groups that it touches, one at
+  /// least; by then all that the row ties can serve as its pivot. `last`: flags, one per group or none, of groups to be
+  /// eliminated after all others, which makes `SymmetricFactor::inverse_block` on their rows cheap. `border`: rows on
+  /// which solutions are wanted. The matrices of a family may differ between two rows of groups of the border only;
+  /// fronts on no way from a border row to the root then serve the whole family, see SymmetricInterior. Throws
+  /// std::bad_alloc if the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last = {},
                     const std::vector<Index>& border = {});
 
-  Index rows() const;
   double entries() const;  ///< entries of the factor
   double flops() const;    ///< multiplications and additions of one factorisation
-  class Implementation;
 
  private:
   friend class SymmetricInterior;
-  std::shared_ptr<const Implementation> implementation_;
+  std::shared_ptr<const FrontTree> tree_;
 };
 
-/// The elimination of all that is apart from the border rows of an analysis. Factorisations of matrices that
-/// differ only between rows of the groups of the border have it in common.
+/// The elimination of all apart from the border: factorisations of a family of matrices have it in common.
 class SymmetricInterior {
  public:
   SymmetricInterior(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
-  class Implementation;
 
  private:
   friend class SymmetricFactor;
-  std::shared_ptr<const Implementation> implementation_;
+  std::shared_ptr<const InteriorFronts> fronts_;
 };
 
-/// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks
-/// (Bunch-Kaufman pivoting inside panels of whole groups, LAPACK dsytrf). Fronts are factorised in parallel
-/// along the elimination tree; every sum is taken in an order fixed by the analysis, so the bits do not
-/// depend on the number of threads.
-///
-/// By Sylvester's law of inertia D has as many negative eigenvalues as the matrix whose exact factors these
-/// are. Pivots are not delayed from front to front, so the caller must see that this matrix is near enough to
-/// A.
+/// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks (Bunch-Kaufman
+/// pivoting inside panels of whole groups, LAPACK dsytrf). Fronts are factorised in parallel along the elimination
+/// tree. Every sum is taken in an order fixed by the analysis, so the bits do not depend on the number of threads. By
+/// Sylvester's law of inertia D has as many negative eigenvalues as the matrix whose exact factors these are. Pivots
+/// are not delayed from front to front: the caller must see that this matrix is near enough to A.
 class SymmetricFactor {
  public:
   SymmetricFactor(const SymmetricAnalysis& analysis, const SparseMatrix& lower);
@@ -66,10 +60,9 @@ class SymmetricFactor {
   Index negative_eigenvalues() const;   ///< of A, with multiplicity
   Vector solve(const Vector& b) const;  ///< A^-1 b
 
-  /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts one value for each border row into its place among
-  /// zeros. The bits are those of `solve`, with less work: the way from or to the border leads through few
-  /// fronts. Throws Error if the analysis has no border, or if g has not one value for each border row, in
-  /// their order.
+  /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts one value for each border row, in their order, into its place
+  /// among zeros. The bits are those of `solve`, with less work: the way from or to the border leads through few
+  /// fronts. Throws Error if the analysis has no border, or if g has another size.
   Vector solve_from_border(const Vector& g) const;
   Vector solve_to_border(const Vector& b) const;
   Vector solve_on_border(const Vector& g) const;
@@ -77,14 +70,12 @@ class SymmetricFactor {
   /// (A^-1)_{rows, rows}; only the fronts on the way from these rows to the root take part.
   Matrix inverse_block(const std::vector<Index>& rows) const;
 
-  /// Among the rows from `first` on whose pivots are 1 x 1, the `wanted` rows with the pivots of smallest
-  /// modulus, or as many as there are, ascending.
+  /// Among the rows from `first` on whose pivots are 1 x 1, the `wanted` rows with the pivots of smallest modulus, or
+  /// as many as there are, ascending.
   std::vector<Index> smallest_pivots(Index wanted, Index first) const;
 
-  class Implementation;
-
  private:
-  std::shared_ptr<const Implementation> implementation_;
+  std::shared_ptr<const FactorFronts> fronts_;
 };
 
 }  // namespace nscdd

@@ -27,10 +27,9 @@ struct Coulomb {
       const LocalVector free = w.apply({-stop.n, -stop.t});
       if (free.n >= 0) return {};
       if (std::abs(stop.t) <= friction * stop.n) return stop;
-      // v_n = 0 holds on the line W_nn r_n + W_nt r_t = -free_n, which meets the cone at r_t = 0 and leaves
-      // it for `stop` through the edge on its side, with the velocity against the impulse: that crossing
-      // always exists, and is the one solution. (No test of v_t: rounding must not open a contact that just
-      // slips.)
+      // v_n = 0 holds on the line W_nn r_n + W_nt r_t = -free_n, which meets the cone at r_t = 0 and leaves it for
+      // `stop` through the edge on its side, with the velocity against the impulse: that crossing always exists, and is
+      // the one solution. (No test of v_t: rounding must not open a contact that just slips.)
       const double slope = std::copysign(friction, stop.t);
       const double n = std::max(0.0, -free.n / (w.nn + slope * w.nt));
       return {n, slope * n};

@@ -21,8 +21,7 @@ std::vector<double> draw(RandomStream& random, Index sites) {
   return numbers;
 }
 
-// The sites of the smallest numbers, as flags: exactly as many as asked, and nested from fraction to
-// fraction.
+// The sites of the smallest numbers, as flags: exactly as many as asked, and nested from fraction to fraction.
 std::vector<char> vacant_sites(const std::vector<double>& numbers, double fraction) {
   const auto sites = static_cast<double>(numbers.size());
   const auto vacant = static_cast<std::ptrdiff_t>(std::min(std::round(fraction * sites), sites - 1));

@@ -17,15 +17,12 @@ constexpr auto names_of(Distribution) {
 /// Radii of polydisperse grains, all within [radius_min, radius_max]. Equal bounds are one size.
 ///
 ///   uniform         number density constant: r = a + u (b - a)
-///   uniform_volume  every size class holds the same area of grains (volume, in the plane), number density
-///                   ~ 1/r^2: 1/r = 1/a - u (1/a - 1/b)
+///   uniform_volume  every size class holds the same area of grains, number density ~ 1/r^2: 1/r = 1/a - u (1/a - 1/b)
 ///   two_sizes       radius_max for a fraction `fraction_large` of the grains, by number; else radius_min
 ///   lognormal       ln r normal of mean ln `median` and deviation `sigma`, truncated to [a, b]:
-///                   r = F^-1(F(a) + u (F(b) - F(a))) with F that of the untruncated law; median 0 stands for
-///                   sqrt(a b)
+///                   r = F^-1(F(a) + u (F(b) - F(a))), F that of the untruncated law; median 0 stands for sqrt(a b)
 ///
-/// with a = radius_min, b = radius_max and u uniform in [0, 1). Parameters that a distribution has no use for
-/// are ignored.
+/// with a = radius_min, b = radius_max and u uniform in [0, 1). A distribution ignores parameters it has no use for.
 struct SizeDistribution {
   Choice<Distribution> distribution = Distribution::uniform;
   double radius_min = 0.1, radius_max = 0.2;  ///< m
@@ -55,20 +52,19 @@ struct SizeDistribution {
   }
 };
 
-/// The radius of each u in [0, 1), increasing: the inverse of the distribution function, one uniform number
-/// per grain. Throws Error for radius_min > radius_max, and where no
-/// lognormal radius lies between them in double precision.
+/// The radius of each u in [0, 1), increasing: the inverse of the distribution function, one uniform number per grain.
+/// Throws Error for radius_min > radius_max, and where no lognormal radius lies between them in double precision.
 std::function<double(double u)> radius_quantile(const SizeDistribution& sizes);
 
-/// Grains dropped one by one at random places into a box with a floor (y = 0) and two walls (x = 0 and
-/// x = width), each rolling downhill over those that lie there until it rests on two supports (grains, wall)
-/// with its centre between them, or on the floor (Visscher & Bolsterli, Nature 239 (1972) 504-507). A placed
-/// grain never moves again. Every rest is a closed-form intersection of circles and lines: touching grains
-/// touch to rounding, nothing overlaps by more. Grains are numbered in the order of their fall.
+/// Grains dropped one by one at random places into a box with a floor (y = 0) and two walls (x = 0, x = width), each
+/// rolling downhill over those that lie there until it rests on two supports (grains, wall) with its centre between
+/// them, or on the floor (Visscher & Bolsterli, Nature 239 (1972) 504-507). A placed grain never moves again. Every
+/// rest is a closed-form intersection of circles and lines: touching grains touch to rounding, nothing overlaps by
+/// more. Grains are numbered in the order of their fall.
 ///
-/// Floor and walls shape the bed and are no grains: a grain that leans on one has fewer contacts. Elsewhere
-/// grains rest on two others each, so that the network has at most 2 contacts per grain and is isostatic or
-/// less, equal sizes stacked against each other aside.
+/// Floor and walls shape the bed and are no grains: a grain that leans on one has fewer contacts. Elsewhere grains rest
+/// on two others each, so that the network has at most 2 contacts per grain and is isostatic or less, equal sizes
+/// stacked against each other aside.
 struct Deposit {
   static constexpr std::string_view name = "deposit";
   static constexpr std::string_view summary =
@@ -88,11 +84,10 @@ struct Deposit {
   }
 };
 
-/// Time proportional to the grains. Sizes far apart cost more: 1 : 100 some five times as much as equal
-/// sizes, whatever the distribution. The first `grains` numbers of the stream are the sizes, the next ones
-/// the places, so that equal seeds give equal sizes in boxes of any width. Throws Error for sizes that
-/// radius_quantile refuses, and for a box narrower than the largest grain or wider than 10^7 radius_min
-/// (where rounding would drown the tangencies).
+/// Time proportional to the grains. Sizes far apart cost more: 1 : 100 some five times as much as equal sizes. The
+/// first `grains` numbers of the stream are the sizes, the next ones the places, so that equal seeds give equal sizes
+/// in boxes of any width. Throws Error for sizes that radius_quantile refuses, and for a box narrower than the largest
+/// grain or wider than 10^7 radius_min (where rounding would drown the tangencies).
 Packing generate(const Deposit& deposit, const Monitor& monitor = {});
 
 }  // namespace nscdd

@@ -7,16 +7,15 @@
 
 namespace nscdd {
 
-/// Touching equal disks on a triangular lattice (hexagonal packing), row by row: grain k = row x columns +
-/// column at ((2 column + row mod 2) r, row sqrt(3) r). Hyperstatic from 2 rows of 3 on.
+/// Touching equal disks on a triangular lattice, row by row: grain k = row x columns + column at
+/// ((2 column + row mod 2) r, row sqrt(3) r). Hyperstatic from 2 rows of 3 on.
 ///
 /// Two defects, drawn per site from the seed, so that either can be varied with the other held:
-/// - vacancies: round(vacancies x sites) disks are left out, one disk staying at least. Those left out at a
-///   lower fraction are left out at every higher one.
-/// - size disorder: radius_i = radius x (1 - disorder x u_i), u_i uniform in [0, 1). Centres stay, so nothing
-///   overlaps, but neighbours part by up to 2 disorder x radius: under the default contact tolerance next to
-///   no contact is left. contacts.tolerance >= 2 disorder / (1 - disorder) keeps every link of the lattice, a
-///   smaller one thins the network at random.
+/// - vacancies: round(vacancies x sites) disks are left out, one disk staying at least. Those left out at a lower
+///   fraction are left out at every higher one.
+/// - size disorder: radius_i = radius x (1 - disorder x u_i), u_i uniform in [0, 1). Centres stay, so neighbours part
+///   by up to 2 disorder x radius: under the default contact tolerance next to no contact is left. A
+///   contacts.tolerance >= 2 disorder / (1 - disorder) keeps every link, a smaller one thins the network at random.
 struct HexagonalLattice {
   static constexpr std::string_view name = "hexagonal";
   static constexpr std::string_view summary = "touching equal disks on a triangular lattice, hyperstatic";

@@ -2,14 +2,24 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 namespace nscdd {
+
+/// Least-squares line y = intercept + slope x through points (GSL).
+struct LinearFit {
+  double intercept = 0;
+  double slope = 0;
+  double slope_error = 0;  ///< standard error of the slope
+};
+
+/// Fits at least three points; x and y have the same length. Throws Error for fewer.
+LinearFit linear_fit(std::span<const double> x, std::span<const double> y);
 
 /// Abscissa where a scalar search ended.
 struct ScalarSearch {
   double x = 0;
   double value = 0;  ///< f(x)
-  int evaluations = 0;
   bool converged = false;
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/nonnegative_quadratic.hpp"
+#include "projected_gradients.hpp"
 
 #include <algorithm>
 
-namespace nscdd {
+namespace nscdd::testing {
 namespace {
 
 double natural_map(const Vector& x, const Vector& gradient) {
@@ -69,4 +69,35 @@ NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, dou
   return result;
 }
 
-}  // namespace nscdd
+UnilateralImpulses by_projected_gradients(const ReferenceProblem& problem, const QuadraticOptions& options,
+                                          const Monitor& monitor) {
+  UnilateralImpulses result;
+  SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);
+  Vector root(problem.contacts());  // sqrt(W_ii)
+  for (Index c = 0; c < root.size(); ++c) root[c] = b.col(c).norm();
+  b = b * root.cwiseInverse().asDiagonal();
+  const Vector load = b.transpose() * problem.inertia.cwiseSqrt().cwiseProduct(problem.arriving_velocity);
+  const LinearMap delassus = [&](const Vector& x) -> Vector { return b.transpose() * Vector(b * x); };
+  // Row sums of |B|^T |B| bound the largest eigenvalue of B^T B.
+  const SparseMatrix magnitudes = b.cwiseAbs();
+  const Vector sums = magnitudes.transpose() * Vector(magnitudes * Vector::Ones(b.cols()));
+  const NonnegativeMinimum found =
+      minimize_nonnegative(delassus, load, sums.maxCoeff(), Vector::Zero(b.cols()), options, monitor);
+  result.residual = found.residual;
+  result.iterations = found.iterations;
+  result.converged = found.converged;
+  const double threshold = options.tolerance * load.cwiseAbs().maxCoeff();
+  for (Index c = 0; c < root.size(); ++c) {
+    const double r = found.x[c], w = found.gradient[c];
+    result.status.push_back(std::max(r, w) <= threshold ? UnilateralStatus::idle
+                            : r > w                     ? UnilateralStatus::carrying
+                                                        : UnilateralStatus::open);
+  }
+  result.impulses = found.x.cwiseQuotient(root);
+  result.velocities =
+      problem.arriving_velocity + problem.inertia.cwiseInverse().cwiseProduct(Vector(problem.h * result.impulses));
+  result.separation = problem.h.transpose() * result.velocities;
+  return result;
+}
+
+}  // namespace nscdd::testing

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/linear_operator.hpp"
+#include "linalg/krylov.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/core/types.hpp>
 
-namespace nscdd {
+namespace nscdd::testing {
 
 struct QuadraticOptions {
   double tolerance = 1e-8;             ///< on the residual, see NonnegativeMinimum
@@ -33,4 +34,8 @@ struct NonnegativeMinimum {
 NonnegativeMinimum minimize_nonnegative(const LinearMap& a, const Vector& b, double largest_eigenvalue, Vector start,
                                         const QuadraticOptions& options = {}, const Monitor& monitor = {});
 
-}  // namespace nscdd
+/// The impulses of `unilateral_impulses` by `minimize_nonnegative`: products with W alone, an independent check.
+UnilateralImpulses by_projected_gradients(const ReferenceProblem& problem, const QuadraticOptions& options = {},
+                                          const Monitor& monitor = {});
+
+}  // namespace nscdd::testing

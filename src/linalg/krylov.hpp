@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+#include <nscdd/linalg/arpack_options.hpp>
+
+#include <complex>
+#include <concepts>
+#include <functional>
+
+namespace nscdd {
+
+/// Anything that maps R^cols to R^rows linearly: y = apply(x).
+template <class Operator>
+concept LinearOperator = requires(const Operator& op, const Vector& x) {
+  { op.rows() } -> std::convertible_to<Index>;
+  { op.cols() } -> std::convertible_to<Index>;
+  { op.apply(x) } -> std::convertible_to<Vector>;
+};
+
+/// A linear map with its kind forgotten, as the iterative solvers take it.
+using LinearMap = std::function<Vector(const Vector&)>;
+
+template <LinearOperator Operator>
+LinearMap linear_map(Operator op) {
+  return [op = std::move(op)](const Vector& x) -> Vector { return op.apply(x); };
+}
+
+/// Dense matrix of an operator, one application per column.
+template <LinearOperator Operator>
+Matrix dense(const Operator& op) {
+  Matrix a(op.rows(), op.cols());
+  for (Index j = 0; j < op.cols(); ++j) a.col(j) = op.apply(Vector::Unit(op.cols(), j));
+  return a;
+}
+
+/// ARPACK cannot treat problems smaller than this; callers go dense below it.
+inline constexpr Index arpack_smallest_size = 5;
+
+/// One end of the spectrum of a symmetric definite pencil A x = lambda M x.
+struct LanczosResult {
+  double value = 0;        ///< Ritz value at the end asked for
+  Vector vector;           ///< its Ritz vector; empty where the iteration produced none
+  Index applications = 0;  ///< products with A, one solve with M each
+  bool converged = false;
+};
+
+enum class SpectrumEnd { smallest, largest };
+
+/// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M. `a`, `m`, `m_inverse`: x -> A x, M
+/// x, M^-1 x, A symmetric, M symmetric positive definite. `start`: where the iteration starts, such as the vector of a
+/// neighbouring problem; empty for a fixed vector, a thousandth of which is added to any other, so that a wrong
+/// eigenvector is left. Equal calls give equal bits. One call runs at a time (ARPACK keeps state in static memory);
+/// others wait. Throws Error for n < 5.
+LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
+                      const ArpackOptions& options = {}, const Vector& start = {});
+
+/// Eigenvalue of largest modulus of a nonsymmetric operator.
+struct ArnoldiResult {
+  std::complex<double> value{not_a_number, not_a_number};  ///< of a complex pair, the one with positive imaginary part
+  double residual = not_a_number;  ///< ||A x - lambda x|| / ||x||, recomputed with one more complex application
+  Index applications = 0;
+  Index units = 0;  ///< eigenvalues passed over because they lie within `unit_tolerance` of 1
+  bool converged = false;
+};
+
+/// Implicitly restarted Arnoldi (ARPACK dnaupd, mode 1) for the eigenvalue of largest modulus, n >= 5. Several
+/// eigenvalues are asked for, so that a complex pair is never cut in two; those nearer to 1 than `unit_tolerance` are
+/// passed over (not converged where all of them are). Fixed start vector.
+ArnoldiResult arnoldi(Index n, const LinearMap& a, const ArpackOptions& options = {}, double unit_tolerance = 0);
+
+/// A run stops at the first step at which every eigenvalue wanted meets one of the two accuracies.
+struct ShiftInvertOptions {
+  Index maximum_steps = 300;  ///< Krylov vectors, cut to the size of the problem
+  double tolerance = 1e-12;   ///< residual of nu = 1 / (lambda - sigma), relative to nu
+  double accuracy = 0;        ///< estimated error of lambda (ShiftInvertResult::errors)
+};
+
+/// Eigenvalues of A x = lambda M x next to a shift sigma on one side of it, nearest first.
+struct ShiftInvertResult {
+  Vector values;   ///< Ritz values lambda, as many as wanted if there are as many on that side
+  Matrix vectors;  ///< their vectors, n x k, M-orthonormal
+  Vector bounds;   ///< an eigenvalue lies within this distance of each
+  /// Expected distance, of second order: min(bound, residual^2 / gap), with the gap to the next Ritz value. No proof: a
+  /// gap may hide an eigenvalue that the run has not seen.
+  Vector errors;
+  Index applications = 0;  ///< products with (A - sigma M)^-1
+  bool converged = false;  ///< all that were wanted
+};
+
+/// Shift-inverted Lanczos in the inner product of M, every vector orthogonalised against all others, without restarts.
+/// `solve`: x -> (A - sigma M)^-1 x; `m`: x -> M x, M symmetric positive definite. `end` = smallest looks above the
+/// shift, where the smallest eigenvalues lie if none is below it; largest looks below. `start`: where the iteration
+/// starts, such as the vector of a neighbouring problem; empty for a fixed vector, a tenth of which is added to any
+/// other, so that the run can leave a wrong eigenvector. `locked`: M-orthonormal eigenvectors to stay orthogonal to, n
+/// x l: from one start Lanczos sees one copy of a multiple eigenvalue, and the others come one by one as their
+/// predecessors are locked. Equal calls give equal bits. Throws Error for n < 5.
+ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const LinearMap& m, double sigma,
+                                       SpectrumEnd end, Index wanted, const ShiftInvertOptions& options = {},
+                                       const Vector& start = {}, const Matrix& locked = {});
+
+}  // namespace nscdd
