@@ -2,7 +2,7 @@
 #include "app/options.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
-#include "study/mode_tables.hpp"
+#include "study/modes.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/fields.hpp>
 

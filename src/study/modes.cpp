@@ -47,6 +47,13 @@ void derive(Mode& mode, const Contraction& b) {
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
 }
 
+using Velocity = std::array<double, 2>;
+
+Velocity velocity_of(const Mode& mode, const GrainCopy& copy) {
+  const Vector& v = mode.velocities[at(copy.subdomain)];
+  return {v[2 * copy.grain], v[2 * copy.grain + 1]};
+}
+
 }  // namespace
 
 Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
@@ -95,8 +102,7 @@ std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, cons
   }
   std::vector<InterfaceShare> all;
   for (const auto& [key, pair] : pairs) all.push_back(pair);
-  std::stable_sort(all.begin(), all.end(),
-                   [](const InterfaceShare& a, const InterfaceShare& b) { return a.share > b.share; });
+  std::ranges::stable_sort(all, std::ranges::greater(), &InterfaceShare::share);
   return all;
 }
 
@@ -107,6 +113,81 @@ double spread(const Mode& mode) {
     squares += share * share;
   }
   return sum * sum / squares;
+}
+
+const ResultColumns<ModeImpulse>& mode_impulse_columns() {
+  using One = ModeImpulse;
+  const auto of = [](Vector Mode::*values, Index component) {
+    return [=](const One& r) { return (r.mode.*values)[2 * r.number + component]; };
+  };
+  static const ResultColumns<One> columns{
+      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+      {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
+       [](const One& r) { return r.parameters.epsilon; }},
+      {"eta", "1/kg", "flexibility of the network Stage 2 sees, inf for the generic algorithm",
+       [](const One& r) { return r.parameters.eta; }},
+      {"end", "", "of the spectrum without unit eigenvalues: low or high", [](const One& r) { return r.mode.side; }},
+      {"eigenvalue", "1", "of the contraction operator, to which the mode belongs",
+       [](const One& r) { return r.mode.eigenvalue; }},
+      {"grain", "1", "number of the shared grain", [](const One& r) { return r.gluing().grain; }},
+      {"subdomain_first", "1", "subdomain of the copy that feels the opposite of the impulse",
+       [](const One& r) { return r.gluing().first.subdomain; }},
+      {"subdomain_second", "1", "subdomain of the copy that feels the impulse",
+       [](const One& r) { return r.gluing().second.subdomain; }},
+      {"x", "m", "centre", [](const One& r) { return r.model.packing.x[at(r.gluing().grain)]; }},
+      {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.gluing().grain)]; }},
+      {"impulse_x", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 0)},
+      {"impulse_y", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 1)},
+      {"jump_x", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 0)},
+      {"jump_y", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 1)},
+      {"share", "1", "of F^T P F; all shares add up to 1", [](const One& r) { return r.mode.shares[at(r.number)]; }}};
+  return columns;
+}
+
+void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
+                   const Sink<ModeImpulse>& sink) {
+  require_geometry(model, "mode");
+  if (!mode.found()) return;
+  for (Index k = 0; k < count(model.parts.interface.gluing()); ++k) sink({model, parameters, mode, k});
+}
+
+const ResultColumns<ModeVelocity>& mode_velocity_columns() {
+  using One = ModeVelocity;
+  const auto of = [](std::vector<double> Packing::*values) {
+    return [=](const One& r) { return (r.model.packing.*values)[at(r.grain)]; };
+  };
+  static const ResultColumns<One> columns{
+      {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
+      {"grain", "1", "number of the grain", &One::grain},
+      {"subdomain", "1", "subdomain of this copy", &One::subdomain},
+      {"x", "m", "centre", of(&Packing::x)},
+      {"y", "m", "centre", of(&Packing::y)},
+      {"radius", "m", "radius", of(&Packing::radius)},
+      {"multiplicity", "1", "subdomains that share the grain",
+       [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }},
+      {"velocity_x", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
+       [](const One& r) { return r.velocity[0]; }},
+      {"velocity_y", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
+       [](const One& r) { return r.velocity[1]; }},
+      {"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain", &One::jump}};
+  return columns;
+}
+
+void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {
+  require_geometry(model, "mode");
+  if (!mode.found()) return;
+  for (Index i = 0; i < model.parts.interface.grains(); ++i) {
+    const auto copies = model.parts.interface.copies(i);
+    for (const GrainCopy& copy : copies) {
+      const Velocity v = velocity_of(mode, copy);
+      double jump = 0;
+      for (const GrainCopy& other : copies) {
+        const Velocity w = velocity_of(mode, other);
+        jump = std::max(jump, std::hypot(v[0] - w[0], v[1] - w[1]));
+      }
+      sink({model, i, copy.subdomain, v, jump});
+    }
+  }
 }
 
 }  // namespace nscdd

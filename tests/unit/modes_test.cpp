@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Modes: the identities that tie impulses, velocities and jumps together, normalisation, agreement of
 // solvers.
+#include "study/modes.hpp"
+
 #include "../support/problems.hpp"
 #include "ddm/two_stage.hpp"
-#include "study/mode_tables.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 
