@@ -4,19 +4,6 @@
 #include "study/study.hpp"
 
 namespace nscdd {
-namespace {
-
-Optimum optimum_of(const Model& model, const Selection& selection, double epsilon, const SpectralOptions& options) {
-  Optimum best = optimum(model.parts, selection.stage_one, epsilon, options);
-  if (!selection.certain && best.status != OptimumStatus::no_interface) best.status = OptimumStatus::not_converged;
-  return best;
-}
-
-}  // namespace
-
-Optimum optimum(const Model& model, const OptimumParameters& parameters) {
-  return optimum_of(model, select(model, parameters.contacts), parameters.epsilon, parameters.spectral);
-}
 
 ResultColumns<OptimumResult> optimum_columns(bool relative) {
   static const ResultColumns<Optimum> best{
@@ -60,9 +47,11 @@ Index optima(const Model& model, const SweepParameters& sweep, const Sink<Optimu
   const Index total = count(sweep.epsilon);
   for (Index i = first; i < total; ++i) {
     const double asked = sweep.epsilon[at(i)], epsilon = sweep.relative_epsilon ? asked * scale : asked;
-    const OptimumResult result{of_case, epsilon, optimum_of(model, selection, epsilon, sweep.spectral),
-                               sweep.relative_epsilon ? asked : epsilon / scale, scale};
-    failed += result.best.status == OptimumStatus::not_converged;
+    OptimumResult result{of_case, epsilon, optimum(model.parts, selection.stage_one, epsilon, sweep.spectral),
+                         sweep.relative_epsilon ? asked : epsilon / scale, scale};
+    OptimumStatus& status = result.best.status;
+    if (!selection.certain && status != OptimumStatus::no_interface) status = OptimumStatus::not_converged;
+    failed += status == OptimumStatus::not_converged;
     sink(result);
     if (!report(monitor, i + 1, total)) break;
   }

@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/table.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd {
 
-struct OptimumParameters {
-  double epsilon = 0.0;
-  ContactSet contacts = ContactSet::active;
-  SpectralOptions spectral = {};
-};
-
-/// The best flexibility of Stage 2 for the contacts chosen; not converged where the choice is uncertain.
-/// Throws Error where the active set is asked for and nothing is prescribed.
-Optimum optimum(const Model& model, const OptimumParameters& parameters = {});
-
-/// The optimum of a case at one epsilon, as a row of a table of optima tells it.
+/// The best flexibility of Stage 2 for a case at one epsilon: a row of a table of optima. It has not converged
+/// where the choice of contacts is uncertain.
 struct OptimumResult {
   CaseSummary of_case;
   double epsilon = 0;  ///< 1/kg
@@ -31,7 +21,8 @@ struct OptimumResult {
 ResultColumns<OptimumResult> optimum_columns(bool relative);
 
 /// The optima for every epsilon of `sweep` (its other lists are not looked at) from number `first` on;
-/// returns how many did not converge. Stops early where the monitor asks for it.
+/// returns how many did not converge. Stops early where the monitor asks for it. Throws Error where the active
+/// set is asked for and nothing is prescribed.
 Index optima(const Model& model, const SweepParameters& sweep, const Sink<OptimumResult>& sink,
              const Monitor& monitor = {}, Index first = 0);
 

@@ -7,7 +7,6 @@
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "study/inspection.hpp"
-#include "study/optimum.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 
 #include <doctest/doctest.h>
@@ -186,7 +185,7 @@ TEST_CASE("the best eta has equal and opposite ends, and no other eta does bette
   for (const Index n : {4, 8, 12, 20}) {
     CAPTURE(n);
     const Model model = build(strip(n));
-    const Optimum best = optimum(model);
+    const Optimum best = optimum_of(model);
     REQUIRE(best.status == OptimumStatus::interior);
     const InterfaceFamily family(model.parts);
     const InterfaceOperator system = active_system(model, 0);
@@ -207,7 +206,7 @@ TEST_CASE("the best eta has equal and opposite ends, and no other eta does bette
 
 TEST_CASE("linear law: the best eta is epsilon, where B = 0") {
   for (const double epsilon : {0.01, 1.0, 40.0}) {
-    const Optimum best = optimum(build(strip(8)), {.epsilon = epsilon, .contacts = ContactSet::all});
+    const Optimum best = optimum_of(build(strip(8)), epsilon, ContactSet::all);
     CHECK(best.status == OptimumStatus::interior);
     CHECK(best.eta == doctest::Approx(epsilon).epsilon(1e-9));
     CHECK(best.radius < 1e-9);

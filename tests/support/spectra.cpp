@@ -102,4 +102,13 @@ std::vector<Case> packings_up_to(Index largest) {
   return small;
 }
 
+Optimum optimum_of(const Model& model, double epsilon, ContactSet contacts) {
+  SweepParameters sweep;
+  sweep.epsilon = {epsilon};
+  sweep.contacts = contacts;
+  Optimum best;
+  optima(model, sweep, [&](const OptimumResult& result) { best = result.best; });
+  return best;
+}
+
 }  // namespace nscdd::testing

@@ -3,6 +3,7 @@
 
 #include "dense.hpp"
 #include "study/case.hpp"
+#include "study/optimum.hpp"
 #include <nscdd/ddm/contraction.hpp>
 
 #include <vector>
@@ -33,5 +34,8 @@ Case with_unequal_masses(Case one, std::uint64_t seed);
 /// Packings of every kind with up to about `largest` interface unknowns: strips, grids with cross points,
 /// METIS parts, deposits, vacancies, masses of ratio 1e4, two copies side by side (every eigenvalue double).
 std::vector<Case> packings_up_to(Index largest);
+
+/// The only row of a table of optima.
+Optimum optimum_of(const Model& model, double epsilon = 0, ContactSet contacts = ContactSet::active);
 
 }  // namespace nscdd::testing

@@ -2,9 +2,9 @@
 #include "study/study.hpp"
 
 #include "../support/problems.hpp"
+#include "../support/spectra.hpp"
 #include "study/inspection.hpp"
 #include "study/network_tables.hpp"
-#include "study/optimum.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
@@ -208,12 +208,12 @@ TEST_CASE("inspection: 12 disks isostatic; a lattice hyperstatic with cross poin
 TEST_CASE("optimum: nothing to optimise is told as such") {
   Case single = strip(8);
   single.spec.partition = GridPartitioner{{1, 1}};
-  CHECK(optimum(build(single)).status == OptimumStatus::no_interface);
-  const Optimum isostatic = optimum(build(strip(8)), {.epsilon = 0, .contacts = ContactSet::all});
+  CHECK(optimum_of(build(single)).status == OptimumStatus::no_interface);
+  const Optimum isostatic = optimum_of(build(strip(8)), 0, ContactSet::all);
   CHECK(isostatic.status == OptimumStatus::eta_to_zero);
   CHECK(isostatic.radius < 1e-6);
   CHECK(isostatic.convergent_from == 0);
-  const Optimum four = optimum(build(strip(4)));
+  const Optimum four = optimum_of(build(strip(4)));
   CHECK(four.relaxed_status == OptimumStatus::eta_to_infinity);
   CHECK(four.relaxed_radius == doctest::Approx(4.0 / 11));
 }
