@@ -76,18 +76,17 @@ int run(const Options& options) {
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
   const Model model = build(with_overlaps_of_motion(one), Progress("generate").monitor());
-  InspectionOptions inspection;
-  if (options.ranks) inspection.ranks_up_to = std::numeric_limits<Index>::max();
-  if (model.contacts() <= inspection.ranks_up_to)
+  const Index ranks_up_to = options.ranks ? std::numeric_limits<Index>::max() : ranks_up_to_by_default;
+  if (model.contacts() <= ranks_up_to)
     options.memory.require(estimated_rank_bytes(model), model.name,
                            fmt::format("the ranks of {} contacts", model.contacts()),
                            options.ranks ? "no --ranks, fewer grains" : "fewer grains");
-  const Inspection found = inspect(model, inspection);
+  const Inspection found = inspect(model, ranks_up_to);
   if (histogram) {
     grain_sizes(model, [&](const GrainSizes& sizes) { histogram->write(row(size_columns(), sizes)); });
     histogram->finish();
   }
-  print_network(model, found, inspection.ranks_up_to);
+  print_network(model, found, ranks_up_to);
   if (model.has_geometry()) print_geometry(found);
   return 0;
 }

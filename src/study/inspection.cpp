@@ -3,7 +3,6 @@
 
 #include "core/disjoint_sets.hpp"
 #include "linalg/range_projector.hpp"
-#include "mechanics/time_stepping.hpp"
 
 #include <fmt/format.h>
 
@@ -24,8 +23,7 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
   return result;
 }
 
-}  // namespace
-
+// Connected pieces of the contact network, isolated grains left out.
 Index connected_pieces(const ReferenceProblem& problem) {
   DisjointSets joined(problem.grains());
   std::vector<char> touched(at(problem.grains()), 0);
@@ -39,23 +37,6 @@ Index connected_pieces(const ReferenceProblem& problem) {
   }
   return pieces;
 }
-
-std::string why_empty(const Model& model) {
-  if (model.parts.interface_size() > 0) return "";
-  const Index subdomains = model.partition.subdomains, pieces = connected_pieces(model.problem);
-  std::string why = fmt::format("{} subdomain(s), no shared grain", subdomains);
-  if (subdomains > 1 && pieces > 1)
-    why += fmt::format("; the network has {} separate pieces, and the partition cuts none of them", pieces);
-  return why;
-}
-
-Case with_overlaps_of_motion(Case one) {
-  double& tolerance = one.spec.contacts.overlap_tolerance;
-  if (one.spec.dynamics && tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
-  return one;
-}
-
-namespace {
 
 // Contacts per grain, on average; a contact with a support counts for one grain.
 double coordination_number(const Model& model) {
@@ -86,27 +67,38 @@ void count_rattlers(const ContactNetwork& network, Inspection& result) {
 
 }  // namespace
 
-Inspection inspect(const Model& model, const InspectionOptions& options) {
+std::string why_empty(const Model& model) {
+  if (model.parts.interface_size() > 0) return "";
+  const Index subdomains = model.partition.subdomains, pieces = connected_pieces(model.problem);
+  std::string why = fmt::format("{} subdomain(s), no shared grain", subdomains);
+  if (subdomains > 1 && pieces > 1)
+    why += fmt::format("; the network has {} separate pieces, and the partition cuts none of them", pieces);
+  return why;
+}
+
+Case with_overlaps_of_motion(Case one) {
+  double& tolerance = one.spec.contacts.overlap_tolerance;
+  if (one.spec.dynamics && tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
+  return one;
+}
+
+Inspection inspect(const Model& model, Index ranks_up_to) {
   Inspection result;
-  const Interface& interface = model.parts.interface;
-  result.ranks = model.contacts() <= options.ranks_up_to;
-  if (result.ranks) {
-    result.whole = degrees(reassemble(model.parts), true);
-  } else {
-    result.whole.contacts = model.problem.contacts();
-    for (Index g = 0; g < model.grains(); ++g) result.whole.grains += interface.multiplicity(g) > 0;
-  }
-  Index local_hyperstaticity = 0;
-  for (const Subdomain& subdomain : model.parts.subdomains) {
-    result.subdomains.push_back(degrees(subdomain, result.ranks));
-    local_hyperstaticity += result.subdomains.back().hyperstaticity;
-    if (subdomain.contacts.empty()) ++result.empty_subdomains;
-  }
-  result.unit_multiplicity = result.whole.hyperstaticity - local_hyperstaticity;
   for (Index g = 0; g < model.grains(); ++g) {
-    const Index multiplicity = interface.multiplicity(g);
+    const Index multiplicity = model.parts.interface.multiplicity(g);
     if (multiplicity == 0) ++result.isolated_grains;
     if (multiplicity >= 2) ++result.interface_grains[multiplicity];
+  }
+  result.ranks = model.contacts() <= ranks_up_to;
+  if (result.ranks)
+    result.whole = degrees(reassemble(model.parts), true);
+  else
+    result.whole = {.grains = model.grains() - result.isolated_grains, .contacts = model.problem.contacts()};
+  result.unit_multiplicity = result.whole.hyperstaticity;
+  for (const Subdomain& subdomain : model.parts.subdomains) {
+    result.subdomains.push_back(degrees(subdomain, result.ranks));
+    result.unit_multiplicity -= result.subdomains.back().hyperstaticity;
+    if (subdomain.contacts.empty()) ++result.empty_subdomains;
   }
   result.components = connected_pieces(model.problem);
   result.coordination_number = coordination_number(model);

@@ -5,8 +5,6 @@
 #include "study/case.hpp"
 
 #include <map>
-#include <string>
-#include <vector>
 
 namespace nscdd {
 
@@ -41,24 +39,19 @@ struct Inspection {
   std::vector<SizeClass> sizes;              ///< ten classes of radii
 };
 
-struct InspectionOptions {
-  /// Ranks are computed for networks of at most so many contacts. There they take seconds, and the time grows
-  /// faster than the network.
-  Index ranks_up_to = 100'000;
-};
+/// Ranks are computed for networks of at most so many contacts. There they take seconds, and the time grows
+/// faster than the network.
+inline constexpr Index ranks_up_to_by_default = 100'000;
 
 /// A case that moves, with the overlaps that its simulation accepts where it says nothing of its own; other
 /// cases as they are.
 Case with_overlaps_of_motion(Case one);
-
-/// Connected pieces of the contact network, isolated grains left out.
-Index connected_pieces(const ReferenceProblem& problem);
 
 /// Why the interface of a model is empty: "1 subdomain(s), no shared grain", and how many separate pieces the
 /// partition leaves whole; "" for an interface that is not empty.
 std::string why_empty(const Model& model);
 
 /// Ranks are those of H, which are those of W, by `sparse_rank`.
-Inspection inspect(const Model& model, const InspectionOptions& options = {});
+Inspection inspect(const Model& model, Index ranks_up_to = ranks_up_to_by_default);
 
 }  // namespace nscdd

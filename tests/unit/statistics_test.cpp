@@ -91,12 +91,12 @@ TEST_CASE("statistics: size classes") {
 
 TEST_CASE("inspection: ranks are left out above the size asked for, counts are not") {
   const Model model = build(testing::strip(12));
-  const Inspection with = inspect(model), without = inspect(model, {.ranks_up_to = 20});
+  const Inspection with = inspect(model), without = inspect(model, 20);
   CHECK(with.ranks);
   CHECK_FALSE(without.ranks);
   CHECK(without.whole.grains == with.whole.grains);
   CHECK(without.whole.contacts == with.whole.contacts);
   CHECK(without.whole.rank == 0);
   CHECK(without.interface_dofs == with.interface_dofs);
-  CHECK(inspect(model, {.ranks_up_to = 21}).ranks);
+  CHECK(inspect(model, 21).ranks);
 }
