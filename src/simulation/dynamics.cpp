@@ -2,7 +2,6 @@
 #include "simulation/dynamics.hpp"
 
 #include <nscdd/core/error.hpp>
-#include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -8,9 +8,6 @@
 #include <nscdd/ddm/partitioner.hpp>
 
 #include <array>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace nscdd {
 

@@ -8,9 +8,6 @@
 
 #include <functional>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace nscdd {
 

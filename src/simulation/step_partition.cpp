@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/granular_decomposition.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/step_decomposition.hpp"

@@ -2,7 +2,6 @@
 #include "study/case.hpp"
 
 #include "simulation/simulation.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -3,18 +3,13 @@
 
 #include "simulation/dynamics.hpp"
 #include <nscdd/core/error.hpp>
-#include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/study/model.hpp>
 
-#include <functional>
 #include <map>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <variant>
-#include <vector>
 
 namespace nscdd {
 

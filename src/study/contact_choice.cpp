@@ -31,52 +31,36 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
   return sparse_rank(selected_columns(problem.h, closed)) == count(closed);
 }
 
-ContactChoice compressive(const ReferenceProblem& problem) {
-  const RigidImpulses rigid = rigid_impulses(problem);
-  ContactChoice choice;
-  choice.active = active_contacts(problem, rigid);
-  choice.impulses = rigid.impulses;
-  choice.rule = rigid.unique ? "compressive (unique)" : "compressive (least norm)";
-  choice.solution = rigid.unique ? "unique" : "least_norm";
-  choice.certain = rigid.residual <= 1e-8;
-  return choice;
-}
-
-ContactChoice complementary(const ReferenceProblem& problem) {
-  require_arriving_velocity(problem);
-  const UnilateralImpulses solved = unilateral_impulses(problem);
-  const bool unique = unique_impulses(problem, solved.status);
-  ContactChoice choice;
-  for (const UnilateralStatus status : solved.status) choice.active.push_back(status == UnilateralStatus::carrying);
-  choice.impulses = solved.impulses;
-  choice.rule = unique ? "complementarity (unique)" : "complementarity (maximal)";
-  choice.solution = unique ? "unilateral_unique" : "unilateral_maximal";
-  choice.idle = solved.count(UnilateralStatus::idle);
-  choice.certain = solved.converged;
-  return choice;
-}
-
 }  // namespace
 
 ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
-  if (contacts != ContactSet::all && model.problem.columns_per_contact > 1)
+  const ReferenceProblem& problem = model.problem;
+  if (contacts == ContactSet::all)
+    return {.active = std::vector<char>(at(problem.contacts()), 1), .impulses = {}, .rule = "all", .solution = "none"};
+  if (problem.columns_per_contact > 1)
     throw Error(
         fmt::format("{}: expected --contacts all for a problem with friction, met {}: its rule is that of "
                     "frictionless contacts",
                     model.name, to_string(contacts)));
-  switch (contacts) {
-    case ContactSet::active:
-      return compressive(model.problem);
-    case ContactSet::unilateral:
-      return complementary(model.problem);
-    case ContactSet::all:
-      break;
+  if (contacts == ContactSet::active) {
+    const RigidImpulses rigid = rigid_impulses(problem);
+    return {.active = active_contacts(problem, rigid),
+            .impulses = rigid.impulses,
+            .rule = rigid.unique ? "compressive (unique)" : "compressive (least norm)",
+            .solution = rigid.unique ? "unique" : "least_norm",
+            .certain = rigid.residual <= 1e-8};
   }
-  ContactChoice choice;
-  choice.active.assign(at(model.problem.contacts()), 1);
-  choice.rule = "all";
-  choice.solution = "none";
-  return choice;
+  require_arriving_velocity(problem);
+  const UnilateralImpulses solved = unilateral_impulses(problem);
+  const bool unique = unique_impulses(problem, solved.status);
+  std::vector<char> carrying;
+  for (const UnilateralStatus status : solved.status) carrying.push_back(status == UnilateralStatus::carrying);
+  return {.active = carrying,
+          .impulses = solved.impulses,
+          .rule = unique ? "complementarity (unique)" : "complementarity (maximal)",
+          .solution = unique ? "unilateral_unique" : "unilateral_maximal",
+          .idle = solved.count(UnilateralStatus::idle),
+          .certain = solved.converged};
 }
 
 }  // namespace nscdd

@@ -2,12 +2,10 @@
 #include "study/lead_in.hpp"
 
 #include "simulation/step_decomposition.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace nscdd {
 namespace {

@@ -5,8 +5,6 @@
 #include "study/case.hpp"
 
 #include <map>
-#include <string>
-#include <string_view>
 
 namespace nscdd {
 

@@ -3,7 +3,6 @@
 
 #include "ddm/enriched_inertia.hpp"
 #include "mechanics/active_set.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
@@ -15,11 +14,9 @@ namespace {
 
 constexpr double bytes_per_number = 8;
 
-// P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK.
-constexpr double dense_matrices = 6;
-// In the rigid limit with unit eigenvalues there are also a kernel with its complement, a basis, and the
-// restricted pencil.
-constexpr double rigid_dense_matrices = 13;
+// P, S, their scaled copy and difference, and the Cholesky factor and reduced matrix of LAPACK. In the rigid
+// limit with unit eigenvalues there are also a kernel with its complement, a basis, and the restricted pencil.
+constexpr double dense_matrices = 6, rigid_dense_matrices = 13;
 // The deflation of ARPACK in the rigid limit splits a dense kernel up to `dense_kernel_limit` unknowns.
 constexpr double rigid_kernel_matrices = 5;
 // A nonsymmetric matrix, its Hessenberg and Schur forms with their bases, and complex eigenvectors.
@@ -56,10 +53,11 @@ constexpr double dense_impulse_matrices = 2;  // the matrix, and what LAPACK red
 
 double square(double x) { return x * x; }
 
-double numbers_of(const Model& model) {
-  double copies = 0;
-  for (const Subdomain& subdomain : model.parts.subdomains) copies += static_cast<double>(subdomain.inertia.size());
-  return copies;
+// Unknowns of the grains of all subdomains, copies included.
+double unknowns_of(const Model& model) {
+  double unknowns = 0;
+  for (const Subdomain& subdomain : model.parts.subdomains) unknowns += static_cast<double>(subdomain.inertia.size());
+  return unknowns;
 }
 
 double model_need(const Model& model) {
@@ -67,7 +65,7 @@ double model_need(const Model& model) {
   for (const Subdomain& subdomain : model.parts.subdomains)
     if (subdomain.inertia.size() <= InterfaceFamily::default_dense_limit)
       modes += square(static_cast<double>(subdomain.inertia.size()));
-  return model_bytes * numbers_of(model) + bytes_per_number * modes;
+  return model_bytes * unknowns_of(model) + bytes_per_number * modes;
 }
 
 // What sparse_rank needs: a factor of a saddle point with these rows and columns.
@@ -82,19 +80,15 @@ double choice_need(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::active && model.parts.contacts <= dense_impulse_limit)
     return bytes_per_number * dense_impulse_matrices * static_cast<double>(model.problem.h.rows()) *
            static_cast<double>(model.parts.contacts);
-  const double rows = numbers_of(model);
+  const double rows = unknowns_of(model);
   const auto columns = static_cast<double>(model.parts.contacts);
   // More columns than rows cannot be independent. The unilateral problem takes less than their rank does.
   return rank_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
 }
 
-bool has_rigid_limit(const SweepParameters& parameters) {
-  return std::find(parameters.epsilon.begin(), parameters.epsilon.end(), 0.0) != parameters.epsilon.end();
-}
-
 // What shift-invert needs for epsilon > 0.
 double shifted_need(const Model& model, bool finite_eta) {
-  const double unknowns = numbers_of(model);
+  const double unknowns = unknowns_of(model);
   const double rows =
       std::max((finite_eta ? 2 : 1) * unknowns + static_cast<double>(model.parts.interface_size()), 2.0);
   const double rows_per_unknown = rows / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
@@ -106,15 +100,14 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
   const SpectralOptions& options = parameters.spectral;
   const Index size = model.parts.interface_size();
   const auto n = static_cast<double>(size);
-  const bool rigid = has_rigid_limit(parameters);
+  const bool rigid = std::ranges::count(parameters.epsilon, 0.0) > 0;
   const SolverChoice choice = choose_solver(size, rigid, options);
   if (choice.solver == SpectralSolver::dense)
     return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
-  const double unknowns = std::max(numbers_of(model), 2.0);
+  const double unknowns = std::max(unknowns_of(model), 2.0);
   if (choice.solver == SpectralSolver::shift_invert) {
-    const bool finite =
-        std::any_of(parameters.eta.begin(), parameters.eta.end(), [](double eta) { return std::isfinite(eta); });
-    const double shifted = shifted_need(model, finite);
+    const double shifted =
+        shifted_need(model, std::ranges::any_of(parameters.eta, [](double eta) { return std::isfinite(eta); }));
     if (!rigid) return program_bytes + shifted;
     const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;
     return program_bytes + std::max(rigid_shift * shifted + rigid_ranks * unknowns, dense);
@@ -148,7 +141,7 @@ double estimated_link_bytes(const Model& model, ContactSet contacts) {
 }
 
 double estimated_rank_bytes(const Model& model) {
-  return model_need(model) + rank_need(numbers_of(model), static_cast<double>(model.parts.contacts));
+  return model_need(model) + rank_need(unknowns_of(model), static_cast<double>(model.parts.contacts));
 }
 
 MemoryNeed largest_need(const StudyTable& table, Index first) {

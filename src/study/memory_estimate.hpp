@@ -3,8 +3,6 @@
 
 #include "study/study.hpp"
 
-#include <string>
-
 namespace nscdd {
 
 /// Estimates the bytes that a sweep of a model holds at its peak, before the sweep begins. With n_Gamma
@@ -12,9 +10,8 @@ namespace nscdd {
 /// inexact Stage 1 it adds up
 ///     model and Stage 1       model_bytes n + local modes of small subdomains, sum (d n_E)^2 8
 ///     dense pencil            dense_matrices n_Gamma^2 8 (rigid_dense_matrices where epsilon = 0 occurs)
-///     shift-invert            shift_fill s b log2(s) 8 + shift_bytes n + program_bytes, where the saddle
-///     point
-///                             has s = n + n_Gamma rows (2 n + n_Gamma with a finite eta) and b is s over the
+///     shift-invert            shift_fill s b log2(s) 8 + shift_bytes n + program_bytes, where the saddle point has
+///                             s = n + n_Gamma rows (2 n + n_Gamma with a finite eta) and b is s over the
 ///                             unknowns of the undivided packing
 ///     ARPACK                  factors factor_fill n log2(n) 8 + 8 (basis + 5) n_Gamma
 ///     inexact Stage 1, dense  inexact_matrices z^2 8

@@ -73,12 +73,10 @@ class Run {
   bool vanished_ = false;
 };
 
-double slope(const std::vector<double>& y, std::size_t first, std::size_t last, double* error = nullptr) {
+LinearFit fitted(const std::vector<double>& y, std::size_t first, std::size_t last) {
   std::vector<double> x;
   for (std::size_t i = first; i < last; ++i) x.push_back(static_cast<double>(i));
-  const LinearFit fit = linear_fit(x, std::span(y).subspan(first, last - first));
-  if (error != nullptr) *error = fit.slope_error;
-  return fit.slope;
+  return linear_fit(x, std::span(y).subspan(first, last - first));
 }
 
 }  // namespace
@@ -96,10 +94,9 @@ ObservedRate observed_rate(const TwoStageIteration& iteration, const InterfaceOp
       }
     // The slopes of the last three sixths approach log(rate) geometrically. Their ratio bounds what is left.
     const std::size_t n = run.logarithms.size(), sixth = n / 6;
-    double standard_error = 0;
-    const double s1 = slope(run.logarithms, n - 3 * sixth, n - 2 * sixth);
-    const double s2 = slope(run.logarithms, n - 2 * sixth, n - sixth);
-    const double s3 = slope(run.logarithms, n - sixth, n, &standard_error);
+    const double s1 = fitted(run.logarithms, n - 3 * sixth, n - 2 * sixth).slope;
+    const double s2 = fitted(run.logarithms, n - 2 * sixth, n - sixth).slope;
+    const auto [intercept, s3, standard_error] = fitted(run.logarithms, n - sixth, n);
     const double ratio = s2 == s1 ? 0.0 : std::min(0.99, std::abs((s3 - s2) / (s2 - s1)));
     const double drift = std::abs(s3 - s2) * std::max(1.0, ratio / (1 - ratio));
     // The residuals of the fit are not independent: a complex pair makes them oscillate. Fully correlated

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "ddm/two_stage.hpp"
-#include <nscdd/core/types.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <cstdint>

@@ -85,14 +85,6 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   result.last = stretch.first + count(stretch.second_changes) - 1;
 }
 
-void count_statuses(PredictedObserved& result, const std::vector<ContactStatus>& statuses) {
-  for (const ContactStatus status : statuses) {
-    result.active += status != ContactStatus::open;
-    result.stick += status == ContactStatus::stick;
-  }
-  result.slide = result.active - result.stick;
-}
-
 }  // namespace
 
 double PredictedObserved::relative_gap() const { return std::abs((observed - predicted) / (1 - predicted)); }
@@ -138,7 +130,9 @@ PredictedObserved predicted_observed(const Simulation& simulation) {
   result.status = *status;
   const Stretch best = stretches.best();
   if (best.statuses.empty()) return result;
-  count_statuses(result, best.statuses);
+  result.active = count(best.statuses) - std::ranges::count(best.statuses, ContactStatus::open);
+  result.stick = std::ranges::count(best.statuses, ContactStatus::stick);
+  result.slide = result.active - result.stick;
   fit(result, best);
   const MapRadius frozen = frozen_radius(
       FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps, step.enriched, solver.interface_relaxation));

@@ -2,20 +2,11 @@
 #pragma once
 
 #include "files/resumable_table.hpp"
-#include "study/case.hpp"
 #include "study/lead_in.hpp"
-#include <nscdd/core/table.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace nscdd {
 

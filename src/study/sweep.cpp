@@ -17,17 +17,14 @@ double optimal_relaxation(const SpectralRadius& plain) {
 }
 
 // Operators of one family. The last one is kept, because the inner loop of a sweep asks for it again.
-class OperatorStore {
- public:
-  explicit OperatorStore(InterfaceFamily family) : family_(std::move(family)) {}
-  const InterfaceOperator& at(double eta) {
-    if (!current_ || current_->eta() != eta) current_ = family_.at(eta);
-    return *current_;
-  }
+struct OperatorStore {
+  InterfaceFamily family;
+  std::optional<InterfaceOperator> last = {};
 
- private:
-  InterfaceFamily family_;
-  std::optional<InterfaceOperator> current_;
+  const InterfaceOperator& at(double eta) {
+    if (!last || last->eta() != eta) last = family.at(eta);
+    return *last;
+  }
 };
 
 // Spectra at omega = 1 of one sweep. Neighbours start from each other in blocks of fixed places, so that a
@@ -41,12 +38,12 @@ class Spectra {
   static constexpr Index block = 8;
 
   Spectra(InterfaceFamily stage_one, InterfaceFamily stage_two, const SpectralOptions& options)
-      : preconditioners_(std::move(stage_two)), systems_(std::move(stage_one)), options_(options) {}
+      : preconditioners_{std::move(stage_two)}, systems_{std::move(stage_one)}, options_(options) {}
 
   // `number`: of the pair (epsilon, eta) along the sweep
   const SpectralRadius& at(double epsilon, double eta, Index number) {
     if (number == number_) return current_;
-    if (number % block == 0) forget();
+    if (number % block == 0) memory_.forget_ends();
     current_ = spectral_radius({preconditioners_.at(eta), systems_.at(epsilon)}, options_, &memory_);
     number_ = number;
     return current_;
@@ -54,8 +51,6 @@ class Spectra {
   const InterfaceOperator& preconditioner(double eta) { return preconditioners_.at(eta); }
 
  private:
-  void forget() { memory_.forget_ends(); }
-
   OperatorStore preconditioners_, systems_;
   SpectralOptions options_;
   Continuation memory_;

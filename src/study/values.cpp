@@ -2,7 +2,6 @@
 #include "study/values.hpp"
 
 #include <nscdd/core/error.hpp>
-#include <nscdd/core/fields.hpp>
 
 #include <fmt/format.h>
 

@@ -3,10 +3,6 @@
 
 #include <nscdd/study/sweep.hpp>
 
-#include <optional>
-#include <string_view>
-#include <vector>
-
 namespace nscdd {
 
 /// Values of a sweep, from its SPEC: a comma-separated list whose items are numbers ("1e-3", "inf") or ranges
