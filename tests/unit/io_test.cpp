@@ -235,7 +235,7 @@ TEST_CASE("CSV: quotes as in RFC 4180") {
   CHECK(csv.rows[0] == std::vector<std::string>{"x,1", "say \"no\""});
   CHECK(csv.rows[1] == std::vector<std::string>{"", ""});
   const std::vector<std::string> values{"plain", "a, b", "say \"no\"", "", "\"", "\r"};
-  CHECK(csv_values(csv_line(values), "t.csv") == values);
+  CHECK(csv_values(csv_line({values.begin(), values.end()}), "t.csv") == values);
 }
 
 TEST_CASE("baselines: compared by value, effort left out") {
