@@ -91,6 +91,15 @@ TEST_CASE("lead_in: with its own solver a configuration is that of a simulation,
   CHECK(apart > 0);
 }
 
+TEST_CASE("lead_in: whatever led to a state, what comes next is solved as the case says") {
+  const Case one = table_of("configuration", "steps = [2]\n").cases[0];
+  for (const LeadInSolver solver : {LeadInSolver::plain, LeadInSolver::own}) {
+    const Arrival arrival = LeadIn().at(one, 2, solver);
+    CHECK(arrival.simulation.state.step == 2);
+    CHECK(to_toml(arrival.simulation.dynamics) == to_toml(*one.spec.dynamics));
+  }
+}
+
 TEST_CASE("lead_in: tables that share the way get the rows of tables that do not") {
   const StudyTable chains = table_of("force_chains", "steps = [4, 2]\nlead_in = \"own\"\n");
   LeadIn lead_in;

@@ -97,6 +97,20 @@ TEST_CASE("matrices by columns, by rows and as triplets are the same problem") {
   }
 }
 
+TEST_CASE("entries of a matrix that are given in parts add up") {
+  const GlobalFrictionProblem global = random_bodies_problem(2, 5, 4);
+  RawFclib raw = raw_global(global, Storage::triplets);
+  std::vector<double>& x = raw.numbers.at("fclib_global/H/x");
+  x[0] /= 2;
+  x.push_back(x[0]);
+  for (const std::string name : {"p", "i"}) {
+    std::vector<int>& indices = raw.integers.at("fclib_global/H/" + name);
+    indices.push_back(indices[0]);
+  }
+  for (const std::string name : {"nz", "nzmax"}) ++raw.integers.at("fclib_global/H/" + name)[0];
+  CHECK(same_bits(std::get<GlobalFrictionProblem>(fclib_from_hdf5(raw.bytes(), "p.hdf5").problem).h, global.h));
+}
+
 TEST_CASE("problems of another kind are named and refused") {
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
           "p.hdf5: fclib_global: not supported: a global problem in three dimensions (2 contacts, spacedim 3)");
