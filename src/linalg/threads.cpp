@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/threads.hpp"
 
+#include <metis.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
+#include <csignal>
 #include <cstdlib>
 
 // Null if the BLAS is another than OpenBLAS.
@@ -52,5 +54,16 @@ void for_each_in_parallel(Index n, const std::function<void(Index)>& work) {
 
 OneMetis::OneMetis() : lock_(metis_mutex), before_(initstate(1, state_.data(), state_.size())) {}
 OneMetis::~OneMetis() { setstate(before_); }
+
+int metis_status(const std::function<int()>& call) {
+  int status = METIS_OK;
+  {
+    const OneMetis one_at_a_time;
+    status = call();
+    if (status != METIS_ERROR || (status = call()) != METIS_OK) return status;
+  }
+  std::raise(SIGTERM);
+  return status;
+}
 
 }  // namespace nscdd

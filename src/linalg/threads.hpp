@@ -52,4 +52,9 @@ class OneMetis {
   char* before_;
 };
 
+/// The status of a call of METIS, made while one OneMetis lives. METIS catches SIGTERM, takes it for a failure of its
+/// own and hands it to nobody. A call that fails is therefore made again. If it succeeds then, a signal it was, and it
+/// is raised again for the process, whose own handlers METIS has put back.
+int metis_status(const std::function<int()>& call);
+
 }  // namespace nscdd

@@ -8,7 +8,9 @@
 
 #include <doctest/doctest.h>
 #include <gsl/gsl_errno.h>
+#include <metis.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
@@ -97,4 +99,22 @@ TEST_CASE("elimination orders leave the random numbers of the C library alone, a
   const SparseCholesky factor(CholeskyAnalysis(a), a);
   CHECK(std::rand() == second);
   CHECK(factor.positive_definite());
+}
+
+namespace {
+volatile std::sig_atomic_t caught = 0;
+}
+
+TEST_CASE("a signal that METIS takes for its own failure reaches the process; a failure of METIS is no signal") {
+  caught = 0;
+  const auto before = std::signal(SIGTERM, [](int) { caught = caught + 1; });
+  int calls = 0;
+  CHECK(metis_status([&] { return ++calls == 1 ? METIS_ERROR : METIS_OK; }) == METIS_OK);
+  CHECK(calls == 2);
+  CHECK(caught == 1);
+  CHECK(metis_status([] { return METIS_ERROR; }) == METIS_ERROR);
+  CHECK(metis_status([] { return METIS_ERROR_MEMORY; }) == METIS_ERROR_MEMORY);
+  CHECK(metis_status([] { return METIS_OK; }) == METIS_OK);
+  CHECK(caught == 1);
+  std::signal(SIGTERM, before);
 }

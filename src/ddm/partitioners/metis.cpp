@@ -63,9 +63,10 @@ Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem&
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = static_cast<idx_t>(partitioner.seed);
   std::vector<idx_t> part(at(contacts));
-  const OneMetis one_at_a_time;
-  const int status = METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbours.data(), nullptr,
-                                         nullptr, nullptr, &parts, nullptr, nullptr, options, &cut, part.data());
+  const int status = metis_status([&] {
+    return METIS_PartGraphKway(&vertices, &constraints, graph.start.data(), graph.neighbours.data(), nullptr, nullptr,
+                               nullptr, &parts, nullptr, nullptr, options, &cut, part.data());
+  });
   if (status != METIS_OK)
     throw Error(
         fmt::format("METIS: expected a partition into {} subdomains, met status {}", partitioner.metis, status));

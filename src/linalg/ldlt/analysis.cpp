@@ -42,10 +42,11 @@ std::vector<int> nested_dissection(GroupGraph graph, std::vector<int> weight) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
-  const OneMetis one_at_a_time;
-  if (METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.data(), options, order.data(),
-                   position.data()) != METIS_OK)
-    throw std::bad_alloc();
+  const int status = metis_status([&] {
+    return METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.data(), options, order.data(),
+                        position.data());
+  });
+  if (status != METIS_OK) throw std::bad_alloc();
   return order;
 }
 
