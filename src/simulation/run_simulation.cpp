@@ -17,8 +17,10 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
   try {
     SolvedStep step = solve_step(simulation, sink);
     if (!step.report.broke_down()) return step;
-    reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, to_string(step.report.status),
-                         step.report.last.iteration, describe_breakdown(simulation, step));
+    const auto ended = step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
+                                            : to_string(step.report.status);
+    reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, ended, step.report.last.iteration,
+                         describe_breakdown(simulation, step));
   } catch (const Error& error) {
     if (simulation.state.step == 0) throw;
     reason = fmt::format("step {}: {}", simulation.state.step + 1, error.what());

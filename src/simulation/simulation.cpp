@@ -19,9 +19,10 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 bool is_finite(const DiskVelocity& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim); }
 
-// Contacts dissipate; only driven bodies and bodies that are pushed out of each other bring energy, and hand
-// on their speed at most twice over. A step that ends with so many times as much energy as there was went
-// wrong, even after few iterations.
+// Contacts dissipate. Only driven bodies bring energy, which hand on their speed at most twice over, and pushes: a
+// contact whose bodies overlap does the work r_n times the speed at which it pushes them apart. (Speeds of pushes add
+// up along a chain of overlaps, but so do the impulses.) A step that ends with so many times as much energy as all of
+// these went wrong, even after few iterations.
 constexpr double energy_explosion = 10;
 
 double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
@@ -31,15 +32,21 @@ double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
   return sum;
 }
 
-bool energy_exploded(const StepProblem& problem, const std::vector<DiskVelocity>& velocities) {
+// `contacts`: with their impulses.
+bool energy_exploded(const StepProblem& problem, const std::vector<DiskContact>& contacts,
+                     const std::vector<DiskVelocity>& velocities) {
   double mass = 0, speed_squared = 0;  // of all free disks; of the fastest driven body or push
   for (const DiskVelocity& v : problem.start) {
     if (v.inverse_mass > 0) mass += 1 / v.inverse_mass;
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, v.x * v.x + v.y * v.y + v.rim * v.rim);
   }
-  for (const DiskContact& c : problem.contacts)
+  double pushes = 0;
+  for (const DiskContact& c : contacts) {
     speed_squared = std::max(speed_squared, c.bias_n * c.bias_n + c.bias_t * c.bias_t);
-  const double reference = kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2;
+    pushes += c.impulse_n * std::max(0.0, -c.bias_n);
+  }
+  const double reference =
+      kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2 + pushes;
   return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
 }
 
@@ -188,7 +195,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   // well.
   if (!std::ranges::all_of(step.velocities, is_finite))
     report.status = SolverStatus::no_number;
-  else if (energy_exploded(step.problem, step.velocities))
+  else if ((step.energy_exploded = energy_exploded(step.problem, step.contacts, step.velocities)))
     report.status = SolverStatus::diverged;
   step.gluing = iteration.gluing();
   step.interface_impulses = iteration.interface_impulses();

@@ -108,6 +108,33 @@ TEST_CASE("a packing with overlaps of 7 % of a radius gains next to nothing, and
   CHECK(-take_step(simulation, solve_step(simulation)).energy.dissipation > 5 * scale);
 }
 
+TEST_CASE("a column of overlapping disks at rest is pushed apart: speeds of pushes add up along it") {
+  for (const int disks : {2, 6, 30, 100})
+    for (const double h : {1e-4, 1e-3}) {
+      CAPTURE(disks);
+      CAPTURE(h);
+      const double radius = 0.1, distance = 2 * radius * (1 - 0.07 / 2);
+      Packing column;
+      for (int k = 0; k < disks; ++k) {
+        column.x.push_back(0);
+        column.y.push_back(k * distance);
+        column.radius.push_back(radius);
+        column.mass.push_back(1);
+      }
+      Dynamics dynamics = loose();
+      dynamics.solver.maximum_iterations = 100'000;
+      dynamics.time.step = h;
+      dynamics.boundaries = {wall("floor", {0, radius - distance}, {1, radius - distance})};
+      const GranularScene made = scene(column, dynamics);
+      const SolvedStep step = solve_step({made.system, made.state, dynamics, GridPartitioner{}});
+      CHECK(step.report.status == SolverStatus::converged);
+      CHECK(!step.energy_exploded);
+      // The k-th disk leaves at k pushes.
+      const double push = 0.02 * std::sqrt(g * radius);
+      CHECK(step.velocities[at(Index{disks} - 1)].y == doctest::Approx(disks * push).epsilon(1e-2));
+    }
+}
+
 TEST_CASE("without gravity overlaps of bodies at rest stay, and do not grow") {
   Dynamics dynamics = tight();
   dynamics.time.gravity = {0, 0};
