@@ -63,7 +63,7 @@ class EtaChoice {
 
  private:
   // Safe: see "Flexibilities relative to the packing" in docs/cases.md for what was measured.
-  double value_ = 10;
+  double value_ = 30;
   bool relative_ = true, optimal_ = false;
 };
 

@@ -180,7 +180,7 @@ TEST_CASE("moving case: eta in 1/kg, relative to the masses, or optimal") {
   const auto eta_of = [&](const std::string& text) {
     return parse(replaced(enriched, "warm_start = true", "eta = \"" + text + "\"")).dynamics->solver.eta;
   };
-  CHECK(parse(enriched).dynamics->solver.eta.text() == "10 W");
+  CHECK(parse(enriched).dynamics->solver.eta.text() == "30 W");
   CHECK(eta_of("0.5W").text() == "0.5 W");
   CHECK(eta_of("0.5 W").at_scale(4) == 2);
   CHECK(eta_of("0.5").at_scale(4) == 0.5);
