@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a run of steps ends.
+#include "../support/granular.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
 
 using namespace nscdd;
 
@@ -102,6 +106,29 @@ TEST_CASE("run: mean speed is weighted by mass and takes free grains alone") {
   system.radius = {1, 1, 1};
   system.driven_by = {-1, -1, 0};
   CHECK(mean_speed(system, 8) == 2);
+}
+
+TEST_CASE("status changes: contacts that close and contacts that open count") {
+  Dynamics dynamics = testing::tight();
+  dynamics.time.gravity = {0, 0};
+  dynamics.time.step = 1e-3;
+  dynamics.interaction.law = "frictionless";
+  // Disks 0 and 1 hit disk 2 from directions 70 degrees apart, at 1 and 10 m/s. The first sweep meets the slow
+  // disk first and closes both contacts. Disk 2 then leaves disk 0 behind at 5 cos 70 m/s = 1.7 m/s, so that the
+  // second sweep opens that contact, which is exact.
+  const auto hitting = [](double degrees, double speed) {
+    const double angle = degrees * std::numbers::pi / 180, x = std::cos(angle), y = std::sin(angle);
+    const double distance = 1 + speed * 1e-3 / 2 - 1e-12;  // half a step before they touch
+    return testing::Grain{.x = -distance * x, .y = -distance * y, .velocity_x = speed * x, .velocity_y = speed * y};
+  };
+  const Simulation simulation = testing::simulation_of({hitting(0, 1), hitting(70, 10), {}}, dynamics);
+  std::vector<Index> changes;
+  const SolvedStep step =
+      solve_step(simulation, {.row = [&](const IterationRow& row) { changes.push_back(row.status_changes); }});
+  REQUIRE(step.contacts.size() == 2);
+  CHECK(step.contacts[0].impulse_n == 0);
+  CHECK(step.contacts[1].impulse_n == doctest::Approx(5));
+  CHECK(changes == std::vector<Index>{2, 1});
 }
 
 TEST_CASE("rows of steps and iterations have a value per column") {

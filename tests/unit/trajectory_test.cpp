@@ -133,12 +133,15 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
     Simulation first = small(10);
     TrajectoryWriter writer(path, header_of(first), {first.state, {}}, headings(step_columns()));
     run_into(writer, first);
+    writer.end("completed");
   }
+  CHECK(read_end(path) == "completed");
   Simulation second = small(20);
   second.state = read_last_step(path).state;
   CHECK(second.state.step == 10);
   TrajectoryWriter writer(path, headings(step_columns()));
   writer.go_on("the longer case", "from step 10\n");
+  CHECK(read_end(path) == "running");  // what a run that is killed from here on leaves
   run_into(writer, second);
   CHECK(read_trajectory_header(path).case_text == "the longer case");
   check_equal(second.state, whole.state);
