@@ -72,15 +72,15 @@ void check_names(const std::vector<Verb>& verbs, std::span<const char* const> ar
   if (verb == verbs.end()) {
     std::vector<std::string> known;
     for (const Verb& each : verbs) known.push_back(each.name);
-    refuse("expected a verb ({}), met '{}'{}", fmt::join(known, ", "), first, suggestion(first, known));
+    fail("expected a verb ({}), met '{}'{}", fmt::join(known, ", "), first, suggestion(first, known));
   }
   const std::vector<std::string> known = verb->command.names();
   for (std::string_view argument : arguments.subspan(1)) {
     if (argument == "--") return;
     argument = argument.substr(0, argument.find('='));
     if (argument.starts_with("--") && std::ranges::find(known, argument) == known.end())
-      refuse("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them", verb->name, argument,
-             suggestion(argument, known), verb->name);
+      fail("expected an option of nscdd {}, met '{}'{}; 'nscdd {} --help' lists them", verb->name, argument,
+           suggestion(argument, known), verb->name);
   }
 }
 
@@ -111,7 +111,7 @@ Request parse_command_line(const std::vector<Verb>& verbs, int argc, const char*
   } catch (const CLI::CallForVersion& version) {
     return std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    refuse("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what());
+    fail("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what());
   }
   return asked();
 }
@@ -153,7 +153,7 @@ int main(int argc, char** argv) {
   using nscdd::app::note;
   try {
     const int exit_code = nscdd::app::run(argc, argv);
-    if (std::fflush(stdout) != 0) nscdd::app::refuse("standard output: cannot be written: {}", std::strerror(errno));
+    if (std::fflush(stdout) != 0) nscdd::fail("standard output: cannot be written: {}", std::strerror(errno));
     return exit_code;
   } catch (const nscdd::Error& error) {
     note("error: {}", error.what());

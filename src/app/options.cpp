@@ -67,7 +67,7 @@ double available_bytes() { return std::min(system_available(), control_groups_av
 PrescribedVelocity parse_prescribed(const std::string& text) {
   const std::string what = "--prescribed";
   const auto first = text.find(':'), last = text.rfind(':');
-  if (std::ranges::count(text, ':') != 2) refuse("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
+  if (std::ranges::count(text, ':') != 2) fail("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
   PrescribedVelocity velocity;
   velocity.grain = parse_integer(text.substr(0, first), what);
   velocity.velocity = {parse_number(text.substr(first + 1, last - first - 1), what),
@@ -82,7 +82,7 @@ CaseSpec find_spec(const std::string& name) {
   const std::string path = find_case(name);
   if (fs::path(path).extension() == ".toml") return read_case(path);
   const auto format = packing_format(path);
-  if (!format) refuse("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path);
+  if (!format) fail("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path);
   CaseSpec spec;
   spec.name = fs::path(path).stem().string();
   if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
@@ -95,7 +95,7 @@ CaseSpec find_spec(const std::string& name) {
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
-    if (equals == std::string::npos) refuse("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
+    if (equals == std::string::npos) fail("--set: expected KEY=VALUE such as packing.grains=16, met '{}'", setting);
     override_case(spec, setting.substr(0, equals), setting.substr(equals + 1));
   }
 }
@@ -123,7 +123,7 @@ Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
     const PrescribedVelocity velocity = parse_prescribed(text);
     for (const PrescribedVelocity& other : spec.prescribed)
       if (other.grain == velocity.grain)
-        refuse("--prescribed: expected each grain once, met grain {} again", velocity.grain);
+        fail("--prescribed: expected each grain once, met grain {} again", velocity.grain);
     spec.prescribed.push_back(velocity);
   }
   if (density) override_case(spec, "masses.density", field_text(*density));
@@ -157,7 +157,7 @@ SpectralOptions SpectralCommandOptions::spectral() const {
   SpectralOptions all = options;
   all.solver = Choice<SpectralSolver>::parse(solver, "--solver");
   if (all.solver == SpectralSolver::arpack && (all.certify || all.eigenvalues > 1))
-    refuse("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met arpack");
+    fail("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met arpack");
   return all;
 }
 
@@ -186,7 +186,7 @@ void MemoryLimit::require(double bytes, std::string_view name, std::string_view 
     check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--memory-limit");
   const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
   if (bytes <= limit) return;
-  refuse(
+  fail(
       "case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} GiB for {}; {}, or a "
       "larger --memory-limit may help",
       name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", bytes / gibibyte, what,

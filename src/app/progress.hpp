@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/error.hpp>
+#include "core/fail.hpp"
 #include <nscdd/core/types.hpp>
 
 #include <fmt/format.h>
@@ -15,12 +15,6 @@ void vnote(fmt::string_view format, fmt::format_args arguments);
 template <class... Arguments>
 void note(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
   vnote(format, fmt::make_format_args(arguments...));
-}
-
-/// Throws an Error with a message that is put together by fmt.
-template <class... Arguments>
-[[noreturn]] void refuse(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  throw Error(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
 /// Seconds on a clock that never goes back.

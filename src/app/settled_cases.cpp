@@ -121,7 +121,7 @@ Packing simulate_to_the_end(const Case& one) {
   sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) { kinetic = report.energy.kinetic; };
   sinks.monitor = progress.monitor();
   const RunOutcome outcome = run_simulation(simulation, sinks);
-  if (outcome.end == RunEnd::broke_down) refuse("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
+  if (outcome.end == RunEnd::broke_down) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
     note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
          mean_speed(simulation.system, kinetic));
@@ -133,7 +133,7 @@ std::string settled_file(const CaseSpec& spec) {
   const std::string& name = std::get<SettledFrom>(spec.packing).name;
   const fs::path beside = fs::path(spec.source).parent_path() / name;
   const std::string path = is_file(beside) ? beside.string() : find_case(name);
-  if (fs::path(path).extension() != ".toml") refuse("{}: expected a case file (.toml) to settle, met another", path);
+  if (fs::path(path).extension() != ".toml") fail("{}: expected a case file (.toml) to settle, met another", path);
   return path;
 }
 
@@ -159,7 +159,7 @@ Case resolve_nested(const CaseSpec& spec, std::vector<fs::path> open);
 Case settle(const CaseSpec& spec, const std::vector<fs::path>& open) {
   const std::string path = settled_file(spec);
   const Case start = resolve_nested(read_case(path), open);
-  if (!start.spec.dynamics) refuse("{}: expected a case with a section [dynamics] to settle, met one without", path);
+  if (!start.spec.dynamics) fail("{}: expected a case with a section [dynamics] to settle, met one without", path);
   Case settled{spec};
   settled.settled_from = fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
   if (const auto* file = std::get_if<PackingFile>(&start.spec.packing))
@@ -186,7 +186,7 @@ Case resolve_nested(const CaseSpec& spec, std::vector<fs::path> open) {
   if (cycle) {
     std::vector<std::string> chain;
     for (const fs::path& each : open) chain.push_back(each.filename().string());
-    refuse("expected a case that is not settled from itself, met {}", fmt::join(chain, " -> "));
+    fail("expected a case that is not settled from itself, met {}", fmt::join(chain, " -> "));
   }
   if (!std::holds_alternative<SettledFrom>(spec.packing)) return resolve(spec);
   return at_key(spec, "packing.settled", [&] { return settle(spec, open); });
@@ -212,7 +212,7 @@ std::string find_case(const std::string& name) {
   const fs::path file = fs::path("cases") / (name + ".toml");
   if (const auto folder = data_folder_of(name, file)) return (*folder / file).lexically_normal().string();
   const std::vector<std::string> known = known_names("cases");
-  refuse(
+  fail(
       "case '{}': expected a case file (.toml), a packing file (.csv, .h5) or one of the known cases ({}), met no "
       "such file{}",
       name, joined(known), suggestion(name, known));
@@ -226,8 +226,8 @@ std::string find_study(const std::string& name) {
   if (const auto folder = data_folder_of(name, place / "study.toml"))
     return (*folder / place).lexically_normal().string();
   const std::vector<std::string> known = known_names("studies");
-  refuse("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
-         joined(known), suggestion(name, known));
+  fail("study '{}': expected a folder with a study.toml or one of the known studies ({}), met none{}", name,
+       joined(known), suggestion(name, known));
 }
 
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
@@ -246,7 +246,7 @@ void require_no_input(const std::vector<std::string>& outputs, const std::vector
   for (const std::string& output : outputs)
     for (const fs::path& input : inputs)
       if (!output.empty() && !is_stream(output) && fs::equivalent(output, input, ignored))
-        refuse("{}: expected another file than the input {}, which would be lost", output, input.string());
+        fail("{}: expected another file than the input {}, which would be lost", output, input.string());
 }
 
 }  // namespace nscdd::app

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/simulate_output.hpp"
 
-#include "app/progress.hpp"
+#include "core/fail.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/version.hpp>
 
@@ -22,7 +22,7 @@ void require_rows_of(const RunSoFar& run, const std::vector<Index>& last, const 
   for (auto step = first; step != last.end(); ++step) {
     const auto expected = static_cast<Index>(run.iterations[at(step - last.begin())]);
     if (*step != expected)
-      refuse(
+      fail(
           "{}: expected rows of step {} of the run in {} up to its last iteration, {}, met {}; a table of another name "
           "begins with the steps taken now",
           name, step - last.begin() + 1, run.path, expected, *step == 0 ? "none" : fmt::format("them up to {}", *step));
@@ -39,17 +39,17 @@ std::pair<Index, std::size_t> cell_at(const std::string& text, std::size_t begin
 std::uintmax_t bytes_of_run(const std::string& text, const RunSoFar& run, const std::string& name) {
   const std::string header = csv_header(headings(iteration_columns())) + "\n";
   if (text.substr(0, header.size()) != header)
-    refuse("{}: expected the table of a run to go on with, met other columns", name);
+    fail("{}: expected the table of a run to go on with, met other columns", name);
   std::size_t kept = header.size();
   std::vector<Index> last(run.iterations.size(), 0);
   for (std::size_t end = text.find('\n', kept); end != std::string::npos; end = text.find('\n', kept)) {
     const auto [step, behind] = cell_at(text, kept, name + ": step");
     if (step > count(last)) break;
-    if (step < 1) refuse("{}: step: expected a number from 1, met {}", name, step);
+    if (step < 1) fail("{}: step: expected a number from 1, met {}", name, step);
     const Index iteration = cell_at(text, behind, name + ": iteration").first;
     Index& before = last[at(step - 1)];
     if (iteration <= before)
-      refuse("{}: step {}: expected ascending iterations, met {} after {}", name, step, iteration, before);
+      fail("{}: step {}: expected ascending iterations, met {} after {}", name, step, iteration, before);
     before = iteration;
     kept = end + 1;
   }
@@ -70,7 +70,7 @@ std::uintmax_t reopened(const std::string& path, const RunSoFar& run) {
   if (!grows(path)) {
     if (!fs::exists(path, status)) return 0;
     fs::rename(path, growing, status);
-    if (status) refuse("{}: cannot be renamed: {}", path, status.message());
+    if (status) fail("{}: cannot be renamed: {}", path, status.message());
   }
   const std::string text = read_text(growing.string());
   return text.empty() ? 0 : bytes_of_run(text, run, growing.string());
@@ -88,8 +88,8 @@ void require_table_to_go_on(const std::string& path, const RunSoFar& run) {
   if (!fs::exists(path, status)) return require_writable(path, false);
   const std::string text = read_text(path);  // of a run that came to its end
   if (bytes_of_run(text, run, path) < text.size() && !run.broke_down)
-    refuse("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
-           run.iterations.size());
+    fail("{}: expected the table of a run of {} steps to go on with, met later steps in it", path,
+         run.iterations.size());
 }
 
 // The lines of a case without those that say how many steps are asked for, and an end.
@@ -106,9 +106,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 void require_same_case(const std::string& path, const TrajectoryHeader& found, const std::string& case_text) {
   const std::vector<std::string> had = lines_of(found.case_text), has = lines_of(case_text);
   if (const auto [before, now] = std::ranges::mismatch(had, has); before != had.end() && now != has.end())
-    refuse("{}: expected the case and options of the run it holds ({}), met {}", path, *before, *now);
+    fail("{}: expected the case and options of the run it holds ({}), met {}", path, *before, *now);
   if (const std::string build = build_fingerprint(); found.build != build)
-    refuse(
+    fail(
         "{}: expected a trajectory of this build of the program ({}), met one of another ({}): its steps would not "
         "be those of one run",
         path, build, found.build);
@@ -116,10 +116,10 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
 
 void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
   if (old.radius.size() != system.radius.size())
-    refuse("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
+    fail("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
   for (std::size_t i = 0; i < system.radius.size(); ++i)
     if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] || old.driven_by[i] != system.driven_by[i])
-      refuse("{}: expected the disks of this case, met another disk {}", path, i);
+      fail("{}: expected the disks of this case, met another disk {}", path, i);
 }
 
 void require_same_start(const std::string& path, const GranularState& asked) {
@@ -129,12 +129,11 @@ void require_same_start(const std::string& path, const GranularState& asked) {
   for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle, &GranularState::velocity_x,
                             &GranularState::velocity_y, &GranularState::spin}) {
     const std::vector<double>&had = found.*values, &has = asked.*values;
-    if (had.size() != has.size())
-      refuse("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
+    if (had.size() != has.size()) fail("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
     const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
     if (differs.first == had.end()) continue;
     const auto i = static_cast<std::size_t>(differs.first - had.begin());
-    refuse(
+    fail(
         "{}: expected the start of the run it holds, met disk {} elsewhere or at another velocity, at ({}, {}) m "
         "instead of ({}, {}) m",
         path, i, asked.x.at(i), asked.y.at(i), found.x.at(i), found.y.at(i));
@@ -151,7 +150,7 @@ RunSoFar run_so_far(const std::string& path) {
 void check_restart(const std::string& path, const std::string& table, const CaseSpec& spec) {
   require_same_case(path, read_trajectory_header(path), to_toml(spec));
   const Index done = read_last_step(path).state.step, steps = spec.dynamics->time.steps;
-  if (done > steps) refuse("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps);
+  if (done > steps) fail("{}: expected to go on to {} steps or more, those it holds, met {}", path, done, steps);
   require_table_to_go_on(table, run_so_far(path));
 }
 

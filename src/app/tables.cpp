@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/tables.hpp"
 
+#include "core/fail.hpp"
 #include "files/hdf5.hpp"
 #include "study/optimum.hpp"
 
@@ -67,7 +68,7 @@ Texts computed(const StudyTable& work, Index number, LeadIn& lead_in) {
 }
 
 void require_text(const std::string& met, const std::string& expected, const std::string& where) {
-  if (met != expected) refuse("{}: expected {} of this work, met {}", where, expected, met);
+  if (met != expected) fail("{}: expected {} of this work, met {}", where, expected, met);
 }
 
 // What a row says of its case must not change: it would be of another partition or of other contacts.
@@ -120,7 +121,7 @@ void declare_redo(Command& command, bool& redo) {
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how) {
   if (!how.resume || how.force || !is_complete(csv)) return false;
   if (!hdf5.empty() && !std::filesystem::exists(hdf5))
-    refuse(
+    fail(
         "{}: expected rows to resume, met a complete table, and nothing tells what work it came from: {} cannot be "
         "made of it; --force computes both again",
         csv, hdf5);
@@ -145,14 +146,14 @@ void repair_table(const StudyTable& work, const std::string& path, Interruption&
   OutputFile file(path, true);
   file.line(header);
   if (const std::string met = text.substr(0, text.find('\n')); met != header)
-    refuse("{}:1: expected the columns {}, met {}", path, header, met);
+    fail("{}:1: expected the columns {}, met {}", path, header, met);
   Progress progress("redo " + work.name);
   const Monitor monitor = interruption.watch(progress.monitor());
   CsvReader reader(text, path);
   Index number = 0;
   for (; reader.next(); ++number) {
     const std::string where = fmt::format("{}:{}", path, reader.line());
-    if (number >= total) refuse("{}: expected {} rows of this work, met another", where, total);
+    if (number >= total) fail("{}: expected {} rows of this work, met another", where, total);
     Texts row = known_row(reader, work, layout, number, where);
     const Proof found = proof_of(layout.columns, row);
     const bool open = !found.converged || !found.certified;
@@ -168,7 +169,7 @@ void repair_table(const StudyTable& work, const std::string& path, Interruption&
     file.line(csv_line({row.begin(), row.end()}));
     report(monitor, number + 1, total);
   }
-  if (number < total) refuse("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number);
+  if (number < total) fail("{}: expected {} rows of this work, met {}; --resume completes it", path, total, number);
   if (repaired.rows > before) file.finish();
 }
 

@@ -38,7 +38,7 @@ StepRange parse_step_range(const std::string& text) {
   }
   const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
   if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
-    refuse("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
+    fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
   return range;
 }
 
@@ -64,21 +64,21 @@ std::vector<Index> chosen(const Options& options, const StepRange& range) {
   std::vector<Index> steps;
   std::ranges::copy_if(kept, std::back_inserter(steps), [&](Index step) { return range.holds(step); });
   if (steps.empty())
-    refuse("--steps: expected a range with some of the steps that {} keeps ({}), met none", options.trajectory,
-           step_ranges_text(kept));
+    fail("--steps: expected a range with some of the steps that {} keeps ({}), met none", options.trajectory,
+         step_ranges_text(kept));
   return steps;
 }
 
 void make_folder(const Options& options) {
   std::error_code status;
   if (fs::exists(options.folder, status)) {
-    if (!fs::is_directory(options.folder, status)) refuse("{}: expected a folder, met a file", options.folder);
+    if (!fs::is_directory(options.folder, status)) fail("{}: expected a folder, met a file", options.folder);
     if (!options.force && !fs::is_empty(options.folder, status))
-      refuse("{}: expected an empty folder or none, met one that holds files; --force writes into it", options.folder);
+      fail("{}: expected an empty folder or none, met one that holds files; --force writes into it", options.folder);
     return;
   }
   fs::create_directories(options.folder, status);
-  if (status) refuse("{}: cannot be made: {}", options.folder, status.message());
+  if (status) fail("{}: cannot be made: {}", options.folder, status.message());
 }
 
 // Pictures of the kept steps in the range.
@@ -121,7 +121,7 @@ TrajectoryStep state_before(const Options& options) {
   if (kept.empty() || kept.back() != last) kept.push_back(last);
   std::vector<Index> possible = kept;
   for (Index& step : possible) ++step;
-  refuse(
+  fail(
       "--fclib: {}: expected a step behind a state that is kept, so one of {}, met step {}; states are kept after "
       "steps {} (nscdd simulate --save-every 1 keeps all)",
       options.trajectory, step_ranges_text(possible), *options.step, step_ranges_text(kept));
@@ -179,12 +179,12 @@ void print_report(const Options& options, const FclibFile& file, const LocalFric
 
 FclibFile subdomain_file(const Options& options, const Simulation& before, const std::optional<TrajectoryStep>& after) {
   if (!after)
-    refuse("--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
-           options.trajectory, step_ranges_text(trajectory_steps(options.trajectory)), *options.step);
+    fail("--subdomain: {}: expected a step that is kept, for its interface impulses ({}), met step {}",
+         options.trajectory, step_ranges_text(trajectory_steps(options.trajectory)), *options.step);
   try {
     return fclib_of_subdomain(before, *after, *options.subdomain);
   } catch (const Error& error) {
-    refuse("--subdomain: {}: {}", options.trajectory, error.what());
+    fail("--subdomain: {}: {}", options.trajectory, error.what());
   }
 }
 
@@ -206,8 +206,8 @@ int export_fclib(const Options& options, const Context& context) {
 
 int run(const Options& options, const Context& context) {
   if (options.folder.empty() == !options.step)
-    refuse("export: expected either --vtk FOLDER or --fclib STEP, met {}", options.step ? "both" : "neither");
-  if (options.step && options.output.empty()) refuse("--fclib: expected -o FILE.hdf5 with it, met none");
+    fail("export: expected either --vtk FOLDER or --fclib STEP, met {}", options.step ? "both" : "neither");
+  if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 with it, met none");
   return options.step ? export_fclib(options, context) : export_vtk(options);
 }
 

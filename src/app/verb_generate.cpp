@@ -29,7 +29,7 @@ Case resolve(const Options& options) {
   CaseSpec spec = spec_of(options.spec);
   for (const std::string& setting : options.settings)
     if (setting.rfind("packing.", 0) != 0 && setting.rfind("masses.", 0) != 0)
-      refuse("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting);
+      fail("--set: expected packing.KEY=VALUE or masses.density=VALUE, met '{}'", setting);
   apply_settings(spec, options.settings);
   return resolve_case(spec, {options.output});
 }
@@ -38,7 +38,7 @@ PackingFormat output_format(const std::string& output) {
   if (output == "-") return PackingFormat::csv;
   const auto format = packing_format(output);
   if (!format)
-    refuse("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output", output);
+    fail("{}: expected a file name that ends in .csv, .h5 or .hdf5, or - for CSV on standard output", output);
   return *format;
 }
 

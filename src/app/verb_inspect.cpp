@@ -71,7 +71,7 @@ void print_geometry(const Inspection& found) {
 }
 
 int run(const Options& options) {
-  if (options.histogram == "-") refuse("--histogram: expected a file name, met -; standard output is for the report");
+  if (options.histogram == "-") fail("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));

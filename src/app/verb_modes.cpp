@@ -26,7 +26,7 @@ struct Options {
 // `scale`: of relative flexibilities, 1/kg
 double one_of(const FlexibilityValues& all, double scale, const std::string& option, const std::string& text) {
   if (all.values.size() == 1) return all.relative ? all.values.front() * scale : all.values.front();
-  refuse("{}: expected one number, a mode belongs to one operator, met '{}'", option, text);
+  fail("{}: expected one number, a mode belongs to one operator, met '{}'", option, text);
 }
 
 ModeParameters parameters(const Options& options, double scale) {
@@ -120,7 +120,7 @@ void tell_doubts(const Mode& mode, double epsilon) {
 
 int run(const Options& options) {
   if (options.output.empty() || options.output == "-" || options.output.back() == '/')
-    refuse("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
+    fail("--output: expected a prefix of file names such as slow or results/slow, met '{}'", options.output);
   parameters(options, 1);  // refused before the model is built
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";

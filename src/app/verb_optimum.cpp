@@ -41,9 +41,9 @@ StudyTable table_of(const Options& options) {
 
 int run(const Options& options) {
   const StudyTable work = table_of(options);
-  if (options.csv.empty() && options.how.resume) refuse("--resume: expected --csv FILE with it, met none");
+  if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.how.resume))
-    refuse("--redo: expected a finished table in a file with --csv, without --resume");
+    fail("--redo: expected a finished table in a file with --csv, without --resume");
   if (!options.redo && nothing_to_resume(options.csv, "", options.how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());

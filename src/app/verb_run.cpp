@@ -42,7 +42,7 @@ Work read_work(const Options& options) {
   Work work;
   work.source = find_study(options.study);
   if (options.redo && (options.how.resume || options.how.force))
-    refuse("--redo: expected finished results, to be repaired, without --resume and --force");
+    fail("--redo: expected finished results, to be repaired, without --resume and --force");
   work.study = parse_study(read_text(work.study_file()), work.study_file(), [&](const std::string& name) {
     const fs::path beside = work.source / name;  // a case file of the study's own
     return read_case(fs::exists(beside) ? beside.string() : find_case(name));
@@ -148,7 +148,7 @@ void check_outputs(const Work& work) {
 int redo(const Work& work, const Options& options, const Context& context) {
   const auto require_complete = [](const std::string& path) {
     if (!fs::exists(path) || fs::exists(record_path(path)))
-      refuse("--redo: {}: expected a complete result, met none; --resume completes it", path);
+      fail("--redo: {}: expected a complete result, met none; --resume completes it", path);
   };
   require_complete(work.hdf5());
   for (const StudyTable& table : work.study.tables) {
@@ -202,7 +202,7 @@ int run(const Options& options, const Context& context) {
   if (options.redo) return redo(work, options, context);
   std::error_code status;
   fs::create_directories(work.output, status);
-  if (status) refuse("{}: cannot be made: {}", work.output.string(), status.message());
+  if (status) fail("{}: cannot be made: {}", work.output.string(), status.message());
   if (!options.how.resume || options.how.force || !is_complete(work)) return compute(work, cases, options, context);
   note("{}: already complete, nothing to resume", work.output.string());
   return options.check ? check_files(work) : 0;

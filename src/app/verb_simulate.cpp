@@ -41,7 +41,7 @@ std::vector<Given> given_parameters(const Options& options) {
   std::vector<Given> given;
   const auto add = [&](const std::string& key, const std::string& option) {
     const auto before = std::ranges::find(given, key, &Given::key);
-    if (before != given.end()) refuse("{}: expected {} once, met {} too", option, key, before->option);
+    if (before != given.end()) fail("{}: expected {} once, met {} too", option, key, before->option);
     given.push_back({key, option});
   };
   const bool metis = options.subdomains.starts_with("metis:");
@@ -60,10 +60,10 @@ std::vector<Given> given_parameters(const Options& options) {
 void require_effect(const Given& given, const CaseSpec& spec) {
   const Dynamics& dynamics = *spec.dynamics;
   if (given.key.starts_with("contacts."))
-    refuse("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
+    fail("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
   const bool one_subdomain = subdomains(spec.partition) == 1;
   if (given.key.starts_with("partition.") && dynamics.solver.algorithm == StepAlgorithm::nlgs && !one_subdomain)
-    refuse("{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose", given.option);
+    fail("{}: expected --algorithm generic or enriched with it, met nlgs, which does not decompose", given.option);
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;
@@ -72,7 +72,7 @@ void require_effect(const Given& given, const CaseSpec& spec) {
 }
 
 void apply(const Options& options, CaseSpec& spec) {
-  if (!spec.dynamics) refuse("{}: expected a case with a section [dynamics], met one without", options.name);
+  if (!spec.dynamics) fail("{}: expected a case with a section [dynamics], met one without", options.name);
   const std::vector<Given> given = given_parameters(options);
   if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
   apply_settings(spec, options.settings);
@@ -92,7 +92,7 @@ void require_not_beside(const std::string& output, const std::string& table) {
   std::error_code ignored;
   for (const std::string& name : AlternatingFile::names_beside(output))
     if (fs::weakly_canonical(fs::absolute(table), ignored) == fs::weakly_canonical(fs::absolute(name), ignored))
-      refuse("{}: expected another name, met one that is taken while {} is written", table, output);
+      fail("{}: expected another name, met one that is taken while {} is written", table, output);
 }
 
 void check_names(const Options& options) {
@@ -102,7 +102,7 @@ void check_names(const Options& options) {
     require_not_beside(options.output, options.convergence);
   }
   if (options.restart && options.force)
-    refuse("--restart: expected either to go on with a run or to replace it, met --force too");
+    fail("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;
   require_writable(options.output, options.force);
   if (!options.convergence.empty()) require_writable(options.convergence, options.force);

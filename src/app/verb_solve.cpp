@@ -36,8 +36,8 @@ LocalFrictionProblem local_problem(const FclibFile& file, const std::string& nam
 Vector starting_impulses(const FclibFile& file, const Options& options) {
   if (options.guess == 0) return {};
   if (options.guess < 0 || options.guess > count(file.guesses))
-    refuse("--guess: expected one of the {} guesses of {}, or 0 for none, met {}", file.guesses.size(), options.file,
-           options.guess);
+    fail("--guess: expected one of the {} guesses of {}, or 0 for none, met {}", file.guesses.size(), options.file,
+         options.guess);
   return file.guesses[at(options.guess - 1)].r;
 }
 
@@ -90,8 +90,7 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
 
 void check_options(const Options& options) {
   check_bounds(options.solver.tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "--tolerance");
-  if (options.convergence == "-")
-    refuse("--convergence: expected a file name, met -; standard output is for the report");
+  if (options.convergence == "-") fail("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty()) require_hdf5_name(options.output);
   require_no_input({options.convergence, options.output}, {options.file});
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);

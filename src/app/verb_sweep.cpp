@@ -31,7 +31,7 @@ SweepParameters parameters(const Options& options) {
   if (result.spectral.certify || result.spectral.eigenvalues > 1)
     for (const auto& sweeps : result.gauss_seidel_sweeps)
       if (sweeps)
-        refuse(
+        fail(
             "--gauss-seidel-sweeps: expected inf with --certify or --eigenvalues (an inexact Stage 1 has no symmetric "
             "pencil), met {}",
             *sweeps);
@@ -76,7 +76,7 @@ int run(const Options& options, const Context& context) {
   work.cases = {options.one.resolve({options.csv, options.hdf5})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.how.resume))
-    refuse("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
+    fail("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
   if (!options.redo && nothing_to_resume(options.csv, options.hdf5, options.how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Parameters, choices and cells as texts.
+#include "core/fail.hpp"
 #include "core/fingerprint.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/table.hpp>
 
@@ -30,9 +30,8 @@ Number parse_all(std::string_view text, std::string_view what, std::string_view 
   const char* last = text.data() + text.size();
   const auto [end, status] = std::from_chars(first, last, value);
   if (status == std::errc::result_out_of_range)
-    throw Error(fmt::format("{}: expected {}, met '{}', which is out of range", what, expected, text));
-  if (text.empty() || status != std::errc() || end != last)
-    throw Error(fmt::format("{}: expected {}, met '{}'", what, expected, text));
+    fail("{}: expected {}, met '{}', which is out of range", what, expected, text);
+  if (text.empty() || status != std::errc() || end != last) fail("{}: expected {}, met '{}'", what, expected, text);
   return value;
 }
 
@@ -41,7 +40,7 @@ void parse_pair(std::string_view text, std::array<Number, 2>& value, std::string
   std::string_view body = trimmed(text);
   if (body.size() >= 2 && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
   const auto comma = body.find(',');
-  if (comma == std::string_view::npos) throw Error(fmt::format("{}: expected two numbers 'a,b', met '{}'", key, text));
+  if (comma == std::string_view::npos) fail("{}: expected two numbers 'a,b', met '{}'", key, text);
   parse_value(body.substr(0, comma), value[0], key);
   parse_value(body.substr(comma + 1), value[1], key);
 }
@@ -73,7 +72,7 @@ void parse_value(std::string_view text, double& value, std::string_view key) { v
 void parse_value(std::string_view text, Index& value, std::string_view key) { value = parse_integer(text, key); }
 void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
 void parse_value(std::string_view text, bool& value, std::string_view key) {
-  if (text != "true" && text != "false") throw Error(fmt::format("{}: expected true or false, met '{}'", key, text));
+  if (text != "true" && text != "false") fail("{}: expected true or false, met '{}'", key, text);
   value = text == "true";
 }
 void parse_value(std::string_view text, std::array<double, 2>& value, std::string_view key) {
@@ -121,7 +120,7 @@ void check_bounds(double value, const Field& field, std::string_view key) {
   if (field.maximum < infinity)
     expected += fmt::format("{} <= {}", field.minimum > -infinity ? " and" : "", field.maximum);
   if (!std::isnan(field.also)) expected += fmt::format(", or {}", field.also);
-  throw Error(fmt::format("{}: expected {}, met {}", key, expected, value));
+  fail("{}: expected {}, met {}", key, expected, value);
 }
 void check_bounds(Index value, const Field& field, std::string_view key) {
   check_bounds(static_cast<double>(value), field, key);
@@ -149,9 +148,8 @@ std::string suggestion(std::string_view met, std::span<const std::string> known)
 std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  throw Error(fmt::format("{}: expected one of \"{}\", met {}{}", what, fmt::join(names, "\", \""),
-                          field_text(std::string(name)),
-                          suggestion(name, std::vector<std::string>(names.begin(), names.end()))));
+  fail("{}: expected one of \"{}\", met {}{}", what, fmt::join(names, "\", \""), field_text(std::string(name)),
+       suggestion(name, std::vector<std::string>(names.begin(), names.end())));
 }
 
 std::size_t Table::column(const std::string& name) const {
@@ -159,7 +157,7 @@ std::size_t Table::column(const std::string& name) const {
   if (found != columns.end()) return static_cast<std::size_t>(found - columns.begin());
   std::vector<std::string> known;
   for (const Column& column : columns) known.push_back(column.name);
-  throw Error(fmt::format("expected a column '{}', met only: {}", name, fmt::join(known, ", ")));
+  fail("expected a column '{}', met only: {}", name, fmt::join(known, ", "));
 }
 
 std::string to_text(const Cell& cell) {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/decomposition.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -28,12 +26,11 @@ SparseMatrix local_connectivity(const ReferenceProblem& problem, const Subdomain
 
 void check(const Partition& partition, Index contacts) {
   if (count(partition.subdomain_of_contact) != contacts)
-    throw Error(fmt::format("partition: expected a subdomain for each of {} contacts, met {}", contacts,
-                            partition.subdomain_of_contact.size()));
+    fail("partition: expected a subdomain for each of {} contacts, met {}", contacts,
+         partition.subdomain_of_contact.size());
   for (Index c = 0; c < contacts; ++c)
     if (const Index e = partition.subdomain_of_contact[at(c)]; e < 0 || e >= partition.subdomains)
-      throw Error(fmt::format("partition: expected a subdomain in 0..{} for contact {}, met {}",
-                              partition.subdomains - 1, c, e));
+      fail("partition: expected a subdomain in 0..{} for contact {}, met {}", partition.subdomains - 1, c, e);
 }
 
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
@@ -70,8 +67,7 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
 }
 
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept) {
-  if (count(kept) != parts.contacts)
-    throw Error(fmt::format("contact selection: expected {} flags, met {}", parts.contacts, kept.size()));
+  if (count(kept) != parts.contacts) fail("contact selection: expected {} flags, met {}", parts.contacts, kept.size());
   Decomposition restricted = parts;
   for (Subdomain& subdomain : restricted.subdomains) {
     std::vector<Index> columns;

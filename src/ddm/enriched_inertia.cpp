@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/enriched_inertia.hpp"
 
+#include "core/fail.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +81,7 @@ const SymmetricAnalysis& EnrichedInertiaFamily::condensation() const {
 }
 
 EnrichedInertia::EnrichedInertia(const EnrichedInertiaFamily& family, double eta) : family_(family), eta_(eta) {
-  if (!(eta >= 0)) throw Error(fmt::format("flexibility: expected a number in [0, inf], met {}", eta));
+  if (!(eta >= 0)) fail("flexibility: expected a number in [0, inf], met {}", eta);
   if (family.modes_)
     weights_ = family.modes_->eigenvalues.unaryExpr(
         [eta](double lambda) { return lambda == 0 || std::isinf(eta) ? 1.0 : eta / (eta + lambda); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/error.hpp>
+#include "core/fail.hpp"
 #include <nscdd/ddm/partitioner.hpp>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ Partitioner parse_partitioner(std::string_view text, std::string_view what) {
     override_field(one, one.name, *value, what);
     found = one;
   });
-  if (!found) throw Error(fmt::format("{}: expected {}, met '{}'", what, forms, text));
+  if (!found) fail("{}: expected {}, met '{}'", what, forms, text);
   return *found;
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/two_stage.hpp"
 
+#include "core/fail.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <Eigen/QR>
-#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
@@ -38,7 +37,7 @@ TwoStageIteration::TwoStageIteration(const Decomposition& stage_one, const Law& 
       sweeps_(sweeps),
       relaxation_(relaxation) {
   const OneBlasThread serial_blas;
-  if (sweeps && *sweeps < 1) throw Error(fmt::format("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps));
+  if (sweeps && *sweeps < 1) fail("Gauss-Seidel sweeps: expected an integer >= 1, met {}", *sweeps);
   for (const Subdomain& subdomain : parts_.subdomains) {
     contacts_.push_back(prepare_contacts(subdomain.inertia, subdomain.h));
     if (!sweeps) exact_.push_back(exact_stage_one(contacts_.back(), flexibility(law)));

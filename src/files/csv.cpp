@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/csv.hpp"
 
+#include "core/fail.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 
@@ -50,8 +51,7 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
     if (line.substr(start, 1) == "\"") {
       std::string value;
       for (i = start + 1;; ++i) {
-        if (i >= line.size())
-          throw Error(fmt::format("{}: expected a closing quote, met the end of the line", where()));
+        if (i >= line.size()) fail("{}: expected a closing quote, met the end of the line", where());
         if (line[i] == '"') {
           if (i + 1 >= line.size() || line[i + 1] != '"') break;
           ++i;  // a doubled quote is one
@@ -61,8 +61,7 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
       ++i;
       const std::size_t comma = std::min(line.find(',', i), line.size());
       if (!trimmed(line.substr(i, comma - i)).empty())
-        throw Error(
-            fmt::format("{}: expected a comma after a closing quote, met '{}'", where(), line.substr(i, comma - i)));
+        fail("{}: expected a comma after a closing quote, met '{}'", where(), line.substr(i, comma - i));
       quoted.emplace_back(values.size(), std::move(value));
       i = comma;
       values.emplace_back();
@@ -127,11 +126,11 @@ void CsvWriter::write(const Row& row) { file_.line(std::exchange(header_, {}) + 
 
 CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
   if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
-  if (!next_line()) throw Error(fmt::format("{}: expected a line of column names, met an empty file", name_));
+  if (!next_line()) fail("{}: expected a line of column names, met an empty file", name_);
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    if (values_[i].empty()) throw Error(fmt::format("{}: expected a name for column {}, met none", where(), i + 1));
+    if (values_[i].empty()) fail("{}: expected a name for column {}, met none", where(), i + 1);
     if (std::ranges::find(columns_, values_[i]) != columns_.end())
-      throw Error(fmt::format("{}: column '{}' is named twice", where(), values_[i]));
+      fail("{}: column '{}' is named twice", where(), values_[i]);
     columns_.emplace_back(values_[i]);
   }
 }
@@ -139,8 +138,7 @@ CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), nam
 bool CsvReader::next() {
   if (!next_line()) return false;
   if (values_.size() != columns_.size())
-    throw Error(
-        fmt::format("{}: expected {} values as in the first line, met {}", where(), columns_.size(), values_.size()));
+    fail("{}: expected {} values as in the first line, met {}", where(), columns_.size(), values_.size());
   return true;
 }
 
@@ -177,14 +175,13 @@ CsvText parse_csv(std::string_view text, const std::string& name) {
 
 std::string read_text(const std::string& path) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw Error(fmt::format("{}: no such file", path));
-  if (!std::filesystem::is_regular_file(path, ignored))
-    throw Error(fmt::format("{}: expected a file, met a folder or a device", path));
+  if (!std::filesystem::exists(path, ignored)) fail("{}: no such file", path);
+  if (!std::filesystem::is_regular_file(path, ignored)) fail("{}: expected a file, met a folder or a device", path);
   std::ifstream stream(path, std::ios::binary);
   std::string text, block(1 << 20, '\0');
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
     text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
-  if (!stream.is_open() || stream.bad()) throw Error(fmt::format("{}: cannot be read", path));
+  if (!stream.is_open() || stream.bad()) fail("{}: cannot be read", path);
   return text;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 
@@ -36,7 +37,7 @@ Source dataset_of(const Group& group, const std::string& name, const std::string
 }
 
 void require_readable(hsize_t size, const std::string& name) {
-  if (size > 1'000'000'000) throw Error(fmt::format("{}: expected at most 10^9 elements, met {}", name, size));
+  if (size > 1'000'000'000) fail("{}: expected at most 10^9 elements, met {}", name, size);
 }
 
 void read_into(const Source& source, hid_t memory_type, void* data, const std::string& name) {
@@ -53,8 +54,7 @@ Table table_of(const Group& group) {
     const std::vector<Cell> cells = group.cells(name);
     if (table.columns.empty()) table.rows.resize(cells.size());
     if (cells.size() != table.rows.size())
-      throw Error(fmt::format("{}: expected {} values as in the first column, met {}", group.of(name),
-                              table.rows.size(), cells.size()));
+      fail("{}: expected {} values as in the first column, met {}", group.of(name), table.rows.size(), cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) table.rows[i].push_back(cells[i]);
     table.columns.push_back({name, group.text_attribute("unit", name), group.text_attribute("description", name)});
   }
@@ -75,8 +75,7 @@ std::vector<Value> Group::numbers(const std::string& name, std::optional<Rows> r
   H5Sget_simple_extent_dims(source.space, extent, nullptr);
   if (rows) {
     if (rows->first < 0 || rows->number < 0 || rows->first > static_cast<Index>(extent[0]) - rows->number)
-      throw Error(fmt::format("{}: expected {} rows from {} on, met an array of {}", of(name), rows->number,
-                              rows->first, extent[0]));
+      fail("{}: expected {} rows from {} on, met an array of {}", of(name), rows->number, rows->first, extent[0]);
     start[0] = at(rows->first);
     extent[0] = at(rows->number);
   }

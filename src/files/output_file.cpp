@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/output_file.hpp"
 
+#include "core/fail.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(std::string_view name, std::string_view action, std::string_view reason) {
-  throw Error(fmt::format("{}: cannot {}: {}", name, action, reason));
+  fail("{}: cannot {}: {}", name, action, reason);
 }
 
 // For what the system has just refused.
@@ -40,9 +40,7 @@ void rename_file(const fs::path& from, const fs::path& to) {
 // Whether another run has locked the file. If not, it is locked now, where the system can.
 bool is_locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
-[[noreturn]] void refuse_locked(const std::string& path) {
-  throw Error(fmt::format("{}: is being written by another run", path));
-}
+[[noreturn]] void refuse_locked(const std::string& path) { fail("{}: is being written by another run", path); }
 
 // The file is locked before it is cut, so that two runs never write into one another's rows. Null if the
 // system refuses.
@@ -81,8 +79,7 @@ bool is_read(const std::string& path) {
 }
 
 [[noreturn]] void refuse_foreign(const std::string& path, const std::string& name) {
-  throw Error(fmt::format(
-      "{}: expected no such file, or one that a run of nscdd into {} left, met another; move it away", name, path));
+  fail("{}: expected no such file, or one that a run of nscdd into {} left, met another; move it away", name, path);
 }
 
 }  // namespace
@@ -99,17 +96,15 @@ void require_writable(const fs::path& path, bool force, bool partial_accepted) {
   std::error_code ignored;
   if (path.empty()) throw Error("output: expected a file name, met an empty one");
   if (is_stream(path)) return;
-  if (fs::is_directory(path, ignored))
-    throw Error(fmt::format("{}: expected the name of a file to write, met a folder", path.string()));
+  if (fs::is_directory(path, ignored)) fail("{}: expected the name of a file to write, met a folder", path.string());
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, ignored))
-    throw Error(fmt::format("{}: cannot be written: there is no folder {}", path.string(), folder.string()));
+    fail("{}: cannot be written: there is no folder {}", path.string(), folder.string());
   if (force) return;
   if (fs::exists(path, ignored))
-    throw Error(fmt::format("{}: exists already; choose another name, or --force to replace it", path.string()));
+    fail("{}: exists already; choose another name, or --force to replace it", path.string());
   if (!partial_accepted && fs::exists(partial_path(path), ignored))
-    throw Error(fmt::format("{}: left by an interrupted run; move it away, or --force to replace it",
-                            partial_path(path).string()));
+    fail("{}: left by an interrupted run; move it away, or --force to replace it", partial_path(path).string());
 }
 
 void require_distinct(const std::string& first, const std::string& second) {
@@ -117,13 +112,13 @@ void require_distinct(const std::string& first, const std::string& second) {
   const bool same = first == second || fs::weakly_canonical(fs::absolute(first), ignored) ==
                                            fs::weakly_canonical(fs::absolute(second), ignored);
   if (!same || is_stream(first)) return;
-  throw Error(fmt::format("{}: expected another name for each output, met the same twice", first));
+  fail("{}: expected another name for each output, met the same twice", first);
 }
 
 void require_hdf5_name(const std::string& path) {
   const fs::path extension = fs::path(path).extension();
   if ((extension != ".h5" && extension != ".hdf5") || is_stream(path))
-    throw Error(fmt::format("{}: expected the name of a file that ends in .h5 or .hdf5", path));
+    fail("{}: expected the name of a file that ends in .h5 or .hdf5", path);
 }
 
 OutputFile::OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes)

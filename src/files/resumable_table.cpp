@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "files/resumable_table.hpp"
 
+#include "core/fail.hpp"
 #include "core/fingerprint.hpp"
 #include "files/strict_toml.hpp"
 
@@ -60,8 +61,7 @@ Index line_count(std::string_view text) { return std::count(text.begin(), text.e
 
 Row parse_row(std::string_view line, const std::vector<std::string>& types, const std::string& where) {
   const std::vector<std::string> values = csv_values(line, where);
-  if (values.size() != types.size())
-    throw Error(fmt::format("{}: expected {} values, met {}", where, types.size(), values.size()));
+  if (values.size() != types.size()) fail("{}: expected {} values, met {}", where, types.size(), values.size());
   Row row;
   for (std::size_t i = 0; i < values.size(); ++i) row.push_back(parse_cell(values[i], types[i], where));
   return row;
@@ -72,7 +72,7 @@ void check_known_cells(const TableWork& work, const Table& layout, const Row& ro
   for (const auto& [column, expected] : work.known_cells(number)) {
     const Cell& met = row[layout.column(column)];
     if (to_text(met) != to_text(expected))
-      throw Error(fmt::format("{}: {}: expected {}, met {}", where, column, to_text(expected), to_text(met)));
+      fail("{}: {}: expected {}, met {}", where, column, to_text(expected), to_text(met));
   }
 }
 
@@ -87,12 +87,11 @@ KeptRows usable_rows(const std::string& text, const TableRecord& record, const T
   const std::size_t bytes = for_each_line(text, [&](std::string_view line, Index number) {
     const std::string where = fmt::format("{}:{}", name, number);
     if (number == 1) {
-      if (line != header) throw Error(fmt::format("{}: expected the columns {}, met {}", where, header, line));
+      if (line != header) fail("{}: expected the columns {}, met {}", where, header, line);
       return true;
     }
     if (number == lines && csv_values(line, where).size() < layout.columns.size()) return false;
-    if (work.rows && kept.rows >= *work.rows)
-      throw Error(fmt::format("{}: expected {} rows at the most, met another", where, *work.rows));
+    if (work.rows && kept.rows >= *work.rows) fail("{}: expected {} rows at the most, met another", where, *work.rows);
     check_known_cells(work, layout, parse_row(line, record.types, where), kept.rows, where);
     ++kept.rows;
     return true;
@@ -108,11 +107,11 @@ TableRecord matching_record(const std::string& path, const std::string& rows, co
     try {
       return parse_record(read_text(name), name);
     } catch (const Error& error) {
-      throw Error(fmt::format("{}: cannot be resumed: {}; --force starts again", rows, error.what()));
+      fail("{}: cannot be resumed: {}; --force starts again", rows, error.what());
     }
   }();
   const std::string found = difference(record.work, work.identity);
-  if (!found.empty()) throw Error(fmt::format("{}: cannot be resumed: {} (as recorded in {})", rows, found, name));
+  if (!found.empty()) fail("{}: cannot be resumed: {} (as recorded in {})", rows, found, name);
   return record;
 }
 
@@ -121,8 +120,8 @@ KeptRows partial_rows(const std::string& path, const TableWork& work) {
   const std::string text = read_text(name);
   if (line_count(text) < 2) return {};  // no row was finished
   if (!is_there(record_path(path)))
-    throw Error(fmt::format("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
-                            record_path(path).string()));
+    fail("{}: cannot be resumed: no {} tells what its rows come from; --force starts again", name,
+         record_path(path).string());
   const TableRecord record = matching_record(path, name, work);
   if (!work.rows) return {};
   return usable_rows(text, record, work, name);
@@ -140,10 +139,10 @@ KeptRows finished_rows(const std::string& path, const TableWork& work, bool forc
     }
   }
   if (force) return {};
-  throw Error(
-      fmt::format("{}: exists already, and nothing proves that it comes from this work; choose another "
-                  "name, or --force to replace it",
-                  path));
+  fail(
+      "{}: exists already, and nothing proves that it comes from this work; choose another name, or --force to replace "
+      "it",
+      path);
 }
 
 }  // namespace
@@ -199,7 +198,7 @@ Cell parse_cell(const std::string& text, const std::string& type, const std::str
   if (type == "integer") return std::int64_t{parse_integer(text, where)};
   if (type == "number") return parse_number(text, where);
   if (type == "text") return text;
-  if (type != "boolean") throw Error(fmt::format("{}: no such type of a cell: '{}'", where, type));
+  if (type != "boolean") fail("{}: no such type of a cell: '{}'", where, type);
   bool flag = false;
   parse_value(text, flag, where);
   return flag;
@@ -216,8 +215,7 @@ void remove_record(const std::string& path) {
 
 KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how) {
   if (is_stream(path)) {
-    if (how.resume)
-      throw Error(fmt::format("--resume: expected a table in a file, met '{}', which keeps nothing", path));
+    if (how.resume) fail("--resume: expected a table in a file, met '{}', which keeps nothing", path);
     return {};
   }
   const bool partial = is_there(partial_path(path));
@@ -227,9 +225,8 @@ KeptRows kept_rows(const std::string& path, const TableWork& work, Reopening how
     return partial ? partial_rows(path, work) : KeptRows{};
   }
   if (partial && !how.force && !is_there(path))
-    throw Error(fmt::format("{}: holds {} row(s) of an interrupted run; --resume continues it, --force starts again",
-                            partial_path(path).string(),
-                            std::max<Index>(line_count(read_text(partial_path(path).string())) - 1, 0)));
+    fail("{}: holds {} row(s) of an interrupted run; --resume continues it, --force starts again",
+         partial_path(path).string(), std::max<Index>(line_count(read_text(partial_path(path).string())) - 1, 0));
   require_writable(path, how.force);
   return {};
 }

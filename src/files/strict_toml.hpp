@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/fail.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 
@@ -28,7 +29,7 @@ class StrictTable {
 
   [[noreturn]] void fail(const toml::node* node, std::string_view key, std::string_view expected,
                          std::string_view met) const {
-    throw Error(fmt::format("{}: {}: expected {}, met {}", location(node), key_path(key), expected, met));
+    nscdd::fail("{}: {}: expected {}, met {}", location(node), key_path(key), expected, met);
   }
   [[noreturn]] void fail(std::string_view key, std::string_view expected, std::string_view met) const {
     fail(table_->get(key), key, expected, met);
@@ -46,7 +47,7 @@ class StrictTable {
     static const toml::table empty;
     const toml::node* found = node(key);
     if (found == nullptr) {
-      if (required) throw Error(fmt::format("{}: expected a section [{}], met none", location(nullptr), key_path(key)));
+      if (required) nscdd::fail("{}: expected a section [{}], met none", location(nullptr), key_path(key));
       return {empty, file_, key_path(key)};
     }
     if (!found->is_table()) fail(key, fmt::format("a section [{}]", key_path(key)), describe(*found));
@@ -92,7 +93,7 @@ class StrictTable {
     try {
       return action();
     } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}{}", location(table_->get(key)), what, error.what()));
+      nscdd::fail("{}: {}{}", location(table_->get(key)), what, error.what());
     }
   }
 
@@ -116,9 +117,8 @@ class StrictTable {
     for (const auto& [key, value] : *table_) {
       if (known_.contains(std::string(key.str()))) continue;
       const std::vector<std::string> known(known_.begin(), known_.end());
-      throw Error(fmt::format("{}:{}: unknown key '{}'; expected {}{}{}", file_, key.source().begin.line,
-                              key_path(key.str()), known.empty() ? "none" : "one of ", fmt::join(known, ", "),
-                              suggestion(key.str(), known)));
+      nscdd::fail("{}:{}: unknown key '{}'; expected {}{}{}", file_, key.source().begin.line, key_path(key.str()),
+                  known.empty() ? "none" : "one of ", fmt::join(known, ", "), suggestion(key.str(), known));
     }
   }
 
@@ -195,7 +195,7 @@ inline toml::table parse_toml(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw Error(fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description()));
+    fail("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description());
   }
 }
 

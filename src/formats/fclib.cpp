@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/fclib.hpp>
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ Vector vector_of(const Group& group, const std::string& name) {
 }
 
 void require_length(const Group& group, const std::string& name, Index met, Index expected) {
-  if (met != expected) throw Error(fmt::format("{}: expected {} numbers, met {}", group.of(name), expected, met));
+  if (met != expected) fail("{}: expected {} numbers, met {}", group.of(name), expected, met);
 }
 
 Vector numbers_of(const Group& group, const std::string& name, Index expected) {
@@ -48,8 +48,7 @@ void require_inside(const Group& group, const std::string& name, const std::vect
                     std::int64_t bound) {
   const Index k = first_outside(indices, bound);
   if (k < count(indices))
-    throw Error(fmt::format("{}: expected indices in 0..{}, met {} at position {}", group.of(name), bound - 1,
-                            indices[at(k)], k));
+    fail("{}: expected indices in 0..{}, met {} at position {}", group.of(name), bound - 1, indices[at(k)], k);
 }
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
@@ -77,11 +76,10 @@ Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t
   require_length(group, "p", count(p), lines + 1);
   require_length(group, "i", count(i), nzmax);
   require_length(group, "x", x.size(), nzmax);
-  if (p.front() != 0) throw Error(fmt::format("{}: expected 0 at position 0, met {}", group.of("p"), p.front()));
+  if (p.front() != 0) fail("{}: expected 0 at position 0, met {}", group.of("p"), p.front());
   for (Index k = 1; k < count(p); ++k)
     if (p[at(k)] < p[at(k - 1)] || p[at(k)] > nzmax)
-      throw Error(fmt::format("{}: expected numbers that ascend to {} at most, met {} at position {}", group.of("p"),
-                              nzmax, p[at(k)], k));
+      fail("{}: expected numbers that ascend to {} at most, met {} at position {}", group.of("p"), nzmax, p[at(k)], k);
   require_inside(group, "i", i, width);
   Triplets found;
   for (Index line = 0; line < lines; ++line)
@@ -95,7 +93,7 @@ Triplets compressed_entries(const Group& group, std::int64_t lines, std::int64_t
 std::int64_t size_of(const Group& group, const std::string& name) {
   const std::int64_t size = group.integer(name);
   if (size < 0 || size >= largest_index)
-    throw Error(fmt::format("{}: expected a number from 0 to {}, met {}", group.of(name), largest_index - 1, size));
+    fail("{}: expected a number from 0 to {}, met {}", group.of(name), largest_index - 1, size);
   return size;
 }
 
@@ -111,9 +109,8 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
   } else if (nz >= 0 && nz <= nzmax) {
     entries = triplet_entries(group, rows, columns, nz);
   } else {
-    throw Error(
-        fmt::format("{}: expected -1 (by columns), -2 (by rows) or a number of triplets up to nzmax = {}, met {}",
-                    group.of("nz"), nzmax, nz));
+    fail("{}: expected -1 (by columns), -2 (by rows) or a number of triplets up to nzmax = {}, met {}", group.of("nz"),
+         nzmax, nz);
   }
   SparseMatrix matrix(rows, columns);
   matrix.setFromTriplets(entries.begin(), entries.end());  // entries met twice add up, as in CSparse
@@ -128,17 +125,16 @@ Index plane_contacts(const Group& group, const std::string& kind, const std::str
   const std::int64_t columns = size_of(counted, "n");
   const auto require_absent = [&](bool met, const std::string& what) {
     if (met)
-      throw Error(
-          fmt::format("{}: not supported: a {} problem {} ({} contacts, spacedim {}); expected a plane problem, "
-                      "spacedim 2, with contacts alone",
-                      group.path(), kind, what, columns / dimension, dimension));
+      fail(
+          "{}: not supported: a {} problem {} ({} contacts, spacedim {}); expected a plane problem, spacedim 2, with "
+          "contacts alone",
+          group.path(), kind, what, columns / dimension, dimension);
   };
   require_absent(dimension == 3, "in three dimensions");
-  if (dimension != 2) throw Error(fmt::format("{}: expected 2, met {}", group.of("spacedim"), dimension));
+  if (dimension != 2) fail("{}: expected 2, met {}", group.of("spacedim"), dimension);
   for (const auto& [member, meaning] : refused)
     require_absent(group.has(member), fmt::format("with {} ({})", meaning, member));
-  if (columns % 2 != 0)
-    throw Error(fmt::format("{}: expected two columns per contact, met {} columns", counted.of("n"), columns));
+  if (columns % 2 != 0) fail("{}: expected two columns per contact, met {} columns", counted.of("n"), columns);
   return columns / 2;
 }
 
@@ -183,7 +179,7 @@ FclibSolution read_solution(const Group& group, const FclibFile& file) {
   solution.u = numbers_of(group, "u", 2 * file.contacts());
   solution.r = numbers_of(group, "r", 2 * file.contacts());
   for (const Vector* values : {&solution.v, &solution.u, &solution.r})
-    if (!values->allFinite()) throw Error(fmt::format("{}: expected finite numbers, met others", group.path()));
+    if (!values->allFinite()) fail("{}: expected finite numbers, met others", group.path());
   return solution;
 }
 
@@ -250,8 +246,8 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
   const Group root = file.root();
   const std::vector<std::string> problems = problems_in(root);
   if (problems.size() != 1)
-    throw Error(fmt::format("{}: expected one group fclib_local or fclib_global, met {}", name,
-                            problems.empty() ? "none" : problems[0] + " and " + problems[1]));
+    fail("{}: expected one group fclib_local or fclib_global, met {}", name,
+         problems.empty() ? "none" : problems[0] + " and " + problems[1]);
   const Group group = root.group(problems[0]);
   FclibFile result;
   if (problems[0] == "fclib_local") {
@@ -259,7 +255,7 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
   } else if (problems[0] == "fclib_global") {
     result.problem = read_global(group);
   } else {
-    throw Error(fmt::format("{}: not supported: rolling friction; expected fclib_local or fclib_global", group.path()));
+    fail("{}: not supported: rolling friction; expected fclib_local or fclib_global", group.path());
   }
   result.info = read_info(group);
   if (root.has("solution")) result.solution = read_solution(root.group("solution"), result);
@@ -276,8 +272,7 @@ FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text
 GlobalFrictionProblem read_global_problem(const std::string& path) {
   FclibFile file = read_fclib(path);
   if (auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return std::move(*global);
-  throw Error(fmt::format(
-      "{}: expected a global problem, with M and H, met a local one, in which bodies cannot be told", path));
+  fail("{}: expected a global problem, with M and H, met a local one, in which bodies cannot be told", path);
 }
 
 std::string to_hdf5(const FclibFile& content, const Provenance& provenance) {

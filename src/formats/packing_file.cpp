@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 #include <nscdd/core/fields.hpp>
@@ -40,7 +41,7 @@ const PackingColumn* find_column(std::string_view name) {
 void require_columns(const std::vector<const PackingColumn*>& met, std::string_view where, std::string_view kind) {
   for (const PackingColumn& known : packing_columns)
     if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
-      throw Error(fmt::format("{}: expected a {} '{}', met none", where, kind, known.name));
+      fail("{}: expected a {} '{}', met none", where, kind, known.name);
 }
 
 bool in_bounds(double value, const Field& field) {
@@ -101,14 +102,14 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   for (const std::string& column : reader.columns()) {
     meaning.push_back(find_column(column));
     if (meaning.back() == nullptr)
-      throw Error(fmt::format("{}: expected columns x, y, radius and optionally mass, met '{}'", header, column));
+      fail("{}: expected columns x, y, radius and optionally mass, met '{}'", header, column);
   }
   require_columns(meaning, header, "column");
   Packing packing;
   while (reader.next())
     for (std::size_t j = 0; j < meaning.size(); ++j)
       (packing.*(meaning[j]->values)).push_back(read_value(reader, j, *meaning[j], name));
-  if (packing.size() == 0) throw Error(fmt::format("{}: expected at least one grain, met none", name));
+  if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
   return packing;
 }
 
@@ -121,8 +122,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
     std::vector<double> values = group.numbers<double>(dataset);
     const std::string where = group.of(dataset);
     met.push_back(find_column(dataset));
-    if (met.back() == nullptr)
-      throw Error(fmt::format("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset));
+    if (met.back() == nullptr) fail("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset);
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!in_bounds(values[i], met.back()->field))
         check_bounds(values[i], met.back()->field, fmt::format("{}: grain {}", where, i));
@@ -131,9 +131,9 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
   require_columns(met, name + ": packing", "dataset");
   for (const PackingColumn* column : met)
     if (count(packing.*(column->values)) != packing.size())
-      throw Error(fmt::format("{}: packing/{}: expected {} numbers as in x, met {}", name, column->name, packing.size(),
-                              count(packing.*(column->values))));
-  if (packing.size() == 0) throw Error(fmt::format("{}: expected at least one grain, met none", name));
+      fail("{}: packing/{}: expected {} numbers as in x, met {}", name, column->name, packing.size(),
+           count(packing.*(column->values)));
+  if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
   return packing;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/step_fclib.hpp"
 
+#include "core/fail.hpp"
 #include "ddm/granular_decomposition.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/ranges.h>
 
@@ -17,7 +17,7 @@ namespace {
 StepProblem next_problem(const Simulation& before) {
   const Interaction& interaction = before.dynamics.interaction;
   if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
-    throw Error(fmt::format("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}", law));
+    fail("interaction.law: expected coulomb or frictionless, the laws of FCLIB, met {}", law);
   return prepare_step(before.system, before.state, interaction, before.dynamics.time, false);
 }
 
@@ -26,10 +26,10 @@ void require_same_contacts(const StepProblem& problem, const TrajectoryStep& aft
     return found.a == kept.geometry.a && found.b == kept.geometry.b;
   };
   if (!std::equal(problem.geometry.begin(), problem.geometry.end(), after.contacts.begin(), after.contacts.end(), same))
-    throw Error(
-        fmt::format("step {}: expected the {} contacts that the run found, met others ({}) from the state before: the "
-                    "trajectory is damaged or was written by a program that finds them otherwise",
-                    after.state.step, after.contacts.size(), problem.geometry.size()));
+    fail(
+        "step {}: expected the {} contacts that the run found, met others ({}) from the state before: the trajectory "
+        "is damaged or was written by a program that finds them otherwise",
+        after.state.step, after.contacts.size(), problem.geometry.size());
 }
 
 Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contacts) {
@@ -118,8 +118,8 @@ FclibFile fclib_of_subdomain(const Simulation& before, const TrajectoryStep& aft
   const Partition partition = partition_of(after);
   const std::set<Index> all(partition.subdomain_of_contact.begin(), partition.subdomain_of_contact.end());
   if (!all.contains(subdomain))
-    throw Error(fmt::format("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
-                            all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain));
+    fail("step {}: expected a subdomain that has contacts ({}), met {}", after.state.step,
+         all.empty() ? "none has" : fmt::format("{}", fmt::join(all, ", ")), subdomain);
   const GranularDecomposition parts = decompose(step, partition, ContactOrder::natural, 0);
   const GranularSubdomain part = with_ascending_bodies(parts.subdomains[at(subdomain)]);
   std::vector<DiskContact> contacts;

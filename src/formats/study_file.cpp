@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/case_file.hpp"
 #include "study/values.hpp"
@@ -182,13 +183,12 @@ Study parse_study(std::string_view text, const std::string& file, const CaseFind
   root.read("title", study.title);
   for (const StrictTable& section : root.tables("table")) study.tables.push_back(read_table(section, find));
   root.finish();
-  if (study.tables.empty()) throw Error(fmt::format("{}: expected at least one [[table]], met none", file));
-  if (study.tables[0].large)
-    throw Error(fmt::format("{}: expected a first table that is always run, met large = true", file));
+  if (study.tables.empty()) fail("{}: expected at least one [[table]], met none", file);
+  if (study.tables[0].large) fail("{}: expected a first table that is always run, met large = true", file);
   for (const StudyTable& table : study.tables)
     if (std::count_if(study.tables.begin(), study.tables.end(),
                       [&](const StudyTable& other) { return other.name == table.name; }) > 1)
-      throw Error(fmt::format("{}: expected each table name once, met '{}' again", file, table.name));
+      fail("{}: expected each table name once, met '{}' again", file, table.name);
   return study;
 }
 

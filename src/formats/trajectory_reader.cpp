@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "formats/case_file.hpp"
 #include "formats/trajectory_layout.hpp"
 #include <nscdd/core/error.hpp>
@@ -18,7 +19,7 @@ using hdf5::Rows;
 hdf5::File open_trajectory(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))
-    throw Error(fmt::format("{}: expected a trajectory of nscdd simulate, met no such file", path));
+    fail("{}: expected a trajectory of nscdd simulate, met no such file", path);
   return {path, hdf5::Access::read,
           fmt::format("{}: expected a trajectory of nscdd simulate (HDF5), met something else, a damaged file or one "
                       "that is being changed",
@@ -36,8 +37,7 @@ std::vector<Element> get_structs(const Group& group, Columns&& columns, std::opt
     if (first) elements.resize(values.size());
     first = false;
     if (values.size() != elements.size())
-      throw Error(fmt::format("{}: expected {} values as in the other columns, met {}", group.of(column),
-                              elements.size(), values.size()));
+      fail("{}: expected {} values as in the other columns, met {}", group.of(column), elements.size(), values.size());
     for (std::size_t i = 0; i < values.size(); ++i) *get(elements[i]) = static_cast<Number>(values[i]);
   });
   return elements;
@@ -48,14 +48,13 @@ template <class Element, class Columns>
 std::vector<Element> get_list(const Group& group, Columns&& columns, Rows step) {
   const auto rows = group.numbers<std::int64_t>("rows", step);
   if (rows.size() != 2 || rows[0] < 0 || rows[1] < rows[0])
-    throw Error(fmt::format("{}: expected the first row of each step and the one behind its last, met other numbers",
-                            group.of("rows")));
+    fail("{}: expected the first row of each step and the one behind its last, met other numbers", group.of("rows"));
   return get_structs<Element>(group, columns, Rows{rows[0], rows[1] - rows[0]});
 }
 
 void require_within(Index value, Index lowest, Index bound, const char* array, const Group& group) {
   if (value < lowest || value >= bound)
-    throw Error(fmt::format("{}: expected a number in {}..{}, met {}", group.of(array), lowest, bound - 1, value));
+    fail("{}: expected a number in {}..{}, met {}", group.of(array), lowest, bound - 1, value);
 }
 
 // Throws unless the numbers of steps, bodies and subdomains are within their ranges.
@@ -80,7 +79,7 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   const Group group = root.group(name);
   const Rows here{row, 1};
   const auto states = get_structs<GranularState>(group, layout::state_columns, here);
-  if (states.size() != 1) throw Error(fmt::format("{}: expected one number per step, met others", group.of("step")));
+  if (states.size() != 1) fail("{}: expected one number per step, met others", group.of("step"));
   TrajectoryStep step{states[0], {}};
   GranularState& state = step.state;
   for (const auto& array : layout::state_arrays) state.*(array.values) = group.numbers<double>(array.name, here);
@@ -145,8 +144,8 @@ std::vector<Index> trajectory_steps(const std::string& path) {
 TrajectoryStep read_trajectory_step(const std::string& path, Index step) {
   if (auto found = find_step(path, step, {"steps"})) return *std::move(found);
   const std::vector<Index> kept = trajectory_steps(path);
-  throw Error(fmt::format("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path, kept.size(),
-                          kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(), step));
+  fail("{}: expected one of the {} steps it keeps ({} to {}), met step {}", path, kept.size(),
+       kept.empty() ? 0 : kept.front(), kept.empty() ? 0 : kept.back(), step);
 }
 
 std::optional<TrajectoryStep> find_trajectory_step(const std::string& path, Index step) {
@@ -168,23 +167,21 @@ void require_fit(const std::string& path, const Simulation& simulation) {
   try {
     check(simulation.system, simulation.state);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", path, error.what()));
+    fail("{}: {}", path, error.what());
   }
 }
 
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
   // The grains are those of the trajectory, wherever the case has them from.
   const CaseSpec spec = parse_case(header.case_text, path + ": case");
-  if (!spec.dynamics) throw Error(fmt::format("{}: case: expected a section [dynamics], met a case without", path));
+  if (!spec.dynamics) fail("{}: case: expected a section [dynamics], met a case without", path);
   const auto& specs = spec.dynamics->boundaries;
   GranularSystem system = header.system;
   if (system.boundaries.size() != specs.size())
-    throw Error(fmt::format("{}: expected the {} boundaries of its case, met {}", path, specs.size(),
-                            system.boundaries.size()));
+    fail("{}: expected the {} boundaries of its case, met {}", path, specs.size(), system.boundaries.size());
   for (std::size_t k = 0; k < specs.size(); ++k) {
     if (system.boundaries[k].name != specs[k].name)
-      throw Error(fmt::format("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name,
-                              system.boundaries[k].name));
+      fail("{}: expected the boundary '{}' of its case, met '{}'", path, specs[k].name, system.boundaries[k].name);
     system.boundaries[k].motion = specs[k].motion;
     system.boundaries[k].orientation = specs[k].orientation;
   }

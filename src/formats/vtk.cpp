@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/vtk.hpp"
 
-#include <nscdd/core/error.hpp>
+#include "core/fail.hpp"
 
 #include <fmt/format.h>
 
@@ -60,12 +60,11 @@ void check(const Picture& picture) {
                                    {"angle", state.angle.size()},
                                    {"velocity_x", state.velocity_x.size()},
                                    {"velocity_y", state.velocity_y.size()}})
-    if (size != n) throw Error(fmt::format("VTK: expected {} values of {}, met {}", n, name, size));
+    if (size != n) fail("VTK: expected {} values of {}, met {}", n, name, size);
   for (std::size_t k = 0; k < contacts.size(); ++k)
     if (const auto& [a, b] = std::pair(contacts[k].geometry.a, contacts[k].geometry.b);
         a < 0 || a >= system.disks() || b < 0)
-      throw Error(
-          fmt::format("VTK: contact {}: expected two of {} grains, or a grain and a wall, met {} and {}", k, n, a, b));
+      fail("VTK: contact {}: expected two of {} grains, or a grain and a wall, met {} and {}", k, n, a, b);
 }
 
 // The values of grains, followed by `value` for each foot.

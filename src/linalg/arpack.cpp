@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <arpack/arpack.hpp>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,8 +33,7 @@ Vector start_vector(Index n) {
 }
 
 a_int checked_size(Index n) {
-  if (n < arpack_smallest_size)
-    throw Error(fmt::format("ARPACK: expected a problem of size >= {}, met {}", arpack_smallest_size, n));
+  if (n < arpack_smallest_size) fail("ARPACK: expected a problem of size >= {}, met {}", arpack_smallest_size, n);
   return static_cast<a_int>(n);
 }
 

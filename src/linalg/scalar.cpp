@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/scalar.hpp"
 
+#include "core/fail.hpp"
 #include "core/process_guard.hpp"
-#include <nscdd/core/error.hpp>
 
-#include <fmt/format.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_min.h>
@@ -57,8 +56,7 @@ bool narrowed(const Callback& callback, Solver* solver, int (*iterate)(Solver*),
 }  // namespace
 
 LinearFit linear_fit(std::span<const double> x, std::span<const double> y) {
-  if (x.size() < 3 || x.size() != y.size())
-    throw Error(fmt::format("linear fit: expected at least three points, met {}", x.size()));
+  if (x.size() < 3 || x.size() != y.size()) fail("linear fit: expected at least three points, met {}", x.size());
   LinearFit fit;
   double cov00 = 0, cov01 = 0, cov11 = 0, sum_of_squares = 0;
   gsl_fit_linear(x.data(), 1, y.data(), 1, x.size(), &fit.intercept, &fit.slope, &cov00, &cov01, &cov11,
@@ -73,7 +71,7 @@ ScalarSearch find_root(const std::function<double(double)>& f, double a, double 
   const std::unique_ptr<gsl_root_fsolver, decltype(&gsl_root_fsolver_free)> solver(
       gsl_root_fsolver_alloc(gsl_root_fsolver_brent), &gsl_root_fsolver_free);
   if (!callback.succeeded(gsl_root_fsolver_set(solver.get(), &callback.as_gsl, a, b)))
-    throw Error(fmt::format("root search: no change of sign between {} and {}", a, b));
+    fail("root search: no change of sign between {} and {}", a, b);
   ScalarSearch result;
   result.converged = narrowed(callback, solver.get(), &gsl_root_fsolver_iterate, &gsl_root_fsolver_x_lower,
                               &gsl_root_fsolver_x_upper, &gsl_root_test_interval, tolerance);
@@ -88,7 +86,7 @@ ScalarSearch find_minimum(const std::function<double(double)>& f, double a, doub
   const std::unique_ptr<gsl_min_fminimizer, decltype(&gsl_min_fminimizer_free)> solver(
       gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent), &gsl_min_fminimizer_free);
   if (!callback.succeeded(gsl_min_fminimizer_set(solver.get(), &callback.as_gsl, m, a, b)))
-    throw Error(fmt::format("minimum search: {} < {} < {} brackets no minimum", a, m, b));
+    fail("minimum search: {} < {} < {} brackets no minimum", a, m, b);
   const bool converged = narrowed(callback, solver.get(), &gsl_min_fminimizer_iterate, &gsl_min_fminimizer_x_lower,
                                   &gsl_min_fminimizer_x_upper, &gsl_min_test_interval, tolerance);
   return {gsl_min_fminimizer_x_minimum(solver.get()), gsl_min_fminimizer_f_minimum(solver.get()), converged};

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -111,8 +109,7 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
                                        SpectrumEnd end, Index wanted, const ShiftInvertOptions& options,
                                        const Vector& start, const Matrix& locked) {
   const OneBlasThread serial_blas;
-  if (n < arpack_smallest_size)
-    throw Error(fmt::format("Lanczos: expected a problem of size >= {}, met {}", arpack_smallest_size, n));
+  if (n < arpack_smallest_size) fail("Lanczos: expected a problem of size >= {}, met {}", arpack_smallest_size, n);
   ShiftInvertResult result;
   const Index capacity = std::min(n - locked.cols(), std::max(options.maximum_steps, wanted + 1));
   RandomStream random(fixed_seed);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,25 +10,22 @@ namespace nscdd {
 namespace {
 
 void require_size(const std::string& what, Index met, const std::string& size, Index expected) {
-  if (met != expected) throw Error(fmt::format("{}: expected {} = {} numbers, met {}", what, size, expected, met));
+  if (met != expected) fail("{}: expected {} = {} numbers, met {}", what, size, expected, met);
 }
 
 void require_shape(const std::string& what, const SparseMatrix& matrix, Index rows, Index columns) {
   if (matrix.rows() != rows || matrix.cols() != columns)
-    throw Error(
-        fmt::format("{}: expected a {} x {} matrix, met {} x {}", what, rows, columns, matrix.rows(), matrix.cols()));
+    fail("{}: expected a {} x {} matrix, met {} x {}", what, rows, columns, matrix.rows(), matrix.cols());
 }
 
 void require_finite(const std::string& what, const Vector& values) {
   for (Index i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
-      throw Error(fmt::format("{}: expected finite numbers, met {} at position {}", what, values[i], i));
+    if (!std::isfinite(values[i])) fail("{}: expected finite numbers, met {} at position {}", what, values[i], i);
 }
 
 void require_finite(const std::string& what, const SparseMatrix& matrix) {
   for_entries(matrix, [&](Index i, Index j, double value) {
-    if (!std::isfinite(value))
-      throw Error(fmt::format("{}: expected finite numbers, met {} at row {}, column {}", what, value, i, j));
+    if (!std::isfinite(value)) fail("{}: expected finite numbers, met {} at row {}, column {}", what, value, i, j);
   });
 }
 
@@ -44,11 +39,11 @@ void require_symmetric(const std::string& what, const SparseMatrix& matrix) {
   });
   for_entries(matrix - SparseMatrix(matrix.transpose()), [&](Index i, Index j, double difference) {
     if (std::abs(difference) > symmetry_tolerance * largest)
-      throw Error(fmt::format("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}",
-                              what, matrix.coeff(i, j), i, j, matrix.coeff(j, i), j, i,
-                              above == below ? ""
-                              : above        ? ": the upper triangle alone"
-                                             : ": the lower triangle alone"));
+      fail("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}", what,
+           matrix.coeff(i, j), i, j, matrix.coeff(j, i), j, i,
+           above == below ? ""
+           : above        ? ": the upper triangle alone"
+                          : ": the lower triangle alone");
   });
 }
 
@@ -56,8 +51,7 @@ void require_friction(const std::string& name, const Vector& friction) {
   require_finite(name + ": mu", friction);
   for (Index c = 0; c < friction.size(); ++c)
     if (friction[c] < 0)
-      throw Error(
-          fmt::format("{}: mu: expected coefficients of friction >= 0, met {} for contact {}", name, friction[c], c));
+      fail("{}: mu: expected coefficients of friction >= 0, met {} for contact {}", name, friction[c], c);
 }
 
 }  // namespace
@@ -78,9 +72,8 @@ void check(const LocalFrictionProblem& problem, const std::string& name) {
   for (Index c = 0; c < problem.contacts(); ++c) {
     const FullDelassus block = diagonal_block(problem, c);
     if (!(block.nn > 0 && block.tt > 0 && block.nn * block.tt - block.nt * block.nt > 0))
-      throw Error(
-          fmt::format("{}: W: expected a positive definite block for every contact, met [{} {}; {} {}] for contact {}",
-                      name, block.nn, block.nt, block.nt, block.tt, c));
+      fail("{}: W: expected a positive definite block for every contact, met [{} {}; {} {}] for contact {}", name,
+           block.nn, block.nt, block.nt, block.tt, c);
   }
 }
 
@@ -102,17 +95,15 @@ ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const s
   check(problem, name);
   constexpr Index dofs = 3;
   if (problem.mass.rows() == 0 || problem.mass.rows() % dofs != 0)
-    throw Error(fmt::format("{}: M: expected three rows per body (two translations and a rotation), met {} rows", name,
-                            problem.mass.rows()));
+    fail("{}: M: expected three rows per body (two translations and a rotation), met {} rows", name,
+         problem.mass.rows());
   for_entries(problem.mass, [&](Index i, Index j, double value) {
-    if (i != j && value != 0)
-      throw Error(fmt::format("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name, value, i, j));
+    if (i != j && value != 0) fail("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name, value, i, j);
   });
   const Vector inertia = problem.mass.diagonal();
   for (Index i = 0; i < inertia.size(); ++i)
     if (!(inertia[i] > 0))
-      throw Error(
-          fmt::format("{}: M: expected positive numbers on the diagonal, met {} at row {}", name, inertia[i], i));
+      fail("{}: M: expected positive numbers on the diagonal, met {} at row {}", name, inertia[i], i);
   return {.dofs_per_grain = dofs,
           .columns_per_contact = 2,
           .inertia = inertia,

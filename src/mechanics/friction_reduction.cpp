@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/disjoint_sets.hpp"
+#include "core/fail.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <Eigen/Cholesky>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
@@ -67,10 +66,10 @@ class PieceFactor {
       definite = sparse_->positive_definite();
     }
     if (!definite)
-      throw Error(
-          fmt::format("{}: M: expected a positive definite matrix, met one that is not in the piece of {} unknown(s) "
-                      "that begins at row {}",
-                      name, unknowns.size(), unknowns.front()));
+      fail(
+          "{}: M: expected a positive definite matrix, met one that is not in the piece of {} unknown(s) that begins "
+          "at row {}",
+          name, unknowns.size(), unknowns.front());
   }
 
   Matrix solve(const Matrix& b) const { return sparse_ ? sparse_->solve(b) : Matrix(dense_.solve(b)); }

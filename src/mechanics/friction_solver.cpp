@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "mechanics/contact_law.hpp"
 #include "mechanics/gauss_seidel.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -130,15 +128,13 @@ FrictionState state_of(const LocalFrictionProblem& problem, const Vector& impuls
 
 void check_options(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess) {
   if (guess.size() != 0 && guess.size() != 2 * problem.contacts())
-    throw Error(fmt::format("guess of the impulses: expected 2 x contacts = {} numbers, met {}", 2 * problem.contacts(),
-                            guess.size()));
-  if (!(options.tolerance > 0)) throw Error(fmt::format("tolerance: expected a number > 0, met {}", options.tolerance));
+    fail("guess of the impulses: expected 2 x contacts = {} numbers, met {}", 2 * problem.contacts(), guess.size());
+  if (!(options.tolerance > 0)) fail("tolerance: expected a number > 0, met {}", options.tolerance);
   if (!(options.relaxation > 0 && options.relaxation < 2))
-    throw Error(fmt::format("relaxation: expected a number between 0 and 2, met {}", options.relaxation));
+    fail("relaxation: expected a number between 0 and 2, met {}", options.relaxation);
   if (options.maximum_sweeps < 0 || options.check_every < 1 || options.patience < 1)
-    throw Error(
-        fmt::format("sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
-                    options.maximum_sweeps, options.check_every, options.patience));
+    fail("sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
+         options.maximum_sweeps, options.check_every, options.patience);
 }
 
 }  // namespace

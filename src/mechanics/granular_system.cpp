@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/granular_system.hpp"
 
+#include "core/fail.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
@@ -47,16 +48,15 @@ std::array<double, 2> velocity_of_point(const RigidVelocity& velocity, const Pos
 void check(const Boundary& boundary) {
   const Motion& motion = boundary.motion;
   if (motion.time.size() != motion.velocity.size())
-    throw Error(fmt::format("boundary '{}': expected one velocity per time, met {} times and {} velocities",
-                            boundary.name, motion.time.size(), motion.velocity.size()));
+    fail("boundary '{}': expected one velocity per time, met {} times and {} velocities", boundary.name,
+         motion.time.size(), motion.velocity.size());
   for (std::size_t k = 0; k < motion.time.size(); ++k) {
     const RigidVelocity& v = motion.velocity[k];
     if (!std::isfinite(motion.time[k]) || !std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.spin))
-      throw Error(fmt::format("boundary '{}': expected finite numbers, met another in entry {} of its motion",
-                              boundary.name, k));
+      fail("boundary '{}': expected finite numbers, met another in entry {} of its motion", boundary.name, k);
     if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
-      throw Error(fmt::format("boundary '{}': expected ascending times, met {} s after {} s", boundary.name,
-                              motion.time[k], motion.time[k - 1]));
+      fail("boundary '{}': expected ascending times, met {} s after {} s", boundary.name, motion.time[k],
+           motion.time[k - 1]);
   }
 }
 
@@ -89,20 +89,18 @@ void check(const GranularSystem& system, const GranularState& state) {
   const auto n = at(system.disks());
   for (const auto* field :
        {&system.mass, &state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
-    if (field->size() != n)
-      throw Error(fmt::format("granular state: expected {} disks, met an array of {}", n, field->size()));
+    if (field->size() != n) fail("granular state: expected {} disks, met an array of {}", n, field->size());
   if (system.driven_by.size() != n || state.poses.size() != system.boundaries.size())
-    throw Error(fmt::format("granular state: expected {} disks and {} boundaries, met {} and {}",
-                            system.driven_by.size(), system.boundaries.size(), n, state.poses.size()));
+    fail("granular state: expected {} disks and {} boundaries, met {} and {}", system.driven_by.size(),
+         system.boundaries.size(), n, state.poses.size());
   bool any_free = false;
   for (std::size_t i = 0; i < n; ++i) {
     if (system.driven_by[i] >= count(system.boundaries))
-      throw Error(fmt::format("disk {}: expected one of {} boundaries, met number {}", i, system.boundaries.size(),
-                              system.driven_by[i]));
+      fail("disk {}: expected one of {} boundaries, met number {}", i, system.boundaries.size(), system.driven_by[i]);
     any_free = any_free || system.driven_by[i] < 0;
     for (const auto* field : {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
       if (!std::isfinite((*field)[i]))
-        throw Error(fmt::format("disk {}: expected finite positions and velocities, met {}", i, (*field)[i]));
+        fail("disk {}: expected finite positions and velocities, met {}", i, (*field)[i]);
   }
   if (!any_free) throw Error("granular system: expected a free grain, met driven ones only");
   for (const Boundary& boundary : system.boundaries) check(boundary);

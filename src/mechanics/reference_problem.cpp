@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "mechanics/connectivity.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
-
-#include <fmt/format.h>
 
 #include <cmath>
 
@@ -33,8 +32,7 @@ Vector deformation_velocities(const Packing& packing, const Loads& loads) {
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed, const Loads& loads) {
   if (count(packing.mass) != packing.size())
-    throw Error(
-        fmt::format("assemble: expected a mass for each of {} grains, met {}", packing.size(), packing.mass.size()));
+    fail("assemble: expected a mass for each of {} grains, met {}", packing.size(), packing.mass.size());
   ReferenceProblem problem;
   const Index n = packing.size();
   problem.inertia.resize(2 * n);
@@ -47,10 +45,10 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {
     if (one.grain < 0 || one.grain >= n)
-      throw Error(fmt::format("prescribed velocity: expected a grain in 0..{}, met grain {}", n - 1, one.grain));
+      fail("prescribed velocity: expected a grain in 0..{}, met grain {}", n - 1, one.grain);
     if (!std::isfinite(one.velocity[0]) || !std::isfinite(one.velocity[1]))
-      throw Error(fmt::format("prescribed velocity of grain {}: expected finite components, met ({}, {})", one.grain,
-                              one.velocity[0], one.velocity[1]));
+      fail("prescribed velocity of grain {}: expected finite components, met ({}, {})", one.grain, one.velocity[0],
+           one.velocity[1]);
     problem.arriving_velocity.segment(2 * one.grain, 2) << one.velocity[0], one.velocity[1];
   }
   return problem;

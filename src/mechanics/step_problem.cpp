@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "mechanics/time_stepping.hpp"
 #include "packing/disk_grid.hpp"
-#include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -45,13 +43,13 @@ void check_moves(const GranularSystem& system, const GranularState& state, const
   for (std::size_t i = 0; i < at(system.disks()); ++i) {
     const auto name = [&] { return body_name(system, static_cast<Index>(i)); };
     if (!std::isfinite(state.x[i]) || !std::isfinite(state.y[i]))
-      throw Error(fmt::format("{}: expected a finite position, met ({}, {}) m", name(), state.x[i], state.y[i]));
+      fail("{}: expected a finite position, met ({}, {}) m", name(), state.x[i], state.y[i]);
     const double move = h * std::hypot(v[i].x, v[i].y);
     if (!(move <= largest_move * system.radius[i]) || !std::isfinite(v[i].rim))
-      throw Error(
-          fmt::format("{}: expected to move by at most {} of its radii in a step, met a velocity of "
-                      "({}, {}) m/s and a step of {} s",
-                      name(), largest_move, v[i].x, v[i].y, h));
+      fail(
+          "{}: expected to move by at most {} of its radii in a step, met a velocity of ({}, {}) m/s and a step of {} "
+          "s",
+          name(), largest_move, v[i].x, v[i].y, h);
   }
 }
 
@@ -98,8 +96,7 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);
     if (!(distance > 0))
-      throw Error(
-          fmt::format("{} and {}: expected distinct centres, met one", body_name(system, a), body_name(system, b)));
+      fail("{} and {}: expected distinct centres, met one", body_name(system, a), body_name(system, b));
     StepContact c{.a = a, .b = b, .normal = {dx / distance, dy / distance}, .gap = distance - touch};
     const double closing =
         c.normal[0] * (free[at(b)].x - free[at(a)].x) + c.normal[1] * (free[at(b)].y - free[at(a)].y);
@@ -207,8 +204,8 @@ double push_speed(const TimeStepping& scheme, double smaller_radius, double boun
 void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest) {
   for (const StepContact& c : problem.geometry)
     if (c.gap < -largest * smaller_radius(system, c))
-      throw Error(fmt::format("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m",
-                              body_name(system, c.a), body_name(system, c.b), largest, -c.gap));
+      fail("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m", body_name(system, c.a),
+           body_name(system, c.b), largest, -c.gap);
 }
 
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,

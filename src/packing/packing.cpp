@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "packing/disk_grid.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/packing/packing.hpp>
@@ -15,7 +16,7 @@ namespace {
 void require_positive(const std::vector<double>& values, const char* name) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]) || values[i] <= 0)
-      throw Error(fmt::format("grain {}: expected a finite {} > 0, met {}", i, name, values[i]));
+      fail("grain {}: expected a finite {} > 0, met {}", i, name, values[i]);
 }
 
 // A pair (i, j) with its geometry, or a gap beyond the tolerance for a pair that does not touch.
@@ -35,11 +36,10 @@ void require_no_overlap(const Packing& p, const Contact& contact, double allowed
     return fmt::format("({}, {}) of radius {}", p.x[at(g)], p.y[at(g)], p.radius[at(g)]);
   };
   if (p.x[at(i)] == p.x[at(j)] && p.y[at(i)] == p.y[at(j)])
-    throw Error(fmt::format("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j)));
+    fail("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j));
   if (-contact.gap > allowed)
-    throw Error(
-        fmt::format("grains {} and {} overlap by {} m, more than the {} m allowed (overlap_tolerance): {} and {}", i, j,
-                    -contact.gap, allowed, describe(i), describe(j)));
+    fail("grains {} and {} overlap by {} m, more than the {} m allowed (overlap_tolerance): {} and {}", i, j,
+         -contact.gap, allowed, describe(i), describe(j));
 }
 
 }  // namespace
@@ -48,8 +48,7 @@ void check(const Packing& packing) {
   if (packing.size() == 0) throw Error("packing: expected at least one grain, met none");
   for (Index i = 0; i < packing.size(); ++i)
     if (!std::isfinite(packing.x[at(i)]) || !std::isfinite(packing.y[at(i)]))
-      throw Error(
-          fmt::format("grain {}: expected finite coordinates, met ({}, {})", i, packing.x[at(i)], packing.y[at(i)]));
+      fail("grain {}: expected finite coordinates, met ({}, {})", i, packing.x[at(i)], packing.y[at(i)]);
   require_positive(packing.radius, "radius");
   require_positive(packing.mass, "mass");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/dynamics.hpp"
 
+#include "core/fail.hpp"
 #include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
@@ -145,23 +146,21 @@ void require_effect(const Dynamics& dynamics, std::string_view path, std::string
   if (missing == nullptr) return;
   std::string values = fmt::format("{}", fmt::join(missing->values, ", "));
   if (const auto last = values.rfind(", "); last != std::string::npos) values.replace(last, 2, " or ");
-  throw Error(fmt::format("{}: expected {} {} with it, met {}", where, missing->with, values,
-                          value_of(dynamics, missing->with)));
+  fail("{}: expected {} {} with it, met {}", where, missing->with, values, value_of(dynamics, missing->with));
 }
 
 void check(const BoundarySpec& spec) {
   if (spec.shape == BoundaryShape::grains) return;
   const double length = length_of(spec);
   if (!(length > 0) || !std::isfinite(length))
-    throw Error(fmt::format("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})", spec.name,
-                            spec.from[0], spec.from[1], spec.to[0], spec.to[1]));
+    fail("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})", spec.name, spec.from[0],
+         spec.from[1], spec.to[0], spec.to[1]);
   if (spec.shape == BoundaryShape::wall) return;
-  if (!(spec.radius > 0))
-    throw Error(fmt::format("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius));
+  if (!(spec.radius > 0)) fail("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius);
   constexpr double most = 1e7;
   if (!(length / spec.distance() < most))
-    throw Error(fmt::format("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name,
-                            most, length, spec.distance()));
+    fail("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name, most, length,
+         spec.distance());
 }
 
 namespace {

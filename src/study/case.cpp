@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/case.hpp"
 
+#include "core/fail.hpp"
 #include "simulation/simulation.hpp"
 
 #include <fmt/format.h>
@@ -20,8 +21,8 @@ void override_section(std::string_view section, Parameters& parameters, std::str
   std::vector<std::string> known;
   for (const FieldDescription& field : describe_fields(parameters))
     known.push_back(fmt::format("{}.{}", section, field.key));
-  throw Error(fmt::format("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
-                          suggestion(path, known)));
+  fail("{}: no such parameter in this case; expected one of {}{}", path, fmt::join(known, ", "),
+       suggestion(path, known));
 }
 
 // The optional fields of Masses, in the form the visitors take.
@@ -40,10 +41,10 @@ Partition partition_without_geometry(const Partitioner& partitioner, const Refer
   if (subdomains(partitioner) == 1)
     return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(at(problem.contacts()), 0)};
   const auto refuse = [&]() -> std::pair<Packing, ContactNetwork> {
-    throw Error(
-        fmt::format("{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is "
-                    "known, met {} subdomains by another partitioner",
-                    path, subdomains(partitioner)));
+    fail(
+        "{}: expected subdomains metis:N (partition.metis) for a contact problem, of which no geometry is known, met "
+        "{} subdomains by another partitioner",
+        path, subdomains(partitioner));
   };
   return distribute(partitioner, refuse, [&]() -> const ReferenceProblem& { return problem; });
 }
@@ -83,17 +84,17 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   const std::string_view section = path.substr(0, dot);
   const std::string_view key = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
   if (std::holds_alternative<ContactProblemFile>(spec.packing) && section != "partition")
-    throw Error(fmt::format("{}: this case is a contact problem; expected partition.* alone", path));
+    fail("{}: this case is a contact problem; expected partition.* alone", path);
   const auto set = [&](auto& parameters) { override_section(section, parameters, key, path, value); };
   const auto dynamics = [&]() -> Dynamics& {
     if (spec.dynamics) return *spec.dynamics;
-    throw Error(fmt::format("{}: expected a case with a section [dynamics], met one without", path));
+    fail("{}: expected a case with a section [dynamics], met one without", path);
   };
   if (section == "packing") {
     auto* generator = std::get_if<Generator>(&spec.packing);
     if (generator == nullptr)
-      throw Error(fmt::format("{}: the packing of this case is {} and has no parameters", path,
-                              std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled"));
+      fail("{}: the packing of this case is {} and has no parameters", path,
+           std::holds_alternative<PackingFile>(spec.packing) ? "a file" : "settled");
     std::visit(set, *generator);
   } else if (section == "contacts") {
     set(spec.contacts);
@@ -114,8 +115,8 @@ void override_case(CaseSpec& spec, std::string_view path, std::string_view value
   } else {
     static const std::vector<std::string> sections{"packing", "contacts",    "masses",   "partition",
                                                    "loads",   "interaction", "dynamics", "solver"};
-    throw Error(fmt::format("{}: no such parameter; expected one of {}.*{}", path, fmt::join(sections, ".*, "),
-                            suggestion(section, sections)));
+    fail("{}: no such parameter; expected one of {}.*{}", path, fmt::join(sections, ".*, "),
+         suggestion(section, sections));
   }
   spec.lines.erase(std::string(path));  // the value is no longer that of the file
 }
@@ -151,7 +152,7 @@ std::string to_toml(const CaseSpec& spec) {
 
 Packing packing_of(const Case& one, const Monitor& monitor) {
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
-    throw Error(fmt::format("{}: expected a packing, met a contact problem, which has no geometry", file->path));
+    fail("{}: expected a packing, met a contact problem, which has no geometry", file->path);
   const auto* generator = std::get_if<Generator>(&one.spec.packing);
   Packing packing = generator ? generate(*generator, monitor) : one.packing;
   check(packing);
@@ -160,8 +161,7 @@ Packing packing_of(const Case& one, const Monitor& monitor) {
 
 void require_geometry(const Model& model, std::string_view what) {
   if (!model.has_geometry())
-    throw Error(fmt::format("{}: {}: expected a packing, met a contact problem, of which no geometry is known",
-                            model.name, what));
+    fail("{}: {}: expected a packing, met a contact problem, of which no geometry is known", model.name, what);
 }
 
 namespace {
@@ -185,8 +185,7 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
 }  // namespace
 
 void check_dynamics(const CaseSpec& spec) {
-  if (!spec.dynamics)
-    throw Error(fmt::format("case {}: expected a section [dynamics], met a case that is not made to move", spec.name));
+  if (!spec.dynamics) fail("case {}: expected a section [dynamics], met a case that is not made to move", spec.name);
   subdomains(spec.partition);
   const StepSolver& solver = spec.dynamics->solver;
   if (solver.criterion != Criterion::gluing) return;
@@ -216,9 +215,8 @@ Model build(const Case& one, const Monitor& monitor) try {
   model.name = one.spec.name;
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
     if (!one.spec.prescribed.empty())
-      throw Error(fmt::format(
-          "{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
-          file->path, one.spec.prescribed.size()));
+      fail("{}: expected no prescribed velocities for a contact problem, whose loads are those of its f, met {}",
+           file->path, one.spec.prescribed.size());
     model.problem = reference_problem(one.problem, file->path);
     model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
     model.parts = decompose(model.problem, model.partition);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/active_set.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/model.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -38,10 +36,8 @@ ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all)
     return {.active = std::vector<char>(at(problem.contacts()), 1), .impulses = {}, .rule = "all", .solution = "none"};
   if (problem.columns_per_contact > 1)
-    throw Error(
-        fmt::format("{}: expected --contacts all for a problem with friction, met {}: its rule is that of "
-                    "frictionless contacts",
-                    model.name, to_string(contacts)));
+    fail("{}: expected --contacts all for a problem with friction, met {}: its rule is that of frictionless contacts",
+         model.name, to_string(contacts));
   if (contacts == ContactSet::active) {
     const RigidImpulses rigid = rigid_impulses(problem);
     return {.active = active_contacts(problem, rigid),

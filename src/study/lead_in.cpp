@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/lead_in.hpp"
 
+#include "core/fail.hpp"
 #include "simulation/step_decomposition.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -22,8 +21,8 @@ StepSolver plain_solver() {
 void advance(Arrival& arrival) {
   const SolvedStep step = solve_step(arrival.simulation);
   if (step.report.broke_down())
-    throw Error(fmt::format("step {}: {}: {}", step.report.step, to_string(step.report.status),
-                            describe_breakdown(arrival.simulation, step)));
+    fail("step {}: {}: {}", step.report.step, to_string(step.report.status),
+         describe_breakdown(arrival.simulation, step));
   arrival.totals.add(take_step(arrival.simulation, step));
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/memory_estimate.hpp"
 
+#include "core/fail.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "mechanics/active_set.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -156,7 +155,7 @@ MemoryNeed largest_need(const StudyTable& table, Index first) {
       const double bytes = estimated_bytes(model, table.sweep);
       if (bytes > largest.bytes) largest = {bytes, model.name, model.parts.interface_size()};
     } catch (const Error& error) {
-      throw Error(fmt::format("case {}: {}", one.spec.name, error.what()));
+      fail("case {}: {}", one.spec.name, error.what());
     }
   }
   return largest;

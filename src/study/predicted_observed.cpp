@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/predicted_observed.hpp"
 
+#include "core/fail.hpp"
 #include "ddm/frozen_iteration.hpp"
 #include "linalg/scalar.hpp"
-#include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +94,7 @@ bool PredictedObserved::agree() const {
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
   const StepSolver& solver = dynamics.solver;
   const auto expect = [](bool right, const char* key, const char* expected, std::string_view met) {
-    if (!right) throw Error(fmt::format("{}: expected {} for a rate that is predicted, met {}", key, expected, met));
+    if (!right) fail("{}: expected {} for a rate that is predicted, met {}", key, expected, met);
   };
   expect(solver.algorithm != StepAlgorithm::nlgs, "solver.algorithm", "generic or enriched",
          to_string(solver.algorithm));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/study.hpp"
 
+#include "core/fail.hpp"
 #include "core/fingerprint.hpp"
 #include <nscdd/core/version.hpp>
 
@@ -102,8 +103,7 @@ VariedCase varied_case(const StudyTable& table, Index number) {
 Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor, Index first, LeadIn* lead_in) {
   const std::optional<Index> rows = rows_per_case(table);
   if (!rows && first > 0)
-    throw Error(fmt::format("table {}: expected to start at row 0, met {}: its rows are not known beforehand",
-                            table.name, first));
+    fail("table {}: expected to start at row 0, met {}: its rows are not known beforehand", table.name, first);
   const Index cases = varied_case_count(table), total = cases * rows.value_or(1);
   Index failed = 0;
   bool stopped = false;
@@ -124,7 +124,7 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
       const Index known = rows ? std::max<Index>(first - number * *rows, 0) : 0;
       failed += table.observable->run({one, table, states, with_varied, within, known});
     } catch (const Error& error) {
-      throw Error(fmt::format("case {}: {}", one.spec.name, error.what()));
+      fail("case {}: {}", one.spec.name, error.what());
     }
     if (!rows) stopped = !report(monitor, number + 1, total);
   }

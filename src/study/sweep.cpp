@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "ddm/continuation.hpp"
 #include "ddm/two_stage.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
-
-#include <fmt/format.h>
 
 #include <cmath>
 
@@ -141,10 +139,10 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
   for (const auto& relaxation : parameters.relaxation)
     for (const auto& sweeps : parameters.gauss_seidel_sweeps)
       if (!relaxation && sweeps)
-        throw Error(
-            fmt::format("relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is "
-                        "known for an exact Stage 1 only",
-                        *sweeps));
+        fail(
+            "relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is known for an exact "
+            "Stage 1 only",
+            *sweeps);
   const Selection selection = select(model, parameters.contacts);
   const CaseSummary of_case = summary(model, selection);
   const double scale = flexibility_scale(model);

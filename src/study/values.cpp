@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/values.hpp"
 
-#include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
+#include "core/fail.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,16 +25,14 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts, std::string_view what) {
   const bool linear = parts.size() == 4 && parts[3] == "linear";
   const bool logarithmic = parts.size() == 3 || (parts.size() == 4 && parts[3] == "log");
-  if (!linear && !logarithmic)
-    throw Error(fmt::format("{}: expected FROM:TO:COUNT or FROM:TO:COUNT:linear, met '{}'", what, item));
+  if (!linear && !logarithmic) fail("{}: expected FROM:TO:COUNT or FROM:TO:COUNT:linear, met '{}'", what, item);
   const double from = parse_number(parts[0], what), to = parse_number(parts[1], what);
   const Index points = parse_integer(parts[2], what);
-  if (!std::isfinite(from) || !std::isfinite(to))
-    throw Error(fmt::format("{}: expected finite ends of a range, met '{}'", what, item));
+  if (!std::isfinite(from) || !std::isfinite(to)) fail("{}: expected finite ends of a range, met '{}'", what, item);
   if (logarithmic && (from <= 0 || to <= 0))
-    throw Error(fmt::format("{}: expected ends > 0 of a logarithmic range (or :linear), met '{}'", what, item));
+    fail("{}: expected ends > 0 of a logarithmic range (or :linear), met '{}'", what, item);
   if (points < 1 || points > static_cast<Index>(most_values) || (points == 1 && from != to))
-    throw Error(fmt::format("{}: expected a count between 2 and {} in '{}', met {}", what, most_values, item, points));
+    fail("{}: expected a count between 2 and {} in '{}', met {}", what, most_values, item, points);
   std::vector<double> values;
   for (Index i = 0; i < points; ++i) {
     const double t = points == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(points - 1);
@@ -52,12 +48,12 @@ std::vector<double> range(std::string_view item, const std::vector<std::string_v
 void require(const std::vector<double>& values, std::string_view what, std::string_view expected,
              bool (*check)(double)) {
   for (const double value : values)
-    if (!check(value)) throw Error(fmt::format("{}: expected {}, met {}", what, expected, value));
+    if (!check(value)) fail("{}: expected {}, met {}", what, expected, value);
 }
 
 void append(auto& all, const std::vector<double>& more, std::string_view what) {
   all.insert(all.end(), more.begin(), more.end());
-  if (all.size() > most_values) throw Error(fmt::format("{}: expected at most {} values, met more", what, most_values));
+  if (all.size() > most_values) fail("{}: expected at most {} values, met more", what, most_values);
 }
 
 FlexibilityValues flexibilities(std::string_view spec, std::string_view name, std::string_view expected,
@@ -74,8 +70,7 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
     append(all.values, values, name);
   }
   require(all.values, name, expected, check);
-  if (all.relative && absolute)
-    throw Error(fmt::format("{}: expected a W behind every number or behind none, met '{}'", name, spec));
+  if (all.relative && absolute) fail("{}: expected a W behind every number or behind none, met '{}'", name, spec);
   return all;
 }
 

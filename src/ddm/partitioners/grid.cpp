@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <nscdd/core/error.hpp>
+#include "core/fail.hpp"
 #include <nscdd/ddm/partitioners/grid.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +21,7 @@ Index cell(double coordinate, double low, double high, Index cells) {
 Index subdomains(const GridPartitioner& partitioner) {
   const auto [nx, ny] = partitioner.grid;
   if (nx < 1 || ny < 1 || nx * ny > 1'000'000)
-    throw Error(fmt::format("partition.grid: expected between 1 and 1000000 cells, met {} x {}", nx, ny));
+    fail("partition.grid: expected between 1 and 1000000 cells, met {} x {}", nx, ny);
   return nx * ny;
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
 
-#include <fmt/format.h>
 #include <metis.h>
 
 #include <algorithm>
@@ -68,8 +67,7 @@ Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem&
                                nullptr, &parts, nullptr, nullptr, options, &cut, part.data());
   });
   if (status != METIS_OK)
-    throw Error(
-        fmt::format("METIS: expected a partition into {} subdomains, met status {}", partitioner.metis, status));
+    fail("METIS: expected a partition into {} subdomains, met status {}", partitioner.metis, status);
   for (Index c = 0; c < problem.contacts(); ++c) result.subdomain_of_contact[at(c)] = part[at(c / columns)];
   return result;
 }

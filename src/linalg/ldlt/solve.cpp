@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/ldlt/fronts.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/core/error.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
@@ -76,8 +75,7 @@ void require_border(const FrontTree& tree) {
 Vector spread(const FrontTree& tree, const Vector& g) {  // E g
   require_border(tree);
   if (g.size() != count(tree.border))
-    throw Error(fmt::format("solve from the border: expected a value for each of {} border rows, met {}",
-                            tree.border.size(), g.size()));
+    fail("solve from the border: expected a value for each of {} border rows, met {}", tree.border.size(), g.size());
   Vector x = Vector::Zero(tree.rows);
   x(tree.border) = g;
   return x;

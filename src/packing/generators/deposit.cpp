@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/random.hpp"
 #include "packing/drop_and_roll.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
 
 #include <fmt/format.h>
@@ -21,10 +21,10 @@ std::function<double(double)> lognormal_quantile(const SizeDistribution& sizes) 
   const double low = upper ? gsl_cdf_lognormal_Q(a, zeta, sigma) : gsl_cdf_lognormal_P(a, zeta, sigma);
   const double high = upper ? gsl_cdf_lognormal_Q(b, zeta, sigma) : gsl_cdf_lognormal_P(b, zeta, sigma);
   if (a < b && !(std::abs(high - low) > 1e-300))
-    throw Error(
-        fmt::format("packing.median: expected a lognormal law with radii between radius_min = {} and "
-                    "radius_max = {}, met next to none: median {}, sigma {}",
-                    a, b, std::exp(zeta), sigma));
+    fail(
+        "packing.median: expected a lognormal law with radii between radius_min = {} and radius_max = {}, met next to "
+        "none: median {}, sigma {}",
+        a, b, std::exp(zeta), sigma);
   return [=](double u) {
     const double p = low + u * (high - low);
     const double radius = upper ? gsl_cdf_lognormal_Qinv(p, zeta, sigma) : gsl_cdf_lognormal_Pinv(p, zeta, sigma);
@@ -46,7 +46,7 @@ std::function<double(double)> radius_quantile(const SizeDistribution& sizes) {
     check_bounds(value, field, fmt::format("packing.{}", key));
   });
   const double a = sizes.radius_min, b = sizes.radius_max;
-  if (a > b) throw Error(fmt::format("packing.radius_min: expected at most radius_max = {}, met {}", b, a));
+  if (a > b) fail("packing.radius_min: expected at most radius_max = {}, met {}", b, a);
   switch (sizes.distribution) {
     case Distribution::uniform:
       return [=](double u) { return std::min(a + u * (b - a), b); };
@@ -64,15 +64,13 @@ Packing generate(const Deposit& deposit, const Monitor& monitor) {
   const SizeDistribution& sizes = deposit.sizes;
   const auto radius_of = radius_quantile(sizes);
   if (deposit.width > 0 && deposit.width < 2 * sizes.radius_max)
-    throw Error(fmt::format("packing.width: expected 0, or at least 2 radius_max = {} m, met {}", 2 * sizes.radius_max,
-                            deposit.width));
+    fail("packing.width: expected 0, or at least 2 radius_max = {} m, met {}", 2 * sizes.radius_max, deposit.width);
   RandomStream random(static_cast<std::uint64_t>(deposit.seed));
   std::vector<double> radii(at(deposit.grains));
   for (double& radius : radii) radius = radius_of(random.uniform());
   const double width = deposit.width > 0 ? deposit.width : square_width(radii);
   if (width > 1e7 * sizes.radius_min)
-    throw Error(
-        fmt::format("packing.width: expected at most 10^7 radius_min = {} m, met {}", 1e7 * sizes.radius_min, width));
+    fail("packing.width: expected at most 10^7 radius_min = {} m, met {}", 1e7 * sizes.radius_min, width);
   Packing packing;
   packing.x.reserve(radii.size());
   packing.y.reserve(radii.size());

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/packing/generators/hexagonal_lattice.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,8 +37,7 @@ std::vector<char> vacant_sites(const std::vector<double>& numbers, double fracti
 Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
   const Index sites = lattice.columns * lattice.rows;
   if (sites > 10'000'000)
-    throw Error(fmt::format("packing: expected at most 10000000 disks, met {} columns x {} rows", lattice.columns,
-                            lattice.rows));
+    fail("packing: expected at most 10000000 disks, met {} columns x {} rows", lattice.columns, lattice.rows);
   std::vector<double> shrinking;
   std::vector<char> vacant;
   if (lattice.vacancies > 0 || lattice.disorder > 0) {

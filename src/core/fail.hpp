@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/error.hpp>
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace nscdd {
+
+/// Throws an Error with a message that is put together by fmt.
+template <class... Arguments>
+[[noreturn]] void fail(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  throw Error(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+}  // namespace nscdd
