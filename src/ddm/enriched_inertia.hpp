@@ -1,16 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "core/lazy.hpp"
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
+#include <mutex>
 #include <optional>
 #include <vector>
 
 namespace nscdd {
+
+/// A value that is computed when it is first asked for: once, however many threads ask.
+template <class T>
+class Lazy {
+ public:
+  template <class Make>
+  const T& get(Make&& make) const {
+    std::call_once(once_, [&] { value_.emplace(make()); });
+    return *value_;
+  }
+
+ private:
+  mutable std::once_flag once_;
+  mutable std::optional<T> value_;
+};
 
 /// Every M_{E,eta} of one subdomain, for a sweep along eta: what does not depend on eta.
 /// Small subdomains are diagonalised once, M_E^-1/2 K_E M_E^-1/2 = Q Lambda Q^T. After that each eta costs
