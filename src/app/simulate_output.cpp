@@ -171,15 +171,11 @@ std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force
 void RunSummary::add(const StepReport& report) {
   ++steps_;
   ++statuses_[to_string(report.status)];
-  iterations_ += report.last.iteration;
   most_iterations_ = std::max(most_iterations_, report.last.iteration);
-  if (const double residual = report.residual.relative_natural_map(); residual >= worst_) {
-    worst_ = residual;
-    worst_step_ = report.step;
-  }
+  if (report.residual.relative_natural_map() >= totals_.natural_map) worst_step_ = report.step;
+  totals_.add(report);
   overlap_ = std::max(overlap_, report.overlap.maximum);
   relative_overlap_ = std::max(relative_overlap_, report.overlap.relative);
-  gluing_ = std::max(gluing_, report.last.gluing);
   has_interface_ = has_interface_ || report.interface_size > 0;
   gaining_steps_ += report.energy.dissipation < 0;
   gain_ += std::max(0.0, -report.energy.dissipation);
@@ -202,15 +198,15 @@ std::string RunSummary::text(const Simulation& simulation, const RunOutcome& out
                       simulation.system.disks() - free, last_.contacts, last_.interface_size);
   if (steps_ == 0) return text;
   text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
-  text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", iterations_,
-                      static_cast<double>(iterations_) / static_cast<double>(steps_), most_iterations_);
-  text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n", worst_,
-                      worst_step_, overlap_);
+  text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", totals_.iterations,
+                      static_cast<double>(totals_.iterations) / static_cast<double>(steps_), most_iterations_);
+  text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n",
+                      totals_.natural_map, worst_step_, overlap_);
   if (last_.interface_size > 0)
-    text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", gluing_);
+    text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", totals_.gluing);
   text += fmt::format(
       "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} J\n",
-      last_.energy.kinetic, boundary_work_, dissipation_, numerical_);
+      totals_.kinetic, boundary_work_, dissipation_, numerical_);
   text += fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", solve_seconds_, setup_seconds_);
   if (visits_ > 0) text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * solve_seconds_ / visits_);
   return text + "\n" + warnings(simulation.dynamics);
@@ -224,20 +220,19 @@ std::string RunSummary::warnings(const Dynamics& dynamics) const {
         "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
         "boundaries that leave no room, or a step or tolerance too coarse\n",
         relative_overlap_);
-  const auto converged = statuses_.find(to_string(SolverStatus::converged));
-  const Index open = steps_ - (converged == statuses_.end() ? 0 : converged->second);
+  const Index open = steps_ - totals_.converged;
   if (open > 0 && solver.criterion != Criterion::none)
     text += fmt::format("attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n",
                         open, steps_, to_string(solver.criterion), solver.tolerance,
                         has_interface_ ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
                         solver.maximum_iterations);
-  if (gluing_ > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
+  if (totals_.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
         "not iterate on them\n",
-        gluing_, solver.gluing_tolerance);
+        totals_.gluing, solver.gluing_tolerance);
   // Every run pushes some overlaps apart; only a notable gain is worth a line.
-  if (!(gain_ > 0.01 * (last_.energy.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))) return text;
+  if (!(gain_ > 0.01 * (totals_.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))) return text;
   const bool pushes = relative_overlap_ > 0 && dynamics.interaction.restitution == 0 &&
                       dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
   std::vector<std::string_view> reasons;

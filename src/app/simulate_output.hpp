@@ -3,8 +3,7 @@
 
 #include "files/csv.hpp"
 #include "formats/trajectory.hpp"
-#include "simulation/simulation.hpp"
-#include "study/case.hpp"
+#include "study/lead_in.hpp"
 
 #include <map>
 #include <memory>
@@ -46,9 +45,10 @@ class RunSummary {
 
  private:
   std::string warnings(const Dynamics& dynamics) const;  ///< what a reader of the numbers must know; often ""
-  Index steps_ = 0, iterations_ = 0, most_iterations_ = 0, worst_step_ = 0, gaining_steps_ = 0;
+  RunTotals totals_;
+  Index steps_ = 0, most_iterations_ = 0, worst_step_ = 0, gaining_steps_ = 0;
   std::map<std::string_view, Index> statuses_;
-  double worst_ = 0, boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0, gluing_ = 0;
+  double boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0;
   double gain_ = 0;                                            // energy that contacts added, J
   bool has_interface_ = false;                                 // in any step
   double relative_overlap_ = 0;                                // times the smaller radius
