@@ -9,7 +9,6 @@
 #include <nscdd/formats/packing_file.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 
 namespace nscdd::app {

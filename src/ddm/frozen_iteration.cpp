@@ -6,7 +6,6 @@
 
 #include <Eigen/QR>
 
-#include <algorithm>
 #include <cmath>
 
 namespace nscdd {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/map_radius.hpp"
 
-#include "linalg/krylov.hpp"
 #include "linalg/threads.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <utility>
 
 namespace nscdd {
 namespace {

@@ -4,8 +4,6 @@
 #include "mechanics/connectivity.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
-#include <vector>
-
 namespace nscdd {
 namespace {
 

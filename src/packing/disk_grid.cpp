@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "packing/disk_grid.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace nscdd {
