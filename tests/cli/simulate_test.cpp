@@ -246,7 +246,7 @@ TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, 
   const Outcome exploded =
       session.run(words("simulate shear.toml --algorithm enriched --eta 1e-4 --iterations 8 -o run.h5"));
   CHECK(exploded.exit_code == 1);
-  CHECK(contains(exploded.standard_error, ": diverged after "));
+  CHECK(contains(exploded.standard_error, ": more energy than loads, boundaries and pushes can bring after "));
   CHECK(contains(exploded.standard_error, "contact of disk "));
   const auto end = nscdd::read_last_step(path_of(session, "run.h5")).state;
   for (const double speed : end.velocity_y) CHECK(std::abs(speed) < 10);
