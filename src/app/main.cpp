@@ -39,6 +39,34 @@ std::vector<Verb> all_verbs() {
   };
 }
 
+// Why a text is no value of the option; "" where it is one.
+template <class Value>
+std::string refusal(const Option& option, const std::string& text) {
+  std::string expected;
+  if constexpr (std::is_same_v<Value, double> || std::is_same_v<Value, Index>) {
+    Value number{};
+    bool good = CLI::detail::lexical_cast(text, number);
+    expected = std::is_same_v<Value, Index> ? "an integer" : "a number";
+    if (const auto& bounds = option.bounds) {
+      good = good && number >= static_cast<Value>(bounds->first) && number <= static_cast<Value>(bounds->second);
+      expected += fmt::format(" from {} to {}", bounds->first, bounds->second);
+    }
+    if (good) return "";
+  } else {
+    if (option.words.empty() || std::ranges::find(option.words, text) != option.words.end()) return "";
+    expected = fmt::format("one of {}", fmt::join(option.words, ", "));
+  }
+  return fmt::format("expected {}, met '{}'{}", expected, text, suggestion(text, option.words));
+}
+
+// The value that an option takes, of which it may have one or none or many.
+template <class Value>
+Value value_of(const Value*);
+template <class Value>
+Value value_of(const std::optional<Value>*);
+template <class Value>
+Value value_of(const std::vector<Value>*);
+
 void declare_all(CLI::App& command, const Command& described) {
   std::map<const Option*, CLI::Option*> made;
   for (const Option& option : described.options) {
@@ -47,16 +75,12 @@ void declare_all(CLI::App& command, const Command& described) {
           if constexpr (std::is_same_v<decltype(target), bool*>)
             return command.add_flag(option.names, *target, option.help);
           else
-            return command.add_option(option.names, *target, option.help);
+            return command.add_option(option.names, *target, option.help)->check([&option](const std::string& text) {
+              return refusal<decltype(value_of(target))>(option, text);
+            });
         },
         option.target);
     one->required(option.required);
-    if (!option.words.empty())
-      one->check([words = option.words](std::string value) {
-        const std::string refused = CLI::IsMember(words)(value);
-        return refused.empty() ? refused : refused + suggestion(value, words);
-      });
-    if (option.bounds) one->check(CLI::Range(option.bounds->first, option.bounds->second));
     // A list takes one value each time it is named: what follows may be another argument.
     if (std::holds_alternative<std::vector<std::string>*>(option.target)) one->allow_extra_args(false);
     if (option.needs != nullptr) one->needs(made.at(option.needs));
@@ -84,6 +108,20 @@ void check_names(const std::vector<Verb>& verbs, std::span<const char* const> ar
   }
 }
 
+// The errors of CLI11 that are left, in the words of the program.
+std::string told(const CLI::ParseError& error) {
+  const std::string text = error.what();
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+    return fmt::format("expected {}, met none",
+                       text.starts_with("A ") ? "a verb" : text.substr(0, text.find(" is req")));
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.find(": ") != std::string::npos)
+    return fmt::format("{}: expected {}", text.substr(0, text.find(": ")),
+                       text.ends_with(" missing") ? "a value, met none" : "it once, met it again");
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
+    return fmt::format("expected no further argument, met '{}'", text.substr(text.rfind(": ") + 2));
+  return text;
+}
+
 // What a command line asks for: a verb, the targets of whose options are set, or a text to print (help, version).
 using Request = std::variant<const Verb*, std::string>;
 
@@ -91,7 +129,14 @@ using Request = std::variant<const Verb*, std::string>;
 // unknown, the nearest name there is.
 Request parse_command_line(const std::vector<Verb>& verbs, int argc, const char* const* argv) {
   if (argc <= 1) return short_guide(verbs);
-  check_names(verbs, std::span(argv, static_cast<std::size_t>(argc)).subspan(1));
+  const auto arguments = std::span(argv, static_cast<std::size_t>(argc)).subspan(1);
+  if (arguments.front() == std::string_view("help")) {
+    if (arguments.size() == 1) return short_guide(verbs);
+    check_names(verbs, arguments.subspan(1));
+    const auto verb = std::ranges::find(verbs, std::string_view(arguments[1]), &Verb::name);
+    return verb == verbs.end() ? short_guide(verbs) : help_screen(*verb);
+  }
+  check_names(verbs, arguments);
   CLI::App app("", "nscdd");
   app.set_version_flag("--version", "nscdd " + version());
   app.require_subcommand(1);
@@ -111,7 +156,7 @@ Request parse_command_line(const std::vector<Verb>& verbs, int argc, const char*
   } catch (const CLI::CallForVersion& version) {
     return std::string(version.what()) + "\n";
   } catch (const CLI::ParseError& error) {
-    fail("{}; 'nscdd --help' and 'nscdd VERB --help' say how", error.what());
+    fail("{}; 'nscdd {}--help' says how", told(error), asked() != nullptr ? asked()->name + " " : "");
   }
   return asked();
 }

@@ -99,16 +99,18 @@ void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
   }
 }
 
-void CaseOptions::declare(Command& command) {
+void CaseOptions::declare(Command& command, bool contact_problems) {
   command.required("CASE", name,
-                   "case or packing file, contact problem (FCLIB), or a known case; case files end in .toml, "
-                   "packing files in .csv or .h5 with x,y,radius[,mass], contact problems of FCLIB in .hdf5");
-  command.add("--subdomains", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
-  command.add("--prescribed", prescribed, "arriving velocity GRAIN:VX:VY, m/s (grains from 0, -1 the last)");
+                   fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in "
+                               ".csv or .h5 with x,y,radius[,mass]{}",
+                               contact_problems ? ", contact problem (FCLIB)" : "",
+                               contact_problems ? ", contact problems of FCLIB in .hdf5" : ""));
+  command.add("--subdomains PARTITION", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--prescribed GRAIN:VX:VY", prescribed, "arriving velocity of a grain, m/s (grains from 0, -1 the last)");
   command.add("--density", density, "masses = density x pi radius^2, kg/m^2");
   command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
   command.add("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
-  command.add("--set", settings, "KEY=VALUE: a parameter of the case, such as packing.grains=16");
+  command.add("--set KEY=VALUE", settings, "a parameter of the case, such as packing.grains=16");
 }
 
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {

@@ -56,7 +56,7 @@ struct CaseOptions {
   std::optional<double> density, tolerance, overlap_tolerance;
   std::vector<std::string> settings;
 
-  void declare(Command& command);
+  void declare(Command& command, bool contact_problems = true);
 
   /// The case with every option applied (one subdomain unless --subdomains says otherwise), see resolve_case.
   Case resolve(const std::vector<std::string>& outputs) const;

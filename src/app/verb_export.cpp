@@ -216,14 +216,13 @@ int run(const Options& options, const Context& context) {
 Action declare_export(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5");
-  const Option* vtk = &command.add("--vtk", options->folder,
+  const Option* vtk = &command.add("--vtk FOLDER", options->folder,
                                    "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
-  command.add("--steps", options->steps, "of --vtk: A, A:B or A:B:K, steps A, A + K, ... up to B that are kept").needs =
-      vtk;
+  command.add("--steps A[:B[:K]]", options->steps, "of --vtk: steps A, A + K, ... up to B that are kept").needs = vtk;
   Option* fclib =
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes = vtk;
-  command.add("-o,--output", options->output, "file of --fclib").needs = fclib;
+  command.add("-o,--output FILE", options->output, "file of --fclib").needs = fclib;
   command.add("--subdomain", options->subdomain, "of --fclib: the part of that subdomain, interface impulses as loads")
       .needs = fclib;
   command.add("--local", options->local, "of --fclib: W and q instead of M, H, f and w").needs = fclib;

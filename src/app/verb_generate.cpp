@@ -58,10 +58,10 @@ Action declare_generate(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("SPEC", options->spec,
                    "generator with its defaults (see nscdd list), case file (.toml), or a known case");
-  command.required("-o,--output", options->output,
+  command.required("-o,--output FILE", options->output,
                    "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output");
-  command.add("--set", options->settings,
-              "KEY=VALUE: a parameter of the generator, such as packing.grains=16, or masses.density");
+  command.add("--set KEY=VALUE", options->settings,
+              "a parameter of the generator, such as packing.grains=16, or masses.density");
   command.add("--force", options->force, "replace an existing output");
   command.footer =
       R"(Columns x, y, radius (m) and, where the case has masses, mass (kg); the numbers read back bit for bit. A

@@ -97,7 +97,7 @@ Action declare_inspect(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command.add("--ranks", options->ranks, "compute ranks however large the network is");
-  command.add("--histogram", options->histogram, "also write the sizes of the grains there, as CSV");
+  command.add("--histogram FILE", options->histogram, "also write the sizes of the grains there, as CSV");
   command.add("--force", options->force, "replace an existing output");
   options->memory.declare(command);
   command.footer = R"(Examples:

@@ -23,7 +23,8 @@ std::string name_and_value(const Option& option) {
   std::string names = option.names;
   if (const auto comma = names.find(','); comma != std::string::npos) names.insert(comma + 1, " ");
   if (option.positional() || option.flag()) return names;
-  return names + " " + (option.words.empty() ? placeholders.at(option.target.index()) : "WORD");
+  if (!option.words.empty()) return names + " WORD";
+  return names + " " + (option.value.empty() ? placeholders.at(option.target.index()) : option.value);
 }
 
 std::string default_text(const Option& option) {
@@ -181,6 +182,13 @@ std::vector<std::string> Command::names() const {
     for (std::string name; std::getline(names, name, ',');) all.push_back(name);
   }
   return all;
+}
+
+Option& Command::add_target(const std::string& form, Option::Target target, std::string help) {
+  std::istringstream parts(form);
+  std::string names, value;
+  parts >> names >> value;
+  return options.emplace_back(Option{std::move(names), target, std::move(help), std::move(value)});
 }
 
 std::string short_guide(const std::vector<Verb>& verbs) {

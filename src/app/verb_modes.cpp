@@ -2,6 +2,7 @@
 #include "app/options.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
+#include "study/inspection.hpp"
 #include "study/modes.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/fields.hpp>
@@ -31,7 +32,7 @@ double one_of(const FlexibilityValues& all, double scale, const std::string& opt
 
 ModeParameters parameters(const Options& options, double scale) {
   ModeParameters result;
-  result.epsilon = one_of(parse_epsilon(options.epsilon), scale, "--epsilon", options.epsilon);
+  result.epsilon = one_of(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_of(parse_eta(options.eta), scale, "--eta", options.eta);
   result.contacts = options.spectral.contact_set();
   result.side = Choice<SpectrumSide>::parse(options.end, "--end");
@@ -52,7 +53,7 @@ SweepParameters as_sweep(const ModeParameters& parameters) {
 void print_spectrum(const Model& model, const ModeParameters& parameters, const Mode& mode) {
   fmt::print("case                 {}\n", model.name);
   fmt::print("interface unknowns   {}{}\n", model.parts.interface_size(),
-             model.parts.interface_size() == 0 ? " (empty interface)" : "");
+             model.parts.interface_size() == 0 ? fmt::format(" (empty interface: {})", why_empty(model)) : "");
   fmt::print("epsilon              {} 1/kg\n", field_text(parameters.epsilon));
   fmt::print("eta                  {} 1/kg\n", field_text(parameters.eta));
   fmt::print("mean of W_nn         {} 1/kg\n", field_text(flexibility_scale(model)));
@@ -103,9 +104,9 @@ void print_shares(const Model& model, const Mode& mode) {
   if (rest.rows > 0) print("others", rest);
 }
 
-void tell_doubts(const Mode& mode, double epsilon) {
+void tell_doubts(const Model& model, const Mode& mode, double epsilon) {
   if (mode.spectrum.solver == "none") {
-    note("the interface is empty: there is no mode, the tables have no rows");
+    note("{}: the interface is empty ({}): there is no mode, the tables have no rows", model.name, why_empty(model));
   } else if (!mode.found() && mode.spectrum.converged) {
     note("every eigenvalue is the same: there is no mode of its own, the tables have no rows");
   } else if (!mode.found()) {
@@ -143,7 +144,7 @@ int run(const Options& options) {
     print_end(mode, wanted.spectral);
     print_shares(model, mode);
   }
-  tell_doubts(mode, wanted.epsilon);
+  tell_doubts(model, mode, wanted.epsilon);
   return 0;
 }
 
@@ -151,10 +152,10 @@ int run(const Options& options) {
 
 Action declare_modes(Command& command) {
   auto options = std::make_shared<Options>();
-  options->one.declare(command);
-  command.required("--epsilon", options->epsilon,
+  options->one.declare(command, false);
+  command.required("--epsilon NUMBER[W]", options->epsilon,
                    "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
-  command.preset("--eta", options->eta,
+  command.preset("--eta NUMBER[W]", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   options->spectral.declare(command, "all");
   command
@@ -163,7 +164,7 @@ Action declare_modes(Command& command) {
   command.preset("--eigenvalues", options->spectral.options.eigenvalues, "eigenvalues to print at that end");
   command.add("--certify", options->spectral.options.certify,
               "prove by inertia counts that no mode lies further out (solvers dense and shift-invert)");
-  command.required("--output", options->output, "PREFIX of the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
+  command.required("--output PREFIX", options->output, "the tables PREFIX-impulses.csv and PREFIX-velocities.csv");
   command.add("--force", options->force, "replace existing outputs");
   declare_threads(command, options->threads);
   options->memory.declare(command);

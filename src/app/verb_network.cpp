@@ -56,8 +56,8 @@ Action declare_network(Command& command) {
       .preset("--contacts", options->contacts,
               "whose impulses: active (linear rigid problem) or unilateral (no contact pulls)")
       .words = {"active", "unilateral"};
-  command.preset("--csv", options->csv, "where the links go, - for standard output");
-  command.add("--grains", options->grains, "also write the grains there");
+  command.preset("--csv FILE", options->csv, "where the links go, - for standard output");
+  command.add("--grains FILE", options->grains, "also write the grains there");
   command.add("--force", options->force, "replace existing outputs");
   options->memory.declare(command);
   command.footer =

@@ -76,10 +76,10 @@ int run(const Options& options) {
 Action declare_optimum(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command.preset("--epsilon", options->epsilon,
-                 "SPEC of the flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+  command.preset("--epsilon SPEC", options->epsilon,
+                 "flexibility of the law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   options->spectral.declare(command, "active");
-  command.add("--csv", options->csv, "write a table instead of the report, - for standard output");
+  command.add("--csv FILE", options->csv, "write a table instead of the report, - for standard output");
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);
   declare_redo(command, options->redo);

@@ -10,21 +10,23 @@ namespace {
 
 // An option that sets one parameter of the case.
 struct ParameterOption {
-  std::string option, key, help;
+  std::string option, form, key, help;
+  std::vector<std::string> words = {};
   std::optional<std::string> value = {};
 };
 
 struct Options {
   std::string name, subdomains, output, convergence;
   std::vector<ParameterOption> parameters{
-      {"--algorithm", "solver.algorithm", "nlgs, generic or enriched"},
-      {"--gauss-seidel-sweeps", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
-      {"--eta", "solver.eta", "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal"},
-      {"--criterion", "solver.criterion",
-       "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none"},
-      {"--tolerance", "solver.tolerance", "of the criterion"},
-      {"--iterations", "solver.maximum_iterations", "of a step at the most"},
-      {"--steps", "dynamics.steps", "number of time steps"}};
+      {"--algorithm", "WORD", "solver.algorithm", "nlgs, generic or enriched", all_names<StepAlgorithm>()},
+      {"--gauss-seidel-sweeps", "N", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
+      {"--eta", "NUMBER[W]", "solver.eta",
+       "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal"},
+      {"--criterion", "WORD", "solver.criterion",
+       "zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r or none", all_names<Criterion>()},
+      {"--tolerance", "NUMBER", "solver.tolerance", "of the criterion"},
+      {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
+      {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
   Index threads = 0, save_every = 1;
   std::optional<Index> convergence_every;
@@ -71,13 +73,22 @@ void require_effect(const Given& given, const CaseSpec& spec) {
     note("{}: without effect on one subdomain, which has no interface", given.option);
 }
 
+// What is wrong is said of the option.
+void set(CaseSpec& spec, const ParameterOption& parameter) try {
+  override_case(spec, parameter.key, *parameter.value);
+} catch (const Error& error) {
+  const std::string text = error.what();
+  if (!text.starts_with(parameter.key)) throw;
+  fail("{}{}", parameter.option, text.substr(parameter.key.size()));
+}
+
 void apply(const Options& options, CaseSpec& spec) {
   if (!spec.dynamics) fail("{}: expected a case with a section [dynamics], met one without", options.name);
   const std::vector<Given> given = given_parameters(options);
   if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
   apply_settings(spec, options.settings);
   for (const ParameterOption& parameter : options.parameters)
-    if (parameter.value) override_case(spec, parameter.key, *parameter.value);
+    if (parameter.value) set(spec, parameter);
   for (const Given& parameter : given) require_effect(parameter, spec);
   try {
     check_dynamics(spec);
@@ -175,13 +186,13 @@ int run(const Options& options, const Context& context) {
 Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("CASE", options->name, "case file (.toml) with [dynamics], or a known case");
-  command.add("--subdomains", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--subdomains PARTITION", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
-    command.add(one.option, one.value, fmt::format("{}: {}", one.help, one.key));
-  command.add("--set", options->settings, "KEY=VALUE: a parameter of the case, such as interaction.friction=0.2");
+    command.add(one.option + " " + one.form, one.value, fmt::format("{}: {}", one.help, one.key)).words = one.words;
+  command.add("--set KEY=VALUE", options->settings, "a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);
-  command.required("-o,--output", options->output, "trajectory, .h5 or .hdf5");
-  const Option* convergence = &command.add("--convergence", options->convergence,
+  command.required("-o,--output FILE", options->output, "trajectory, .h5 or .hdf5");
+  const Option* convergence = &command.add("--convergence FILE", options->convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
                                            "--restart the rows of the steps taken now are added to it");
   Option& every = command.add(
@@ -200,7 +211,7 @@ finished goes on with --restart, bit for bit as in one piece.
 Exit codes: 0 done, 1 a step broke down (the last good state is kept), 2 bad input, 130 interrupted.
 Examples:
   nscdd simulate shear-1k -o shear.h5
-  nscdd simulate shear-1k --algorithm enriched --eta 1 --gauss-seidel-sweeps 100 -o e.h5
+  nscdd simulate shear-1k --algorithm enriched --eta 30W --gauss-seidel-sweeps 100 -o e.h5
   nscdd simulate shear-1k --steps 10 --convergence indicators.csv --convergence-every 1 -o ten.h5
   nscdd simulate shear-1k --steps 500 --restart -o shear.h5)";
   return [options](const Context& context) { return run(*options, context); };

@@ -144,8 +144,9 @@ Action declare_solve(Command& command) {
   command.preset("--order", options->order, "of the contacts in a sweep").words = {"natural", "reverse"};
   command.preset("--check-every", options->solver.check_every, "sweeps from one residual to the next");
   command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero");
-  command.add("--convergence", options->convergence, "write one row per residual there, as CSV, each when it is known");
-  command.add("-o,--output", options->output,
+  command.add("--convergence FILE", options->convergence,
+              "write one row per residual there, as CSV, each when it is known");
+  command.add("-o,--output FILE", options->output,
               "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");
   command.add("--force", options->force, "replace existing outputs");
   command.footer =

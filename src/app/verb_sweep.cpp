@@ -106,12 +106,10 @@ int run(const Options& options, const Context& context) {
 Action declare_sweep(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
-  command.required(
-      "--epsilon", options->epsilon,
-      "SPEC of the flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
-  command.preset(
-      "--eta", options->eta,
-      "SPEC of the flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
+  command.required("--epsilon SPEC", options->epsilon,
+                   "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+  command.preset("--eta SPEC", options->eta,
+                 "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   options->spectral.declare(command, "all");
   command.add("--certify", options->spectral.options.certify,
               "prove by inertia counts that no eigenvalue was missed; adds columns with the intervals");
@@ -121,10 +119,10 @@ Action declare_sweep(Command& command) {
       "first value alone (how many of those found agree with it within --residual-tolerance; with --certify how many "
       "lie in its interval)");
   declare_threads(command, options->threads);
-  command.preset("--relaxation", options->relaxation, "SPEC of omega in F <- F + omega (F' - F), or 'optimal'");
-  command.preset("--gauss-seidel-sweeps", options->sweeps, "SPEC of the sweeps n_GS of Stage 1; inf is exact");
-  command.required("--csv", options->csv, "where the table goes, - for standard output");
-  command.add("--hdf5", options->hdf5, "also write the table, with its provenance, as HDF5");
+  command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
+  command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");
+  command.required("--csv FILE", options->csv, "where the table goes, - for standard output");
+  command.add("--hdf5 FILE", options->hdf5, "also write the table, with its provenance, as HDF5");
   declare_redo(command, options->redo);
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);

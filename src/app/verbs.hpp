@@ -26,6 +26,7 @@ struct Option {
   std::string names;  ///< "-o,--output", or "CASE" where it has no name
   Target target;
   std::string help;
+  std::string value = {};  ///< what stands for its value in the help, such as FILE; by the type where empty
   bool required = false;
   bool shows_default = false;           ///< the help prints the value that the target has now
   std::vector<std::string> words = {};  ///< the only values that are accepted, unless empty
@@ -42,26 +43,30 @@ struct Command {
   std::deque<Option> options;  // addresses stay: options name each other
   std::string footer;          ///< remarks and examples below the options
 
+  /// `form`: names, and after a blank what stands for the value, "-o,--output FILE".
   template <class Value>
-  Option& add(std::string names, Value& value, std::string help) {
-    return options.emplace_back(Option{std::move(names), &value, std::move(help)});
+  Option& add(const std::string& form, Value& value, std::string help) {
+    return add_target(form, &value, std::move(help));
   }
   template <class Value>
-  Option& required(std::string names, Value& value, std::string help) {
-    Option& option = add(std::move(names), value, std::move(help));
+  Option& required(const std::string& form, Value& value, std::string help) {
+    Option& option = add(form, value, std::move(help));
     option.required = true;
     return option;
   }
   /// One whose help shows the value that it has if it is not given.
   template <class Value>
-  Option& preset(std::string names, Value& value, std::string help) {
-    Option& option = add(std::move(names), value, std::move(help));
+  Option& preset(const std::string& form, Value& value, std::string help) {
+    Option& option = add(form, value, std::move(help));
     option.shows_default = true;
     return option;
   }
 
   /// "--help" and every name of every option that has one, "-o" and "--output" apart.
   std::vector<std::string> names() const;
+
+ private:
+  Option& add_target(const std::string& form, Option::Target target, std::string help);
 };
 
 struct Verb;

@@ -64,6 +64,7 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
     const bool relative = item.ends_with('W');
     if (relative) item.remove_suffix(1);
     while (item.ends_with(' ')) item.remove_suffix(1);
+    if (item.empty() && relative) fail("{}: expected a number before W such as 10W, met '{}'", name, spec);
     const std::vector<double> values = parse_values(item, name);
     for (const double value : values) absolute |= !relative && value != 0 && std::isfinite(value);
     all.relative |= relative;

@@ -160,6 +160,19 @@ TEST_CASE("usage: subdomains that make no sense") {
   }
 }
 
+TEST_CASE("usage: what is refused of the command line itself says what was met and which help has more") {
+  const std::string help = "'nscdd sweep --help' says how";
+  check_option("--solver", "dens", {"--solver: expected one of auto, dense", "met 'dens'; did you mean dense?", help});
+  check_option("--threads", "-1", {"--threads: expected an integer from 0 to 4096, met '-1'", help});
+  check_option("--density", "heavy", {"--density: expected a number, met 'heavy'", help});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv"}, {"--csv: expected a value, met none", help});
+  check_usage({"sweep", "disks4", "--epsilon", "1", "--csv", "a", "--csv", "b"}, {"--csv: expected it once", help});
+  check_usage({"sweep", "--epsilon", "1", "--csv", "-"}, {"expected CASE, met none", help});
+  check_usage({"sweep", "disks4", "more", "--epsilon", "1", "--csv", "-"}, {"no further argument, met 'more'", help});
+  check_option("--subdomains", "metis:x", {"--subdomains: expected an integer, met 'x'"});
+  check_option("--eta", "W", {"expected a number before W", "met 'W'"});
+}
+
 TEST_CASE("usage: densities and tolerances and settings that make no sense") {
   for (const std::string& value : Texts{"-1", "0", "nan", "inf", "heavy"})
     check_option("--density", value, {"density"});

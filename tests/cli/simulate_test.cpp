@@ -280,11 +280,11 @@ TEST_CASE("simulate: bad input is refused and nothing is written") {
   check_refused(session, "simulate disks4 -o run.h5", {"disks4", "[dynamics]"});
   check_refused(session, "simulate shear.toml -o run.csv", {"run.csv", ".h5"});
   check_refused(session, "simulate shear.toml -o nowhere/run.h5", {"nowhere"});
-  check_refused(session, "simulate shear.toml -o run.h5 --algorithm jacobi", {"solver.algorithm", "jacobi"});
-  check_refused(session, "simulate shear.toml -o run.h5 --algorithm enriched --eta best", {"solver.eta", "best"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm jacobi", {"--algorithm", "jacobi"});
+  check_refused(session, "simulate shear.toml -o run.h5 --algorithm enriched --eta best", {"--eta", "best"});
   check_refused(session, "simulate shear.toml -o run.h5 --eta 2", {"--eta", "enriched", "met generic"});
   check_refused(session, "simulate shear.toml -o run.h5 --algorithm nlgs --subdomains 2x2", {"--subdomains", "nlgs"});
-  check_refused(session, "simulate shear.toml -o run.h5 --tolerance -1", {"solver.tolerance", "-1"});
+  check_refused(session, "simulate shear.toml -o run.h5 --tolerance -1", {"--tolerance", "-1"});
   check_refused(session, "simulate shear.toml -o run.h5 --save-every 0", {"--save-every"});
   check_refused(session, "simulate shear.toml -o run.h5 --subdomains 2", {"--subdomains", "2x1"});
   check_refused(session, "simulate shear.toml -o run.h5 --set solver.speed=1", {"solver.speed", "solver.order"});

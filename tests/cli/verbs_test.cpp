@@ -58,6 +58,14 @@ TEST_CASE("the program alone prints the guide of --help") {
   CHECK(answer(session, Texts{}) == answer(session, "--help"));
 }
 
+TEST_CASE("help and help VERB are --help") {
+  const Session session;
+  CHECK(answer(session, "help") == answer(session, "--help"));
+  CHECK(answer(session, "help sweep") == answer(session, "sweep --help"));
+  check_refused(session, "help sweeep", {"did you mean sweep?"});
+  CHECK(contains(answer(session, "help sweep"), "--csv FILE"));
+}
+
 TEST_CASE("VERB --help fits on a screen") {
   const Session session;
   for (const std::string& verb : verbs) {
@@ -252,7 +260,7 @@ TEST_CASE("inspect and network: a case that moves may overlap as its simulation 
   CHECK(!contains(answer(session, "inspect disks12"), "overlap"));
 }
 
-TEST_CASE("sweep, optimum and inspect say why an interface is empty") {
+TEST_CASE("sweep, optimum, modes and inspect say why an interface is empty") {
   const Session session;
   std::string pairs = "x,y,radius\n";  // six pairs of disks, far from each other
   for (int x = 0; x < 60; x += 10) pairs += std::to_string(x) + ",0,0.5\n" + std::to_string(x + 1) + ",0,0.5\n";
@@ -262,6 +270,7 @@ TEST_CASE("sweep, optimum and inspect say why an interface is empty") {
       "them";
   CHECK(contains(answer(session, "inspect pairs.csv --subdomains metis:3"), why));
   for (const std::string line : {"sweep pairs.csv --subdomains metis:3 --epsilon 1 --csv -",
+                                 "modes pairs.csv --subdomains metis:3 --epsilon 1 --output slow",
                                  "optimum pairs.csv --subdomains metis:3 --contacts all --csv -"}) {
     const Outcome outcome = session.run(words(line));
     CHECK(outcome.exit_code == 0);
