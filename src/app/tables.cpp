@@ -89,6 +89,12 @@ Texts known_row(const CsvReader& reader, const StudyTable& work, const Table& la
   return row;
 }
 
+void require_columns(const Table& layout, const std::string& text, const std::string& path) {
+  const std::string header = csv_header(layout.columns);
+  if (const std::string met = text.substr(0, text.find('\n')); met != header)
+    fail("{}:1: expected the columns {}, met {}", path, header, met);
+}
+
 // Puts the rows of a CSV file in the place of those of a table, whose types they have. Returns whether they differ.
 bool replace_rows(Table& table, const std::string& path) {
   const CsvText csv = parse_csv(read_text(path), path);
@@ -142,11 +148,10 @@ void repair_table(const StudyTable& work, const std::string& path, Interruption&
   if (!row_count(work)) return;
   const Table layout{study_columns(work), {}};
   const Index total = *row_count(work), before = repaired.rows;
-  const std::string text = read_text(path), header = csv_header(layout.columns);
+  const std::string text = read_text(path);
   OutputFile file(path, true);
-  file.line(header);
-  if (const std::string met = text.substr(0, text.find('\n')); met != header)
-    fail("{}:1: expected the columns {}, met {}", path, header, met);
+  file.line(csv_header(layout.columns));
+  require_columns(layout, text, path);
   Progress progress("redo " + work.name);
   const Monitor monitor = interruption.watch(progress.monitor());
   CsvReader reader(text, path);
@@ -173,6 +178,19 @@ void repair_table(const StudyTable& work, const std::string& path, Interruption&
   if (repaired.rows > before) file.finish();
 }
 
+void require_rows_of(const StudyTable& work, const std::string& path) {
+  const Table layout{study_columns(work), {}};
+  const std::string text = read_text(path);
+  require_columns(layout, text, path);
+  const std::optional<Index> total = row_count(work);
+  if (!total) return;
+  CsvReader reader(text, path);
+  Index number = 0;
+  for (; reader.next() && number < *total; ++number)
+    known_row(reader, work, layout, number, fmt::format("{}:{}", path, reader.line()));
+  if (number < *total || reader.next()) fail("{}: expected {} rows of this work, met another number", path, *total);
+}
+
 void update_tables(const std::string& hdf5, const std::string& command_line) {
   TablesFile content = tables_from_hdf5(read_text(hdf5), hdf5);
   const std::filesystem::path folder = std::filesystem::path(hdf5).parent_path();
@@ -190,6 +208,7 @@ int explain(const Repaired& repaired, const std::string& what) {
   if (repaired.not_converged > 0) note("{} row(s) still did not converge", repaired.not_converged);
   if (repaired.not_certified > 0)
     note("{} row(s) converged but are still not certified: see the column 'certified'", repaired.not_certified);
+  if (repaired.rows == 0 && repaired.left == 0) note("{}: no row to compute again", what);
   if (repaired.left == 0) return 0;
   note("{}: interrupted: {} row(s) computed again, {} left as they were; --redo continues", what, repaired.rows,
        repaired.left);

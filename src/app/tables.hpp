@@ -42,6 +42,10 @@ struct Repaired {
 void repair_table(const StudyTable& work, const std::string& path, Interruption& interruption, LeadIn& lead_in,
                   Repaired& repaired);
 
+/// Throws Error where the finished table in the file `path` has other columns, another number of rows or other
+/// parameters in a row than `work`, as far as these are known before it is computed.
+void require_rows_of(const StudyTable& work, const std::string& path);
+
 /// Brings an HDF5 file of tables up to the rows of the CSV files of the same names in its folder. It goes on
 /// with its provenance, to which `command_line` is added as one of the lines of `redone`.
 void update_tables(const std::string& hdf5, const std::string& command_line);

@@ -204,6 +204,11 @@ int run(const Options& options, const Context& context) {
   fs::create_directories(work.output, status);
   if (status) fail("{}: cannot be made: {}", work.output.string(), status.message());
   if (!options.how.resume || options.how.force || !is_complete(work)) return compute(work, cases, options, context);
+  for (const StudyTable& table : work.study.tables) try {
+      require_rows_of(table, work.csv(table));
+    } catch (const Error& error) {
+      fail("{}; --force replaces what is there", error.what());
+    }
   note("{}: already complete, nothing to resume", work.output.string());
   return options.check ? check_files(work) : 0;
 }
@@ -213,7 +218,7 @@ int run(const Options& options, const Context& context) {
 Action declare_run(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("STUDY", options->study, "study folder, or the name of a known study");
-  command.preset("--output", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5");
+  command.preset("--output FOLDER", options->output, "folder that receives STUDY/TABLE.csv and STUDY/STUDY.h5");
   command.add("--force", options->how.force, "replace existing results");
   command.add("--large", options->large, "also the tables that the study marks as large");
   declare_resume(command, options->how.resume);

@@ -312,6 +312,11 @@ TEST_CASE("resume: a complete study is left alone, and may be checked") {
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.standard_error, "already complete"));
   CHECK(content_of(session.folder.path()) == before);
+  for (const auto& [old, other] : {std::pair{"1e2:20", "1e2:21"}, std::pair{"1e-2:1e2:20", "1e-2:1e3:20"}}) {
+    session.file("study/study.toml", replaced(study_text, old, other));
+    check_refused(session, "run study --resume", {"results/study/first.csv", "--force replaces"});
+  }
+  session.file("study/study.toml", study_text);
   for (const std::string& name : Texts{"second", "third"})
     session.file("study/baseline-" + name + ".csv", session.read("results/study/" + name + ".csv"));
   session.file("study/baseline.csv", session.read("results/study/first.csv"));

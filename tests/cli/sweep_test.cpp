@@ -199,7 +199,7 @@ TEST_CASE("sweep, optimum: relative flexibilities add columns at the end, and re
   CHECK(rows.text(0, "epsilon_relative") == "0.1");
   CHECK(rows.number(2, "epsilon") == rows.number(2, "mean_w_nn"));
   CHECK(rows.number(0, "eta") == 0.5);
-  answer(session, "sweep disks8 --epsilon 0.1W,1W --eta 0.5,inf --csv relative.csv --redo");
+  CHECK(session.run(words("sweep disks8 --epsilon 0.1W,1W --eta 0.5,inf --csv relative.csv --redo")).exit_code == 0);
   answer(session, "sweep disks8 --epsilon 0.1W --eta 0.5W --csv both.csv");
   CHECK(session.read("both.csv").find(",converged,mean_w_nn,epsilon_relative,eta_relative\n") != std::string::npos);
   answer(session, "optimum disks8 --epsilon 0.1W --csv best.csv");
