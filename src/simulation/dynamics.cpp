@@ -86,7 +86,9 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
 
 namespace {
 
-// A parameter that has an effect only if another one has one of these values.
+constexpr std::string_view above_zero = "> 0";
+
+// A parameter that has an effect only if another one has one of these values, or one above zero.
 struct Effect {
   std::string_view path, with;
   std::vector<std::string_view> values;
@@ -103,6 +105,7 @@ const std::vector<Effect>& effects() {
       {"interaction.tangential_restitution", "interaction.law", {"coulomb", "cohesive", "linear_viscous"}},
       {"dynamics.penetration_correction", "interaction.restitution", {"0"}},
       {"dynamics.maximum_push_speed", "interaction.restitution", {"0"}},
+      {"dynamics.maximum_push_speed", "dynamics.penetration_correction", {above_zero}},
       {"solver.tolerance", "solver.criterion", criteria},
       {"solver.gluing_tolerance", "solver.algorithm", divided},
       {"solver.gluing_tolerance", "solver.criterion", criteria},
@@ -119,11 +122,12 @@ const std::vector<Effect>& effects() {
   return all;
 }
 
-// The value of a parameter of the interaction or the solver as a text without quotes.
+// The value of a parameter of the interaction, the motion or the solver as a text without quotes.
 std::string value_of(const Dynamics& dynamics, std::string_view path) {
   std::string text;
-  for (const FieldDescription& field :
-       path.starts_with("solver.") ? describe_fields(dynamics.solver) : describe_fields(dynamics.interaction))
+  for (const FieldDescription& field : path.starts_with("solver.")     ? describe_fields(dynamics.solver)
+                                       : path.starts_with("dynamics.") ? describe_fields(dynamics.time)
+                                                                       : describe_fields(dynamics.interaction))
     if (path.substr(path.find('.') + 1) == field.key) text = field.value;
   std::erase(text, '"');
   return text == "-0.0" ? "0" : text;
@@ -132,7 +136,10 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
 // The first entry of the list that keeps the parameter from having an effect; none if it has one.
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   const auto missing = std::ranges::find_if(effects(), [&](const Effect& effect) {
-    return effect.path == path && std::ranges::count(effect.values, value_of(dynamics, effect.with)) == 0;
+    const std::string value = value_of(dynamics, effect.with);
+    const bool enough =
+        effect.values.front() == above_zero ? value != "0" : std::ranges::count(effect.values, value) > 0;
+    return effect.path == path && !enough;
   });
   return missing == effects().end() ? nullptr : &*missing;
 }
