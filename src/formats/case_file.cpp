@@ -192,9 +192,12 @@ BoundarySpec read_boundary(StrictTable section) {
 // The sections [dynamics], [interaction], [solver] and [[boundary]]. The last three need the first.
 std::optional<Dynamics> read_dynamics(StrictTable& root) {
   const bool moves = root.has("dynamics");
-  for (const char* key : {"interaction", "solver", "boundary"})
-    if (!moves && root.has(key)) root.fail(key, "a section [dynamics] with it", "none");
   for (const char* key : {"dynamics", "interaction", "solver", "boundary"}) root.node(key);
+  for (const char* key : {"interaction", "solver", "boundary"})
+    if (!moves && root.has(key)) {
+      root.finish();  // [dynamics] may be spelt otherwise
+      root.fail(key, "a section [dynamics] with it", "none");
+    }
   if (!moves) return std::nullopt;
   Dynamics dynamics;
   const StrictTable interaction = root.read_section("interaction", dynamics.interaction);

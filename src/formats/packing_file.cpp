@@ -95,7 +95,13 @@ std::optional<PackingFormat> packing_format(const std::string& path) {
 }
 
 Packing parse_packing(std::string_view text, const std::string& name) {
-  CsvReader reader(text, name);
+  CsvReader reader = [&] {
+    try {
+      return CsvReader(text, name);
+    } catch (const Error& error) {
+      fail("{}; expected columns x, y, radius and optionally mass, named in line 1", error.what());
+    }
+  }();
   const std::string header = fmt::format("{}:{}", name, reader.line());
   std::vector<const PackingColumn*> meaning;
   for (const std::string& column : reader.columns()) {

@@ -41,13 +41,14 @@ void read_spec(StrictTable& section, std::string_view key, Use&& use) {
 
 const Observable* read_observable(StrictTable& section) {
   std::string name(StudyTable{}.observable->name);
-  std::vector<std::string_view> known;
+  std::vector<std::string> known;
   section.read("observable", name);
   for (const Observable* one : observables::all) {
     if (one->name == name) return one;
-    known.push_back(one->name);
+    known.emplace_back(one->name);
   }
-  section.fail("observable", fmt::format("one of {}", fmt::join(known, ", ")), "\"" + name + "\"");
+  section.fail("observable", fmt::format("one of {}", fmt::join(known, ", ")),
+               "\"" + name + "\"" + suggestion(name, known));
 }
 
 // The parameters in the table `name`. Each value is tried on every case, so that it is refused here.
@@ -112,8 +113,13 @@ void read_steps(StrictTable& section, StudyTable& table) {
 void require_uses(const StrictTable& section, const Observable& observable) {
   for (const Observable* other : observables::all)
     for (const std::string_view key : other->keys)
-      if (section.has(key) && !observable.uses(key))
-        section.fail(key, "an observable with it that uses it", fmt::format("\"{}\"", observable.name));
+      if (section.has(key) && !observable.uses(key)) {
+        std::vector<std::string_view> using_it;
+        for (const Observable* one : observables::all)
+          if (one->uses(key)) using_it.push_back(one->name);
+        section.fail(key, fmt::format("an observable with it that uses it ({})", fmt::join(using_it, ", ")),
+                     fmt::format("\"{}\"", observable.name));
+      }
 }
 
 // Refuses what can be refused of cases that move before they are settled and run.

@@ -38,8 +38,10 @@ void require_no_overlap(const Packing& p, const Contact& contact, double allowed
   if (p.x[at(i)] == p.x[at(j)] && p.y[at(i)] == p.y[at(j)])
     fail("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j));
   if (-contact.gap > allowed)
-    fail("grains {} and {} overlap by {} m, more than the {} m allowed (overlap_tolerance): {} and {}", i, j,
-         -contact.gap, allowed, describe(i), describe(j));
+    fail(
+        "grains {} and {} overlap by {} m, more than the {} m allowed (contacts.overlap_tolerance, "
+        "--overlap-tolerance): {} and {}",
+        i, j, -contact.gap, allowed, describe(i), describe(j));
 }
 
 }  // namespace

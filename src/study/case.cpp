@@ -223,7 +223,12 @@ Model build(const Case& one, const Monitor& monitor) try {
     return model;
   }
   model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
-  model.network = detect_contacts(model.packing, one.spec.contacts);
+  try {
+    model.network = detect_contacts(model.packing, one.spec.contacts);
+  } catch (const Error& error) {
+    const auto* file = std::get_if<PackingFile>(&one.spec.packing);
+    fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
+  }
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing.size());
   model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
   model.partition = distribute(

@@ -35,6 +35,7 @@ TEST_CASE("packing file: an unknown column") {
 
 TEST_CASE("packing file: a column named twice or not at all") {
   check_bad("x,y,radius,x\n0,0,1,0\n", {"bad.csv:1", "'x'", "twice"});
+  check_bad("0,0,1\n2,0,1\n", {"bad.csv:1", "'0'", "expected columns x, y, radius"});
   check_bad("x,y,,radius\n0,0,0,1\n", {"bad.csv:1", "column 3"});
 }
 
@@ -86,7 +87,8 @@ TEST_CASE("packing file: bytes that are no text") {
 }
 
 TEST_CASE("packing: overlapping grains are named") {
-  check_bad("x,y,radius\n0,0,1\n9,9,1\n1.5,0,1\n", {"grains 0 and 2", "overlap", "0.5", "overlap_tolerance"});
+  check_bad("x,y,radius\n0,0,1\n9,9,1\n1.5,0,1\n",
+            {"bad.csv: grains 0 and 2", "overlap", "0.5", "contacts.overlap_tolerance, --overlap-tolerance"});
   // one inside the other
   check_bad("x,y,radius\n0,0,5\n1,0,1\n", {"grains 0 and 1", "overlap"});
   // just beyond the tolerance

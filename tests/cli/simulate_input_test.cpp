@@ -53,6 +53,8 @@ TEST_CASE("simulate: a value without effect is refused, not passed over") {
   refused("--subdomains 2x1 --algorithm nlgs", {"--subdomains", "met nlgs"});
   refused("--set interaction.restitution=0.5 --set dynamics.maximum_push_speed=0.5",
           {"--set dynamics.maximum_push_speed: expected interaction.restitution 0 with it, met 0.5"});
+  refused("--set dynamics.penetration_correction=0 --set dynamics.maximum_push_speed=0.5",
+          {"--set dynamics.maximum_push_speed: expected dynamics.penetration_correction > 0 with it, met 0"});
   refused("--set contacts.tolerance=1e-3", {"--set contacts.tolerance", "linear study"});
   refused("--steps 5 --set dynamics.steps=3", {"--set dynamics.steps: expected dynamics.steps once, met --steps too"});
   refused("--subdomains 1x2 --set partition.grid=3,1", {"--set partition.grid", "met --subdomains too"});
@@ -131,8 +133,9 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
     check_refused(session, line, parts);
     CHECK_FALSE(session.has("cache"));
   };
-  refused("simulate test.toml -o run.h5 --criterion speed", {"solver.criterion", "met \"speed\""});
+  refused("simulate test.toml -o run.h5 --criterion speed", {"--criterion: expected one of zeta", "met 'speed'"});
   refused("simulate test.toml -o run.h5 --criterion gluing --algorithm nlgs", {"solver.criterion"});
+  refused("simulate test.toml -o run.h5 --algorithm enriched --eta 10X", {"--eta: expected a", "10X"});
   refused("simulate test.toml -o run.h5 --set solver.eta=2", {"--set solver.eta"});
   refused("simulate test.toml -o run.h5 --set solver.speed=2", {"solver.speed"});
   refused("simulate test.toml -o run.h5 --subdomains 100000x100000", {"partition.grid", "100000"});

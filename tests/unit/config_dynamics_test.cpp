@@ -78,6 +78,7 @@ TEST_CASE("moving case: every error names file, line and key") {
   require_error(replaced(good, "warm_start = true", "eta = \"0\""), "c.toml:18: solver.eta");
   require_error(replaced(good, "[dynamics]\nstep = 0.005\nsteps = 20\n", ""),
                 "c.toml:11: interaction: expected a section [dynamics] with it, met none");
+  require_error(replaced(good, "[dynamics]", "[dynamic]"), "unknown key 'dynamic'");
 }
 
 TEST_CASE("moving case: a value without effect is refused, and written as its default") {
