@@ -146,10 +146,8 @@ TEST_CASE("generate: a disk that fills up leaves nothing behind") {
 TEST_CASE("generate: a killed run leaves what was there") {
   const Session session;
   session.file("bed.h5", "precious");
-  RunOptions options;
-  options.kill_when = [&] { return session.has("bed.h5.partial"); };
-  const Outcome outcome =
-      session.run(words("generate deposit --set packing.grains=3000000 -o bed.h5 --force"), options);
+  const Outcome outcome = session.run(words("generate deposit --set packing.grains=3000 -o bed.h5 --force"),
+                                      {.signal_at = SignalAt{"bed.h5.partial"}});
   CHECK(outcome.exit_code == 128 + 9);
   CHECK(session.read("bed.h5") == "precious");
   check_refused(session, "generate strip -o bed.h5", {"bed.h5"});

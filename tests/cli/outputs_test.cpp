@@ -18,14 +18,7 @@ const std::string long_sweep = "sweep disks4 --epsilon 1e-3:1e3:1000000 --csv lo
 
 // Kills a long sweep once it has written some rows.
 Outcome killed_sweep(const Session& session) {
-  const fs::path partial = session.folder / "long.csv.partial";
-  RunOptions options;
-  options.kill_when = [&] {
-    std::error_code missing;
-    const auto size = fs::file_size(partial, missing);
-    return !missing && size > 20'000;
-  };
-  return session.run(words(long_sweep), options);
+  return session.run(words(long_sweep), {.signal_at = SignalAt{"long.csv.partial", 20'000}});
 }
 
 }  // namespace
@@ -173,9 +166,7 @@ TEST_CASE("output: a killed run with --force destroys nothing") {
   const Session session;
   session.file("long.csv", "precious");
   const std::string line = long_sweep + " --force";
-  RunOptions options;
-  options.kill_when = [&] { return session.has("long.csv.partial"); };
-  CHECK(session.run(words(line), options).exit_code == 128 + 9);
+  CHECK(session.run(words(line), {.signal_at = SignalAt{"long.csv.partial"}}).exit_code == 128 + 9);
   CHECK(session.read("long.csv") == "precious");
 }
 

@@ -119,11 +119,7 @@ TEST_CASE("redo: what is done when it is interrupted is kept, the rest stays and
   const std::string proved = session.read("table.csv");
   REQUIRE(session.run(words(line + " --force --residual-tolerance 1e-30")).exit_code == 0);
   const std::string unproved = session.read("table.csv");
-  RunOptions options;
-  options.kill_signal = SIGINT;
-  options.kill_when = [&] {
-    return session.has("table.csv.partial") && session.read("table.csv.partial").size() > 2000;
-  };
+  const RunOptions options{.signal_at = SignalAt{"table.csv.partial", 2000, SIGINT}};
   const Outcome outcome = session.run(words(line + " --redo"), options);
   CHECK(outcome.exit_code == 130);
   CHECK(outcome.standard_error.find("left as they were; --redo continues") != std::string::npos);
@@ -236,11 +232,7 @@ TEST_CASE("redo: an interrupted repair of a study leaves whole tables and an HDF
   const std::string proved = session.rows(), tables = tables_text(session.read("out/study/study.h5"));
   session.spoil();
   const std::string spoilt = tables_text(session.read("out/study/study.h5"));
-  RunOptions options;
-  options.kill_signal = SIGTERM;
-  options.kill_when = [&] {
-    return session.has("out/study/radius.csv.partial") && session.read("out/study/radius.csv.partial").size() > 2000;
-  };
+  const RunOptions options{.signal_at = SignalAt{"radius.csv.partial", 2000, SIGTERM}};
   const Outcome outcome = session.run(words(study_line + " --redo"), options);
   CHECK(outcome.exit_code == 130);
   CHECK(outcome.standard_error.find("left as they were; --redo continues") != std::string::npos);

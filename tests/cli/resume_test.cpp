@@ -20,28 +20,14 @@ const std::string work =
     "sweep hexagonal --set packing.columns=20 --set packing.rows=20 --epsilon 1e-3:1e3:750 --eta 0.1,inf "
     "--csv long.csv";
 
-// Killed as a file grows beyond some bytes.
-RunOptions killed_at(std::size_t bytes) {
-  RunOptions options;
-  options.fatal_size = bytes;
-  return options;
-}
-
-// Sends a signal once a file has some bytes.
-RunOptions stopped(const Session& session, const std::string& file, std::uintmax_t bytes, int signal) {
-  RunOptions options;
-  options.kill_signal = signal;
-  options.kill_when = [path = session.folder / file, bytes] {
-    std::error_code missing;
-    const auto size = fs::file_size(path, missing);
-    return !missing && size > bytes;
-  };
-  return options;
+// A signal after some rows of a table.
+RunOptions stopped(const std::string& file, int signal, std::size_t bytes = 8000) {
+  return {.signal_at = SignalAt{file, bytes, signal}};
 }
 
 // The work killed after some rows.
 void kill_work(const Session& session, const std::string& line = work) {
-  REQUIRE(session.run(words(line), killed_at(8000)).exit_code == killed_by_size);
+  REQUIRE(session.run(words(line), stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
   REQUIRE(session.has("long.csv.partial"));
   REQUIRE(session.has("long.csv.record"));
   REQUIRE(!session.has("long.csv"));
@@ -77,7 +63,7 @@ TEST_CASE("resume: a killed sweep ends as one in one piece, byte for byte") {
   kill_work(session);
   const std::string before = session.read("long.csv.partial");
   // it is gone on with, not begun again: killed once more, the rows there were still lead
-  REQUIRE(session.run(words(work + " --resume"), killed_at(before.size() + 8000)).exit_code == killed_by_size);
+  REQUIRE(session.run(words(work + " --resume"), stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
   CHECK(session.read("long.csv.partial").rfind(before.substr(0, before.rfind('\n') + 1), 0) == 0);
   answer(session, work + " --resume");
   CHECK(session.read("long.csv") == whole.read("long.csv"));
@@ -88,10 +74,9 @@ TEST_CASE("resume: Ctrl-C and SIGTERM leave whole rows, say how to go on and exi
   const Session whole, session;
   answer(whole, work);
   std::string line = work;
-  std::uintmax_t bytes = 8000;
   for (const int signal : {SIGINT, SIGTERM}) {
     CAPTURE(signal);
-    const Outcome outcome = session.run(words(line), stopped(session, "long.csv.partial", bytes, signal));
+    const Outcome outcome = session.run(words(line), stopped("long.csv.partial", signal));
     CHECK(outcome.exit_code == 130);
     CHECK(outcome.standard_output == "");
     const std::string rows = session.read("long.csv.partial");
@@ -99,7 +84,6 @@ TEST_CASE("resume: Ctrl-C and SIGTERM leave whole rows, say how to go on and exi
     const auto count = read_table(rows).rows.size();
     CHECK(contains(outcome.standard_error,
                    "long.csv: interrupted after " + std::to_string(count) + " of 1500 rows; --resume"));
-    bytes = rows.size() + 8000;
     line = work + " --resume";
   }
   answer(session, line);
@@ -109,12 +93,9 @@ TEST_CASE("resume: Ctrl-C and SIGTERM leave whole rows, say how to go on and exi
 
 TEST_CASE("resume: Ctrl-C of a sweep to standard output exits with 130") {
   const Session session;
-  RunOptions options;
-  options.kill_signal = SIGINT;
   fs::create_symlink("/dev/null", session.folder / "sink");
-  options.kill_when = [&] { return session.has("out.h5.partial"); };
   const Outcome outcome =
-      session.run(words("sweep disks4 --epsilon 1e-3:1e3:1000000 --csv sink --hdf5 out.h5"), options);
+      session.run(words("sweep disks4 --epsilon 1e-3:1e3:1000000 --csv sink --hdf5 out.h5"), stopped("null", SIGINT));
   CHECK(outcome.exit_code == 130);
   CHECK(contains(outcome.standard_error, "sink: interrupted after "));
   CHECK(!contains(outcome.standard_error, "--resume"));
@@ -187,8 +168,8 @@ TEST_CASE("resume: an edited packing file is another case, the same one elsewher
   check_refused(session, line + " --resume", {"the case differs", "300 grains, content"});
   session.file("elsewhere/mine.csv", packing);
   const Outcome outcome = session.run(words(replaced(line, "mine.csv", "elsewhere/mine.csv") + " --resume"),
-                                      stopped(session, "long.csv.partial", 0, SIGINT));
-  CHECK((outcome.exit_code == 130 || outcome.exit_code == 128 + SIGINT));
+                                      stopped("long.csv.partial", SIGINT, 1));
+  CHECK(outcome.exit_code == 130);
 }
 
 TEST_CASE("resume: rows that are not those of the sweep are refused") {
@@ -234,7 +215,7 @@ TEST_CASE("resume: an older table is replaced only where --force says so, and on
   const Session whole, session;
   answer(whole, work);
   session.file("long.csv", "precious");
-  REQUIRE(session.run(words(work + " --force"), killed_at(8000)).exit_code == killed_by_size);
+  REQUIRE(session.run(words(work + " --force"), stopped("long.csv.partial", SIGKILL)).exit_code == 128 + SIGKILL);
   CHECK(session.read("long.csv") == "precious");
   check_refused(session, work + " --resume", {"long.csv: exists already", "--force"});
   answer(session, work + " --resume --force");
@@ -251,14 +232,12 @@ TEST_CASE("resume: standard output and reports keep nothing") {
 TEST_CASE("resume: two runs never write one table") {
   const Session session;
   bool refused = false;
-  RunOptions options;
-  options.kill_when = [&] {
-    if (!session.has("long.csv.record")) return false;
+  SignalAt first_rows{"long.csv.partial", 1, SIGSTOP};
+  first_rows.while_stopped = [&] {
     const Outcome second = session.run(words(work + " --resume"));
     refused = second.exit_code == 2 && contains(second.standard_error, "another run");
-    return true;
   };
-  CHECK(session.run(words(work), options).exit_code == 128 + SIGKILL);
+  CHECK(session.run(words(work), {.signal_at = first_rows}).exit_code == 128 + SIGKILL);
   CHECK(refused);
 }
 
@@ -279,10 +258,7 @@ TEST_CASE("resume: a killed study ends as one in one piece") {
   const std::string folder = "results/study/";
   for (const int signal : {SIGKILL, SIGINT}) {
     CAPTURE(signal);
-    const std::uintmax_t bytes =
-        signal == SIGKILL ? 8000 : fs::file_size(session.folder / (folder + "second.csv.partial")) + 8000;
-    const Outcome outcome =
-        session.run(words("run study --resume"), stopped(session, folder + "second.csv.partial", bytes, signal));
+    const Outcome outcome = session.run(words("run study --resume"), stopped("second.csv.partial", signal));
     CHECK(outcome.exit_code == (signal == SIGKILL ? 128 + SIGKILL : 130));
     CHECK(session.has(folder + "first.csv"));
     CHECK(session.has(folder + "first.csv.record"));

@@ -199,12 +199,7 @@ TEST_CASE("run: a killed study leaves a readable table") {
   session.file("study/study.toml", replaced(small_study, "\"0,1\"", "\"0,1e-3:1e3:300000\""));
   session.file("study/mine.toml", small_case);
   const auto partial = session.folder / "results/study/radius.csv.partial";
-  RunOptions options;
-  options.kill_when = [&] {
-    std::error_code missing;
-    const auto size = std::filesystem::file_size(partial, missing);
-    return !missing && size > 20'000;
-  };
+  const RunOptions options{.signal_at = SignalAt{"radius.csv.partial", 20'000}};
   CHECK(session.run(words("run study"), options).exit_code == 128 + 9);
   CHECK(read_table(read_file(partial)).rows.size() > 10);
   check_refused(session, "run study", {"radius.csv.partial", "interrupted"});

@@ -179,8 +179,7 @@ TEST_CASE("simulate: files of others beside the trajectory are neither replaced 
 
 TEST_CASE("simulate: what a killed run leaves beside the trajectory is its own") {
   const MovingSession session;
-  RunOptions options;
-  options.kill_when = [&] { return session.has("run.h5") && session.has("run.h5.next"); };
+  const RunOptions options{.signal_at = SignalAt{"run.h5*", 300'000}};
   REQUIRE(session.run(words("simulate shear.toml --steps 4000 --save-every 1000 -o run.h5"), options).exit_code ==
           128 + SIGKILL);
   REQUIRE(session.has("run.h5.lock"));

@@ -93,8 +93,8 @@ struct Stream {
 };
 
 // What the new process does before it becomes the program; nothing here may allocate.
-[[noreturn]] void become_program(const char* folder, char* const* arguments, const RunOptions& options,
-                                 const Stream& output, const Stream& error) {
+[[noreturn]] void become_program(const char* folder, char* const* arguments, char* const* environment,
+                                 const RunOptions& options, const Stream& output, const Stream& error) {
   const bool placed = ::dup2(output.theirs.number(), STDOUT_FILENO) >= 0 &&
                       ::dup2(error.theirs.number(), STDERR_FILENO) >= 0 && ::chdir(folder) == 0;
   if (!placed) ::_exit(127);
@@ -105,38 +105,28 @@ struct Stream {
     // The signal would end the program; without it a write fails, as on a full disk.
     if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) ::_exit(127);
   }
-  if (options.fatal_size) {
-    const rlimit limit{*options.fatal_size, *options.fatal_size}, no_dump{0, 0};
-    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::setrlimit(RLIMIT_CORE, &no_dump) != 0 ||
-        ::signal(SIGXFSZ, SIG_DFL) == SIG_ERR)
-      ::_exit(127);
-  }
   // Without this capability the superuser is held to permissions too; others are anyway, and may not drop it.
   if (options.obey_permissions) ::prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0);
-  ::execv(arguments[0], arguments);
+  ::execve(arguments[0], arguments, environment);
   ::_exit(127);
 }
 
-// Reads both streams until the program has closed them, killing it where told to.
+// Reads both streams until the program has closed them; one that has stopped itself is killed.
 void follow(pid_t process, Stream& output, Stream& error, const RunOptions& options) {
   using clock = std::chrono::steady_clock;
   const auto deadline = clock::now() + std::chrono::minutes(4);
-  siginfo_t state{};
-  bool killed = false;
-  while (output.ours.open() || error.ours.open() || options.kill_when) {
+  while (output.ours.open() || error.ours.open()) {
     std::array<pollfd, 2> polled{{{output.ours.number(), POLLIN, 0}, {error.ours.number(), POLLIN, 0}}};
     ::poll(polled.data(), polled.size(), 5);  // descriptors below 0 are passed over
     if (polled[0].revents != 0) output.read_some();
     if (polled[1].revents != 0) error.read_some();
-    if (!killed && options.kill_when && options.kill_when()) {
-      ::kill(process, options.kill_signal);
-      killed = true;
+    siginfo_t state{};
+    if (::waitid(P_PID, static_cast<id_t>(process), &state, WSTOPPED | WNOHANG) == 0 && state.si_pid != 0 &&
+        options.signal_at && options.signal_at->while_stopped) {
+      options.signal_at->while_stopped();
+      ::kill(process, SIGKILL);
     }
     if (clock::now() > deadline) ::kill(process, SIGKILL);
-    state.si_pid = 0;
-    const bool ended =
-        ::waitid(P_PID, static_cast<id_t>(process), &state, WEXITED | WNOHANG | WNOWAIT) == 0 && state.si_pid != 0;
-    if (ended && !output.ours.open() && !error.ours.open()) return;
   }
 }
 
@@ -158,6 +148,14 @@ std::vector<std::string> split(const std::string& line) {
   for (std::string value; std::getline(stream, value, ',');) values.push_back(value);
   if (!line.empty() && line.back() == ',') values.emplace_back();
   return values;
+}
+
+// As the kernel takes arguments and settings.
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
 }
 
 }  // namespace
@@ -205,16 +203,20 @@ std::map<std::string, std::string> content_of(const fs::path& folder) {
 Outcome run_program(const fs::path& folder, const std::vector<std::string>& arguments, const RunOptions& options) {
   std::vector<std::string> words{environment("NSCDD_PROGRAM")};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
   // Cases and studies are those of the source tree, wherever the program was built.
   ::setenv("NSCDD_DATA", source_folder().c_str(), 1);
+  std::vector<std::string> settings;
+  if (const auto& at = options.signal_at)
+    settings = {"LD_PRELOAD=" + environment("NSCDD_SIGNAL_MODULE"), "NSCDD_SIGNAL_FILES=" + at->files,
+                "NSCDD_SIGNAL_BYTES=" + std::to_string(at->bytes), "NSCDD_SIGNAL=" + std::to_string(at->signal)};
+  for (char** setting = environ; *setting != nullptr; ++setting) settings.emplace_back(*setting);
+  const std::vector<char*> argument_pointers = pointers_to(words), setting_pointers = pointers_to(settings);
 
   Stream output(options.standard_output), error(options.standard_error, options.on_terminal);
   const pid_t process = ::fork();
   if (process < 0) refuse("fork");
-  if (process == 0) become_program(folder.c_str(), pointers.data(), options, output, error);
+  if (process == 0)
+    become_program(folder.c_str(), argument_pointers.data(), setting_pointers.data(), options, output, error);
   output.theirs.close();
   error.theirs.close();
   follow(process, output, error, options);

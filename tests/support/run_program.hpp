@@ -37,26 +37,28 @@ void write_file(const std::filesystem::path& path, const std::string& content);
 /// file nor a folder (a pipe, a link to a device) is named without being opened.
 std::map<std::string, std::string> content_of(const std::filesystem::path& folder);
 
+/// A signal sent once `bytes` have been written to files whose names match a pattern of the shell. After SIGSTOP
+/// `while_stopped` is called, and the program is killed.
+struct SignalAt {
+  std::string files;
+  std::size_t bytes = 1;
+  int signal = SIGKILL;
+  std::function<void()> while_stopped = {};
+};
+
 /// How to run the program; as a user would unless told otherwise.
 struct RunOptions {
   /// Where standard output or standard error goes instead of being captured, such as a link to /dev/full.
-  std::filesystem::path standard_output, standard_error;
+  std::filesystem::path standard_output = {}, standard_error = {};
   /// Standard error is a terminal, captured still.
   bool on_terminal = false;
   /// Bytes that a file may grow to, writing more being an error: a disk that fills up.
-  std::optional<std::size_t> largest_file;
-  /// Bytes at which the kernel kills the program (SIGXFSZ, exit code `killed_by_size`) as it makes a file larger: a
-  /// kill at the same place on every machine.
-  std::optional<std::size_t> fatal_size;
+  std::optional<std::size_t> largest_file = {};
   /// Permissions hold, even for the superuser.
   bool obey_permissions = false;
-  /// Asked some hundred times a second; `kill_signal` is sent once it says true.
-  std::function<bool()> kill_when;
-  int kill_signal = SIGKILL;
+  /// A signal that the program is sent as it writes, at the same place on every machine.
+  std::optional<SignalAt> signal_at = {};
 };
-
-/// Exit code of a run that `fatal_size` ended.
-inline constexpr int killed_by_size = 128 + SIGXFSZ;
 
 /// What a run came to.
 struct Outcome {
