@@ -2,7 +2,6 @@
 #include "app/options.hpp"
 #include "files/csv.hpp"
 #include "study/inspection.hpp"
-#include "study/network_tables.hpp"
 
 #include <algorithm>
 #include <cmath>

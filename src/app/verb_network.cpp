@@ -2,7 +2,6 @@
 #include "app/options.hpp"
 #include "files/csv.hpp"
 #include "study/inspection.hpp"
-#include "study/network_tables.hpp"
 
 namespace nscdd::app {
 namespace {

@@ -3,10 +3,12 @@
 
 #include "core/disjoint_sets.hpp"
 #include "linalg/range_projector.hpp"
+#include "study/study.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 namespace nscdd {
@@ -110,5 +112,145 @@ Inspection inspect(const Model& model, Index ranks_up_to) {
   result.sizes = size_histogram(model.packing);
   return result;
 }
+
+ResultColumns<Link> link_columns(ContactSet contacts) {
+  const bool unilateral = contacts == ContactSet::unilateral;
+  const auto of = [](auto member) {
+    return [member](const Link& link) { return std::invoke(member, link.contact()); };
+  };
+  const auto centre = [](std::vector<double> Packing::*coordinate, Index Contact::*grain) {
+    return [=](const Link& link) { return (link.model.packing.*coordinate)[at(link.contact().*grain)]; };
+  };
+  return {{"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
+          {"contact", "1", "number of the contact", [](const Link& link) { return link.number; }},
+          {"grain_a", "1", "first grain", of(&Contact::a)},
+          {"grain_b", "1", "second grain, the larger number", of(&Contact::b)},
+          {"x_a", "m", "centre of grain_a", centre(&Packing::x, &Contact::a)},
+          {"y_a", "m", "centre of grain_a", centre(&Packing::y, &Contact::a)},
+          {"x_b", "m", "centre of grain_b", centre(&Packing::x, &Contact::b)},
+          {"y_b", "m", "centre of grain_b", centre(&Packing::y, &Contact::b)},
+          {"normal_x", "1", "unit normal from grain_a to grain_b",
+           [](const Link& link) { return link.contact().normal[0]; }},
+          {"normal_y", "1", "unit normal from grain_a to grain_b",
+           [](const Link& link) { return link.contact().normal[1]; }},
+          {"gap", "m", "distance of the surfaces, negative for an overlap", of(&Contact::gap)},
+          {"subdomain", "1", "subdomain that owns the contact",
+           [](const Link& link) { return link.model.partition.subdomain_of_contact[at(link.number)]; }},
+          {"impulse", "kg m/s",
+           std::string("impulse of the ") + (unilateral ? "frictionless unilateral" : "linear rigid") +
+               " problem, > 0 in compression; nan without a load",
+           &Link::impulse},
+          {"active", "1", "in compression (every contact where nothing is prescribed)",
+           [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
+          {"impulse_solution", "",
+           unilateral ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
+                      : "unique, least_norm (hyperstatic network), or none without a load",
+           [](const Link& link) { return link.choice.solution; }}};
+}
+
+ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts) {
+  require_geometry(model, "links");
+  const bool loaded = !model.problem.arriving_velocity.isZero(0);
+  if (contacts == ContactSet::all) contacts = ContactSet::active;
+  const ContactChoice choice = choose_contacts(model, loaded ? contacts : ContactSet::all);
+  for (Index c = 0; c < model.network.size(); ++c) sink({model, choice, c, loaded ? choice.impulses[c] : not_a_number});
+  return choice;
+}
+
+const ResultColumns<ProblemContact>& problem_contact_columns() {
+  static const ResultColumns<ProblemContact> columns{
+      {"case", "", "name of the case", [](const ProblemContact& c) { return c.model.name; }},
+      {"contact", "1", "number of the contact in the file", &ProblemContact::number},
+      {"body_a", "1", "first body", &ProblemContact::body_a},
+      {"body_b", "1", "second body, the larger number; -1 for a support", &ProblemContact::body_b},
+      {"subdomain", "1", "subdomain that owns the contact", [](const ProblemContact& c) {
+         return c.model.partition.subdomain_of_contact[at(c.model.problem.columns_per_contact * c.number)];
+       }}};
+  return columns;
+}
+
+void problem_contacts(const Model& model, const Sink<ProblemContact>& sink) {
+  const Index columns = model.problem.columns_per_contact;
+  for (Index c = 0; c < model.contacts(); ++c) {
+    std::set<Index> bodies;
+    for (Index k = 0; k < columns; ++k)
+      for (const Index body : grains_of_contact(model.problem, columns * c + k)) bodies.insert(body);
+    sink({model, c, bodies.empty() ? -1 : *bodies.begin(), bodies.size() > 1 ? *bodies.rbegin() : -1});
+  }
+}
+
+const ResultColumns<Grain>& grain_columns() {
+  const auto of = [](std::vector<double> Packing::*values) {
+    return [=](const Grain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
+  };
+  const auto velocity = [](Index component) {
+    return [=](const Grain& grain) { return grain.model.problem.arriving_velocity[2 * grain.number + component]; };
+  };
+  static const ResultColumns<Grain> columns{
+      {"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
+      {"grain", "1", "number of the grain", &Grain::number},
+      {"x", "m", "centre", of(&Packing::x)},
+      {"y", "m", "centre", of(&Packing::y)},
+      {"radius", "m", "radius", of(&Packing::radius)},
+      {"mass", "kg", "mass", of(&Packing::mass)},
+      {"contacts", "1", "contacts of the grain", &Grain::contacts},
+      {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
+       [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }},
+      {"velocity_x", "m/s", "prescribed velocity, 0 where none is", velocity(0)},
+      {"velocity_y", "m/s", "prescribed velocity, 0 where none is", velocity(1)}};
+  return columns;
+}
+
+void grains(const Model& model, const Sink<Grain>& sink) {
+  require_geometry(model, "grains");
+  const std::vector<Index> contacts = contact_counts(model.network);
+  for (Index i = 0; i < model.packing.size(); ++i) sink({model, i, contacts[at(i)]});
+}
+
+const ResultColumns<GrainSizes>& size_columns() {
+  static const ResultColumns<GrainSizes> columns{
+      {"case", "", "name of the case", [](const GrainSizes& s) { return s.model.name; }},
+      {"radius_from", "m", "smallest radius of the class", [](const GrainSizes& s) { return s.one.from; }},
+      {"radius_to", "m", "upper bound of the class, its own in the last class only",
+       [](const GrainSizes& s) { return s.one.to; }},
+      {"grains", "1", "grains of the class", [](const GrainSizes& s) { return s.one.grains; }},
+      {"number_fraction", "1", "of all grains",
+       [](const GrainSizes& s) {
+         return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
+       }},
+      {"area_fraction", "1", "of the area of all grains", [](const GrainSizes& s) { return s.one.area / s.all_area; }}};
+  return columns;
+}
+
+void grain_sizes(const Model& model, const Sink<GrainSizes>& sink) {
+  require_geometry(model, "sizes of grains");
+  const std::vector<SizeClass> classes = size_histogram(model.packing);
+  double area = 0;
+  for (const SizeClass& one : classes) area += one.area;
+  for (const SizeClass& one : classes) sink({model, one, area});
+}
+
+constinit const Observable observables::links{
+    .name = "links",
+    .summary = "contact network: grains, normal, subdomain, impulse, active",
+    .keys = {"contacts"},
+    .columns = [](const StudyTable& table) { return headings(link_columns(table.sweep.contacts)); },
+    .run =
+        [](const ObservedCase& work) {
+          const ContactSet contacts = work.table.sweep.contacts;
+          nscdd::links(build(work.one), as_rows(link_columns(contacts), work.sink), contacts);
+          return Index{0};
+        }};
+
+constinit const Observable observables::grains{
+    .name = "grains",
+    .summary = "grains: position, radius, mass, multiplicity, prescribed velocity",
+    .keys = {},
+    .columns = [](const StudyTable&) { return headings(grain_columns()); },
+    .run =
+        [](const ObservedCase& work) {
+          nscdd::grains(build(work.one), as_rows(grain_columns(), work.sink));
+          return Index{0};
+        }};
 
 }  // namespace nscdd

@@ -6,7 +6,6 @@
 #include "../support/problems.hpp"
 #include "formats/case_file.hpp"
 #include "study/inspection.hpp"
-#include "study/network_tables.hpp"
 #include "study/study.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>

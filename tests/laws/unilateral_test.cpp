@@ -5,7 +5,7 @@
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
-#include "study/network_tables.hpp"
+#include "study/inspection.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 

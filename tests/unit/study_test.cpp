@@ -4,7 +4,6 @@
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "study/inspection.hpp"
-#include "study/network_tables.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
