@@ -2,8 +2,12 @@
 #include "core/fail.hpp"
 #include "ddm/continuation.hpp"
 #include "ddm/two_stage.hpp"
+#include "linalg/range_projector.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "mechanics/active_set.hpp"
 #include <nscdd/study/sweep.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace nscdd {
@@ -82,6 +86,25 @@ void set_inexact(SweepResult& result, const Decomposition& stage_one, const Inte
   result.dominant = radius.dominant;
 }
 
+// Impulses are unique if the columns of H of all contacts that stay closed are independent. This condition is
+// sufficient. Impulses may be unique without it, if every self-stress needs an idle contact; that case is not
+// looked for.
+bool unique_impulses(const ReferenceProblem& problem, const std::vector<UnilateralStatus>& status) {
+  std::vector<Index> closed;
+  std::vector<char> touched(at(problem.grains()), 0);
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    if (status[at(c)] == UnilateralStatus::open) continue;
+    for (const Index grain : grains_of_contact(problem, c)) touched[at(grain)] = 1;
+    closed.push_back(c);
+  }
+  if (closed.empty()) return true;
+  // Two translations and a rotation are invisible to contacts. More columns than the other motions cannot be
+  // independent; counting them spares large packings a factorisation.
+  const Index grains = std::count(touched.begin(), touched.end(), 1);
+  if (count(closed) > problem.dofs_per_grain * grains - 3) return false;
+  return sparse_rank(selected_columns(problem.h, closed)) == count(closed);
+}
+
 // The point with its flexibilities in 1/kg.
 SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double scale) {
   if (parameters.relative_epsilon) point.epsilon *= scale;
@@ -115,23 +138,46 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number) {
   return point;
 }
 
-Selection select(const Model& model, ContactSet contacts) {
-  if (contacts == ContactSet::all) return {contacts, model.parts, model.problem.contacts(), "all"};
-  const ContactChoice choice = choose_contacts(model, contacts);
-  Selection selection{contacts, restrict_contacts(model.parts, choice.active), 0, choice.rule, choice.certain};
-  for (const char flag : choice.active) selection.active_contacts += flag;
-  return selection;
+ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
+  const ReferenceProblem& problem = model.problem;
+  if (contacts == ContactSet::all)
+    return {.active = std::vector<char>(at(problem.contacts()), 1), .impulses = {}, .rule = "all", .solution = "none"};
+  if (problem.columns_per_contact > 1)
+    fail("{}: expected --contacts all for a problem with friction, met {}: its rule is that of frictionless contacts",
+         model.name, to_string(contacts));
+  if (contacts == ContactSet::active) {
+    const RigidImpulses rigid = rigid_impulses(problem);
+    return {.active = active_contacts(problem, rigid),
+            .impulses = rigid.impulses,
+            .rule = rigid.unique ? "compressive (unique)" : "compressive (least norm)",
+            .solution = rigid.unique ? "unique" : "least_norm",
+            .certain = rigid.residual <= 1e-8};
+  }
+  require_arriving_velocity(problem);
+  const UnilateralImpulses solved = unilateral_impulses(problem);
+  const bool unique = unique_impulses(problem, solved.status);
+  std::vector<char> carrying;
+  for (const UnilateralStatus status : solved.status) carrying.push_back(status == UnilateralStatus::carrying);
+  return {.active = carrying,
+          .impulses = solved.impulses,
+          .rule = unique ? "complementarity (unique)" : "complementarity (maximal)",
+          .solution = unique ? "unilateral_unique" : "unilateral_maximal",
+          .idle = solved.count(UnilateralStatus::idle),
+          .certain = solved.converged};
 }
 
-CaseSummary summary(const Model& model, const Selection& selection) {
-  return {model.name,
-          model.grains(),
-          model.contacts(),
-          selection.active_contacts / model.problem.columns_per_contact,
-          model.partition.subdomains,
-          model.parts.interface_size(),
-          selection.contacts,
-          selection.rule};
+Selection select(const Model& model, ContactSet contacts) {
+  const ContactChoice choice = choose_contacts(model, contacts);
+  const CaseSummary of_case{.name = model.name,
+                            .grains = model.grains(),
+                            .contacts = model.contacts(),
+                            .active_contacts = std::ranges::count(choice.active, 1) / model.problem.columns_per_contact,
+                            .subdomains = model.partition.subdomains,
+                            .interface_size = model.parts.interface_size(),
+                            .contact_set = contacts,
+                            .rule = choice.rule};
+  return {of_case, contacts == ContactSet::all ? model.parts : restrict_contacts(model.parts, choice.active),
+          choice.certain};
 }
 
 Index sweep(const Model& model, const SweepParameters& parameters, const Sink<SweepResult>& sink,
@@ -144,7 +190,6 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
             "Stage 1 only",
             *sweeps);
   const Selection selection = select(model, parameters.contacts);
-  const CaseSummary of_case = summary(model, selection);
   const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
@@ -158,7 +203,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
   Index failed = 0;
   for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
     const SweepPoint asked = sweep_point(parameters, number);
-    SweepResult result{of_case, at_scale(asked, parameters, scale), {}, {}, asked, scale};
+    SweepResult result{selection.of_case, at_scale(asked, parameters, scale), {}, {}, asked, scale};
     const auto& [epsilon, eta, relaxation, sweeps] = result.point;
     if (number < first && sweeps) continue;
     if (sweeps)

@@ -43,18 +43,6 @@ SweepPoint sweep_point(const SweepParameters& parameters, Index number);
 /// Columns of the coordinates of a point, which are known before anything is computed.
 const ResultColumns<SweepPoint>& point_columns();
 
-/// The decomposition of a model together with what the choice of contacts makes of it.
-struct Selection {
-  ContactSet contacts = ContactSet::all;
-  Decomposition stage_one;  ///< with the contacts Stage 1 works with
-  Index active_contacts = 0;
-  std::string rule;     ///< how they were chosen, see ContactChoice
-  bool certain = true;  ///< false where the impulses behind the rule were not found to 1e-8
-};
-
-/// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
-Selection select(const Model& model, ContactSet contacts);
-
 /// What tables of spectra tell of a case beside its results.
 struct CaseSummary {
   std::string name;
@@ -63,10 +51,19 @@ struct CaseSummary {
   Index subdomains = 0;       ///< empty ones included
   Index interface_size = 0;   ///< n_Gamma
   ContactSet contact_set = ContactSet::all;
-  std::string rule;  ///< how the contacts of Stage 1 were chosen
+  std::string rule;  ///< how these contacts were chosen, see ContactChoice
 };
-CaseSummary summary(const Model& model, const Selection& selection);
 const ResultColumns<CaseSummary>& case_columns();
+
+/// The decomposition of a model together with what the choice of contacts makes of it.
+struct Selection {
+  CaseSummary of_case;
+  Decomposition stage_one;  ///< with the contacts Stage 1 works with
+  bool certain = true;      ///< false where the impulses behind the choice were not found to 1e-8
+};
+
+/// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
+Selection select(const Model& model, ContactSet contacts);
 
 /// What is found at a point of a sweep.
 struct SweepResult {
