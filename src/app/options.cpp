@@ -174,24 +174,15 @@ void MemoryLimit::declare(Command& command) {
 }
 
 void MemoryLimit::require(const MemoryNeed& need) const {
-  require(need.bytes, need.name, fmt::format("{} interface unknowns", need.interface_size),
-          "fewer subdomains or grains, the solver arpack where it is dense");
-}
-
-void MemoryLimit::require(const Model& model, const SweepParameters& sweep) const {
-  require({estimated_bytes(model, sweep), model.name, model.parts.interface_size()});
-}
-
-void MemoryLimit::require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const {
   if (gibibytes)
     check_bounds(*gibibytes, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--memory-limit");
   const double limit = gibibytes ? *gibibytes * gibibyte : usable_share * available_bytes();
-  if (bytes <= limit) return;
+  if (need.bytes <= limit) return;
   fail(
       "case {}: expected to fit into {:.3g} GiB of memory ({}), met an estimated need of {:.3g} GiB for {}; {}, or a "
       "larger --memory-limit may help",
-      name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", bytes / gibibyte, what,
-      advice);
+      need.name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", need.bytes / gibibyte,
+      need.what, need.advice);
 }
 
 Provenance provenance(const Context& context, const std::vector<Case>& cases) {

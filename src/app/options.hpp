@@ -80,11 +80,7 @@ struct MemoryLimit {
 
   void declare(Command& command);
 
-  /// Throws Error with both amounts where the need exceeds the limit: of a table, of a sweep of a model, and of
-  /// other work on a case, where `what` takes the memory and `advice` may help beside a larger limit.
-  void require(const MemoryNeed& need) const;
-  void require(const Model& model, const SweepParameters& sweep) const;
-  void require(double bytes, std::string_view name, std::string_view what, std::string_view advice) const;
+  void require(const MemoryNeed& need) const;  ///< throws Error with both amounts where the need exceeds the limit
 };
 
 /// Versions, command line and the resolved cases, for a result file. Nothing in it changes from run to run.

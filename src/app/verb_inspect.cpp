@@ -76,10 +76,9 @@ int run(const Options& options) {
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
   const Model model = build(with_overlaps_of_motion(one), Progress("generate").monitor());
   const Index ranks_up_to = options.ranks ? std::numeric_limits<Index>::max() : ranks_up_to_by_default;
-  if (model.contacts() <= ranks_up_to)
-    options.memory.require(estimated_rank_bytes(model), model.name,
-                           fmt::format("the ranks of {} contacts", model.contacts()),
-                           options.ranks ? "no --ranks, fewer grains" : "fewer grains");
+  MemoryNeed need = rank_need(model);
+  if (options.ranks) need.advice = "no --ranks, " + need.advice;
+  if (model.contacts() <= ranks_up_to) options.memory.require(need);
   const Inspection found = inspect(model, ranks_up_to);
   if (histogram) {
     grain_sizes(model, [&](const GrainSizes& sizes) { histogram->write(row(size_columns(), sizes)); });

@@ -40,16 +40,6 @@ ModeParameters parameters(const Options& options, double scale) {
   return result;
 }
 
-// The sweep whose only row is the same work.
-SweepParameters as_sweep(const ModeParameters& parameters) {
-  SweepParameters sweep;
-  sweep.epsilon = {parameters.epsilon};
-  sweep.eta = {parameters.eta};
-  sweep.contacts = parameters.contacts;
-  sweep.spectral = parameters.spectral;
-  return sweep;
-}
-
 void print_spectrum(const Model& model, const ModeParameters& parameters, const Mode& mode) {
   fmt::print("case                 {}\n", model.name);
   fmt::print("interface unknowns   {}{}\n", model.parts.interface_size(),
@@ -133,7 +123,9 @@ int run(const Options& options) {
   const Model model = build(what);
   require_geometry(model, "modes");
   const ModeParameters wanted = parameters(options, flexibility_scale(model));
-  options.memory.require(model, as_sweep(wanted));
+  options.memory.require(sweep_need(
+      model,
+      {.epsilon = {wanted.epsilon}, .eta = {wanted.eta}, .contacts = wanted.contacts, .spectral = wanted.spectral}));
   const Mode mode = interface_mode(model, wanted);
   mode_impulses(model, wanted, mode, [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
   mode_velocities(model, mode, [&](const ModeVelocity& one) { velocities.write(row(mode_velocity_columns(), one)); });

@@ -27,8 +27,7 @@ int run(const Options& options) {
   if (!model.has_geometry()) return write_problem(options, model);
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   const ContactSet contacts = Choice<ContactSet>::parse(options.contacts, "--contacts");
-  options.memory.require(estimated_link_bytes(model, contacts), model.name,
-                         fmt::format("the impulses of {} contacts", model.contacts()), "fewer grains");
+  options.memory.require(link_need(model, contacts));
   const ResultColumns<Link> columns = link_columns(contacts);
   CsvWriter links(options.csv, options.force, headings(columns));
   std::optional<CsvWriter> grains;

@@ -49,7 +49,7 @@ int run(const Options& options) {
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));
-  options.memory.require(model, work.sweep);
+  options.memory.require(sweep_need(model, work.sweep));
   if (options.csv.empty()) {
     Index reports = 0;
     optima(model, work.sweep, [&](const OptimumResult& result) {

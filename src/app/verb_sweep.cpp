@@ -82,7 +82,7 @@ int run(const Options& options, const Context& context) {
   const Model model = build(work.cases.front());
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
-  options.memory.require(model, work.sweep);
+  options.memory.require(sweep_need(model, work.sweep));
   if (options.redo) return redo_table(work, options.csv);
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.

@@ -68,7 +68,7 @@ double model_need(const Model& model) {
 }
 
 // What sparse_rank needs: a factor of a saddle point with these rows and columns.
-double rank_need(double rows, double columns) {
+double factor_need(double rows, double columns) {
   const double n = std::max(rows + columns, 2.0);
   return rank_bytes * n * std::log2(n);
 }
@@ -82,7 +82,7 @@ double choice_need(const Model& model, ContactSet contacts) {
   const double rows = unknowns_of(model);
   const auto columns = static_cast<double>(model.parts.contacts);
   // More columns than rows cannot be independent. The unilateral problem takes less than their rank does.
-  return rank_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
+  return factor_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
 }
 
 // What shift-invert needs for epsilon > 0.
@@ -127,20 +127,24 @@ double inexact_need(const Model& model, const SweepParameters& parameters) {
 
 }  // namespace
 
-double estimated_bytes(const Model& model, const SweepParameters& parameters) {
+MemoryNeed sweep_need(const Model& model, const SweepParameters& parameters) {
   double need = 0;
   for (const auto& sweeps : parameters.gauss_seidel_sweeps)
     need = std::max(need, sweeps ? inexact_need(model, parameters) : exact_need(model, parameters));
-  return model_need(model) + std::max(need, choice_need(model, parameters.contacts));
+  return {model_need(model) + std::max(need, choice_need(model, parameters.contacts)), model.name,
+          fmt::format("{} interface unknowns", model.parts.interface_size()),
+          "fewer subdomains or grains, the solver arpack where it is dense"};
 }
 
-double estimated_link_bytes(const Model& model, ContactSet contacts) {
+MemoryNeed link_need(const Model& model, ContactSet contacts) {
   const bool loaded = !model.problem.arriving_velocity.isZero(0);
-  return model_need(model) + (loaded ? choice_need(model, contacts) : 0);
+  return {model_need(model) + (loaded ? choice_need(model, contacts) : 0), model.name,
+          fmt::format("the impulses of {} contacts", model.contacts()), "fewer grains"};
 }
 
-double estimated_rank_bytes(const Model& model) {
-  return model_need(model) + rank_need(unknowns_of(model), static_cast<double>(model.parts.contacts));
+MemoryNeed rank_need(const Model& model) {
+  return {model_need(model) + factor_need(unknowns_of(model), static_cast<double>(model.parts.contacts)), model.name,
+          fmt::format("the ranks of {} contacts", model.contacts()), "fewer grains"};
 }
 
 MemoryNeed largest_need(const StudyTable& table, Index first) {
@@ -151,9 +155,8 @@ MemoryNeed largest_need(const StudyTable& table, Index first) {
   for (Index number = first * cases / std::max<Index>(*rows, 1); number < cases; ++number) {
     const Case one = varied_case(table, number).one;
     try {
-      const Model model = build(one);
-      const double bytes = estimated_bytes(model, table.sweep);
-      if (bytes > largest.bytes) largest = {bytes, model.name, model.parts.interface_size()};
+      MemoryNeed need = sweep_need(build(one), table.sweep);
+      if (need.bytes > largest.bytes) largest = std::move(need);
     } catch (const Error& error) {
       fail("case {}: {}", one.spec.name, error.what());
     }

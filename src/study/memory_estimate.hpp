@@ -5,9 +5,16 @@
 
 namespace nscdd {
 
-/// Estimates the bytes that a sweep of a model holds at its peak, before the sweep begins. With n_Gamma
-/// interface unknowns, n grain unknowns (copies included), and z impulses and interface unknowns of an
-/// inexact Stage 1 it adds up
+/// Memory that some work on a case is estimated to need at its peak.
+struct MemoryNeed {
+  double bytes = 0;
+  std::string name;    ///< of the case
+  std::string what;    ///< takes the memory
+  std::string advice;  ///< what may help
+};
+
+/// A sweep of a model. With n_Gamma interface unknowns, n grain unknowns (copies included), and z impulses and
+/// interface unknowns of an inexact Stage 1 it adds up
 ///     model and Stage 1       model_bytes n + local modes of small subdomains, sum (d n_E)^2 8
 ///     dense pencil            dense_matrices n_Gamma^2 8 (rigid_dense_matrices where epsilon = 0 occurs)
 ///     shift-invert            shift_fill s b log2(s) 8 + shift_bytes n + program_bytes, where the saddle point has
@@ -18,25 +25,18 @@ namespace nscdd {
 /// Of the last four lines only the largest counts that the options may choose. Counts of dense matrices are
 /// exact up to terms of lower order. The fill of factors is an estimate for planar networks; the source file
 /// tells what its constants were fitted to.
-double estimated_bytes(const Model& model, const SweepParameters& parameters);
+MemoryNeed sweep_need(const Model& model, const SweepParameters& parameters);
 
-/// The same for the impulses of `links`, and for the ranks of `inspect`. Beside the model, which is all that
-/// is needed where nothing is prescribed, ranks and impulses take rank_bytes m log2(m) bytes with
-/// m = n + contacts. Up to `dense_impulse_limit` contacts the impulses of the linear rigid problem come from
-/// dense matrices instead, with as many rows as the packing has unknowns.
-double estimated_link_bytes(const Model& model, ContactSet contacts);
-double estimated_rank_bytes(const Model& model);
+/// The impulses of `links`, and the ranks of `inspect`. Beside the model, which is all that is needed where
+/// nothing is prescribed, both take rank_bytes m log2(m) bytes with m = n + contacts. Up to `dense_impulse_limit`
+/// contacts the impulses of the linear rigid problem come from dense matrices instead, with as many rows as the
+/// packing has unknowns.
+MemoryNeed link_need(const Model& model, ContactSet contacts);
+MemoryNeed rank_need(const Model& model);
 
-/// The case of a table that needs most.
-struct MemoryNeed {
-  double bytes = 0;
-  std::string name;          ///< of the case
-  Index interface_size = 0;  ///< its n_Gamma
-};
-
-/// Looks at every case that rows from `first` on belong to and builds one at a time. Tables of cases that
-/// move, and those whose number of rows is not known, are taken to need nothing. Throws Error naming the case
-/// if one cannot be built.
+/// The case of a table that needs most, of those that rows from `first` on belong to; builds one at a time. Tables
+/// of cases that move, and those whose number of rows is not known, are taken to need nothing. Throws Error naming
+/// the case if one cannot be built.
 MemoryNeed largest_need(const StudyTable& table, Index first = 0);
 
 }  // namespace nscdd

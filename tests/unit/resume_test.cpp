@@ -228,18 +228,18 @@ TEST_CASE("memory: six matrices for a dense pencil, and the case that needs most
   sparse.spectral.solver = SpectralSolver::arpack;
   const double n = static_cast<double>(model.parts.interface_size());
   const double matrices = 6 * 8 * n * n;
-  CHECK(estimated_bytes(model, dense) > matrices);
-  CHECK(estimated_bytes(model, dense) < matrices + 2e7);
-  CHECK(estimated_bytes(model, dense) > estimated_bytes(model, sparse));
+  CHECK(sweep_need(model, dense).bytes > matrices);
+  CHECK(sweep_need(model, dense).bytes < matrices + 2e7);
+  CHECK(sweep_need(model, dense).bytes > sweep_need(model, sparse).bytes);
   SweepParameters rigid = dense;
   rigid.epsilon = {1.0, 0.0};
-  CHECK(estimated_bytes(model, rigid) > 2 * matrices);
+  CHECK(sweep_need(model, rigid).bytes > 2 * matrices);
   SweepParameters chosen = sparse;
   chosen.contacts = ContactSet::active;
-  CHECK(estimated_bytes(model, chosen) > 1.5 * estimated_bytes(model, sparse));  // impulses, to choose contacts by
+  CHECK(sweep_need(model, chosen).bytes > 1.5 * sweep_need(model, sparse).bytes);  // impulses, to choose contacts by
   StudyTable table = two_variations();
   const MemoryNeed largest = largest_need(table);
   CHECK(largest.name == "strip4");  // both bases are varied alike: the first of equals
-  CHECK(largest.bytes == estimated_bytes(build(varied_case(table, 5).one), table.sweep));
+  CHECK(largest.bytes == sweep_need(build(varied_case(table, 5).one), table.sweep).bytes);
   CHECK(largest_need(table, *row_count(table)).bytes == 0);
 }
