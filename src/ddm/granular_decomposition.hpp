@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/contact_order.hpp"
-#include "mechanics/disk_contacts.hpp"
+#include "ddm/step_solver.hpp"
 #include "mechanics/time_stepping.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
@@ -27,6 +26,13 @@ struct GranularDecomposition {
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 };
+
+/// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
+/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, for `interleaved`;
+/// without them it takes the natural order for the curve.
+std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 2>> points = {});
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
 /// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/contact_order.hpp"
 #include <nscdd/core/fields.hpp>
 
 namespace nscdd {
@@ -15,6 +14,20 @@ enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mea
 constexpr auto names_of(Criterion) {
   return std::to_array<std::string_view>(
       {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r", "none"});
+}
+
+/// Orders in which a sweep may visit contacts.
+enum class ContactOrder {
+  natural,   ///< ascending by the disks
+  reverse,   ///< descending
+  random,    ///< a new permutation each step
+  coloured,  ///< contacts of one colour share no free disk
+  /// Along a space-filling curve, in blocks of 256 contacts that are coloured each. Neighbours in space are
+  /// neighbours in memory, yet no contact waits for the one before it: the fastest.
+  interleaved,
+};
+constexpr auto names_of(ContactOrder) {
+  return std::to_array<std::string_view>({"natural", "reverse", "random", "coloured", "interleaved"});
 }
 
 /// Contacts that an enriched Stage 2 sees.
