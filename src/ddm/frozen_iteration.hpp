@@ -2,10 +2,8 @@
 #pragma once
 
 #include "ddm/granular_decomposition.hpp"
-#include "ddm/map_radius.hpp"
+#include "ddm/two_stage.hpp"
 #include "linalg/range_projector.hpp"
-#include "mechanics/contact_law.hpp"
-#include <nscdd/ddm/interface_operator.hpp>
 
 #include <memory>
 #include <optional>

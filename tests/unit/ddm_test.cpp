@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/problems.hpp"
-#include "ddm/map_radius.hpp"
 #include "ddm/two_stage.hpp"
 #include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
