@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/spectrum_ends.hpp"
+#include "ddm/continuation.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
