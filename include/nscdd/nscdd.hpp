@@ -27,7 +27,6 @@
 #include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 #include <nscdd/mechanics/law.hpp>
-#include <nscdd/mechanics/local_contact.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/generators/deposit.hpp>

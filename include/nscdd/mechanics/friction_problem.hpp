@@ -2,7 +2,7 @@
 #pragma once
 
 #include <nscdd/core/types.hpp>
-#include <nscdd/mechanics/local_contact.hpp>
+#include <nscdd/mechanics/law.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
 #include <string>

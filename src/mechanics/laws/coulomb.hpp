@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/mechanics/local_contact.hpp>
+#include <nscdd/mechanics/law.hpp>
 
 #include <algorithm>
 #include <cmath>
