@@ -15,17 +15,19 @@ struct Options {
   bool force = false;
 };
 
-ResultColumns<FrictionCheck> check_columns() {
-  return {{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionCheck::sweeps},
-          {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses",
-           &FrictionCheck::residual},
-          {"siconos_residual", "1",
-           "natural map with rho = 1, relative to the largest of |r|, |u| and |q|, absolute where that is at "
-           "most 2.2e-16, as Siconos has it",
-           &FrictionCheck::siconos_residual},
-          {"open", "1", "contacts without an impulse", &FrictionCheck::open},
-          {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionCheck::stick},
-          {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionCheck::slide}};
+ResultColumns<FrictionSolution> check_columns() {
+  const ResultColumns<FrictionState> of_state{
+      {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses",
+       &FrictionState::residual},
+      {"siconos_residual", "1",
+       "natural map with rho = 1, relative to the largest of |r|, |u| and |q|, absolute where that is at "
+       "most 2.2e-16, as Siconos has it",
+       &FrictionState::siconos_residual},
+      {"open", "1", "contacts without an impulse", &FrictionState::open},
+      {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionState::stick},
+      {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionState::slide}};
+  return joined<FrictionSolution>({{{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionSolution::sweeps}},
+                                   columns_of(&FrictionSolution::state, of_state)});
 }
 
 LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
@@ -104,7 +106,7 @@ int run(const Options& options, const Context& context) {
   FrictionSolverOptions solver = options.solver;
   solver.order = options.order == "natural" ? SweepOrder::natural : SweepOrder::reverse;
   // Both are opened before the work, and named after it: a run that fails leaves neither.
-  const ResultColumns<FrictionCheck> columns = check_columns();
+  const ResultColumns<FrictionSolution> columns = check_columns();
   std::optional<CsvWriter> csv;
   if (!options.convergence.empty()) csv.emplace(options.convergence, options.force, headings(columns));
   std::optional<OutputFile> output;
@@ -115,7 +117,7 @@ int run(const Options& options, const Context& context) {
   {
     Progress progress("solve");
     const Monitor monitor = interruption.watch(progress.monitor());
-    solution = solve_friction(local, solver, guess, [&](const FrictionCheck& check) {
+    solution = solve_friction(local, solver, guess, [&](const FrictionSolution& check) {
       if (csv) csv->write(row(columns, check));
       return report(monitor, check.sweeps, solver.maximum_sweeps);
     });

@@ -156,10 +156,8 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
       FrictionStatus::not_finite);
   for (Index check = 0;; ++check) {
     solution.state = state_of(problem, solution.impulses, alone);
-    const FrictionState& now = solution.state;
-    const auto over = watch.judge(check, now.residual, solution.impulses.norm(), scale);
-    const bool go_on =
-        !observer || observer({solution.sweeps, now.residual, now.siconos_residual, now.open, now.stick, now.slide});
+    const auto over = watch.judge(check, solution.state.residual, solution.impulses.norm(), scale);
+    const bool go_on = !observer || observer(solution);
     if (over || !go_on || solution.sweeps >= options.maximum_sweeps) {
       solution.status = over ? *over : go_on ? FrictionStatus::maximum_reached : FrictionStatus::stopped;
       return solution;

@@ -239,7 +239,7 @@ TEST_CASE("what came of the sweeps is said") {
     FrictionSolverOptions options;
     options.tolerance = 1e-15;
     options.check_every = 2;
-    const FrictionSolution found = solve_friction(problem, options, {}, [&](const FrictionCheck& check) {
+    const FrictionSolution found = solve_friction(problem, options, {}, [&](const FrictionSolution& check) {
       seen.push_back(check.sweeps);
       return check.sweeps < 4;
     });

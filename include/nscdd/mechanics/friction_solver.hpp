@@ -55,22 +55,16 @@ constexpr auto names_of(FrictionStatus) {
       {"converged", "stalled", "maximum_reached", "diverged", "not_finite", "stopped"});
 }
 
-/// One evaluation of the residual, after that many sweeps.
-struct FrictionCheck {
-  Index sweeps = 0;
-  double residual = 0, siconos_residual = 0;
-  Index open = 0, stick = 0, slide = 0;
-};
-
-/// Called at every check, the one before the first sweep included; returning false asks the solver to stop.
-using FrictionObserver = std::function<bool(const FrictionCheck&)>;
-
 struct FrictionSolution {
   Vector impulses;      ///< r, 2c entries: those of the last sweep
   FrictionState state;  ///< of these impulses
   Index sweeps = 0;
   FrictionStatus status = FrictionStatus::converged;
 };
+
+/// Called at every check of the residual, the one before the first sweep included, with what there is until then;
+/// returning false asks the solver to stop.
+using FrictionObserver = std::function<bool(const FrictionSolution&)>;
 
 /// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2 problem
 /// exactly while the others keep theirs, relaxed by omega. `guess`: impulses to start from, 2c entries, or empty for
