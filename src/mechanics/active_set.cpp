@@ -16,10 +16,7 @@ constexpr double proximal = 1e-9;
 
 // Largest step along d that keeps x >= 0.
 double step_to_boundary(const Vector& x, const Vector& d) {
-  double step = infinity;
-  for (Index i = 0; i < x.size(); ++i)
-    if (d[i] < 0) step = std::min(step, -x[i] / d[i]);
-  return step;
+  return (d.array() < 0).select(-x.cwiseQuotient(d), infinity).minCoeff();
 }
 
 struct Direction {
@@ -40,14 +37,6 @@ Direction newton(const SparseMatrix& b, const SparseCholesky& factor, const Vect
   return d;
 }
 
-// The point of a polyhedral cone nearest to a given one, with its multipliers.
-struct ConeProjection {
-  Vector multipliers;     // x >= 0, one per column of B; u = point + B x
-  double residual = 0;    // max |min(x, s)| / max |B^T point|: the natural map, 0 at the solution only
-  Index iterations = 0;   // factorisations
-  bool converged = true;  // residual <= tolerance
-};
-
 // Projects a point of R^n on { u : B^T u >= 0 }, B sparse n x c without zero columns:
 //     u = point + B x,   x >= 0,   s = B^T u >= 0,   x^T s = 0,
 // the complementarity problem of B^T B and B^T point. u and s are unique; x is not if columns are dependent.
@@ -56,12 +45,13 @@ struct ConeProjection {
 // has it (O. Guler, Y. Ye, Math. Program. 60 (1993) 145-162), so that the set of these i does not depend on choices of
 // the method. It ends with x_i s_i <= (0.001 tolerance max |B^T point|)^2 for every i, or when rounding lets it go no
 // further. x and s should be of comparable size (unit columns). A run that does not converge, or that a monitor stops,
-// is data: see `converged`. Throws std::bad_alloc if the factor does not fit.
-ConeProjection project_on_cone(const SparseMatrix& b, const Vector& point, const UnilateralOptions& options,
-                               const Monitor& monitor) {
-  ConeProjection result;
+// is data: see `converged`. Throws std::bad_alloc if the factor does not fit. The result has x as its impulses, and the
+// natural map, max |min(x, s)| / max |B^T point|, as its residual, which is 0 at the solution only.
+UnilateralImpulses project_on_cone(const SparseMatrix& b, const Vector& point, const UnilateralOptions& options,
+                                   const Monitor& monitor) {
+  UnilateralImpulses result;
   const Vector load = b.transpose() * point;
-  Vector& x = result.multipliers = Vector::Zero(b.cols());
+  Vector& x = result.impulses = Vector::Zero(b.cols());
   Vector slack = load;
   if (b.cols() == 0 || load.minCoeff() >= 0) return result;
   const double scale = load.cwiseAbs().maxCoeff(), columns = static_cast<double>(b.cols());
@@ -141,7 +131,6 @@ Index UnilateralImpulses::count(UnilateralStatus wanted) const {
 
 UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const UnilateralOptions& options,
                                        const Monitor& monitor) {
-  UnilateralImpulses result;
   const Index contacts = problem.contacts();
   SparseMatrix b = scaled_connectivity(problem.inertia, problem.h);
   Vector root(contacts);  // sqrt(W_ii)
@@ -149,23 +138,20 @@ UnilateralImpulses unilateral_impulses(const ReferenceProblem& problem, const Un
   b = b * root.cwiseInverse().asDiagonal();  // M^-1/2 H diag(W)^-1/2, of unit columns
   const Vector point = problem.inertia.cwiseSqrt().cwiseProduct(problem.arriving_velocity);
   const Vector load = b.transpose() * point;
-  ConeProjection found = project_on_cone(b, point, options, monitor);  // its unknowns are r_i sqrt(W_ii)
-  result.residual = found.residual;
-  result.iterations = found.iterations;
-  result.converged = found.converged;
-
+  UnilateralImpulses result = project_on_cone(b, point, options, monitor);
+  Vector& scaled = result.impulses;  // r_i sqrt(W_ii)
   const double threshold = contacts == 0 ? 0.0 : options.tolerance * load.cwiseAbs().maxCoeff();
-  const Vector scaled_separation = load + b.transpose() * Vector(b * found.multipliers);
+  const Vector scaled_separation = load + b.transpose() * Vector(b * scaled);
   result.status.reserve(at(contacts));
   for (Index c = 0; c < contacts; ++c) {
-    const double r = found.multipliers[c], w = scaled_separation[c];
+    const double r = scaled[c], w = scaled_separation[c];
     result.status.push_back(std::max(r, w) <= threshold ? UnilateralStatus::idle
                             : r > w                     ? UnilateralStatus::carrying
                                                         : UnilateralStatus::open);
     // An interior point leaves a remainder of the order of tolerance^2 on contacts that open.
-    if (result.status.back() == UnilateralStatus::open) found.multipliers[c] = 0;
+    if (result.status.back() == UnilateralStatus::open) scaled[c] = 0;
   }
-  result.impulses = found.multipliers.cwiseQuotient(root);
+  result.impulses = scaled.cwiseQuotient(root).eval();
   result.velocities =
       problem.arriving_velocity + problem.inertia.cwiseInverse().cwiseProduct(Vector(problem.h * result.impulses));
   result.separation = problem.h.transpose() * result.velocities;
