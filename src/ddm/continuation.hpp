@@ -34,19 +34,15 @@ struct RigidLimit {
   bool confirmed = true;        ///< an inertia count of `regular` next to 0 agrees with it
 };
 
-/// Interface impulses at the two ends of (S, P) that the matrix-free solver found last; empty where there are none.
-struct MatrixFreeMemory {
-  Vector smallest, largest;
-};
-
 struct Continuation {
   PencilMemory flexible, rigid;  ///< of epsilon > 0, and of the rigid limit
-  MatrixFreeMemory matrix_free;
+  Vector smallest, largest;      ///< interface impulses at the ends that the matrix-free solver found last, or empty
   std::optional<RigidLimit> limit;
+
   void forget_ends() {  ///< what is known of the contacts stays
     flexible.visited.clear();
     rigid.visited.clear();
-    matrix_free = {};
+    smallest = largest = {};
   }
 };
 

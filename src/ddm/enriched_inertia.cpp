@@ -13,18 +13,10 @@ namespace nscdd {
 
 EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
     : inertia_(subdomain.inertia), h_(subdomain.h) {
-  const auto for_each_entry = [&](auto&& visit) {
-    for (Index j = 0; j < subdomain.a.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e) visit(e.row(), j, e.value());
-  };
-  for_each_entry([&](Index row, Index, double) { rows_.push_back(row); });
+  for_entries(subdomain.a, [&](Index row, Index, double) { rows_.push_back(row); });
   std::sort(rows_.begin(), rows_.end());
   rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
-  SparseEntries entries;
-  for_each_entry([&](Index row, Index j, double value) {
-    entries.add(std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin(), j, value);
-  });
-  a_ = entries.matrix(count(rows_), subdomain.a.cols());
+  a_ = SparseMatrix(selected_columns(subdomain.a.transpose(), rows_).transpose());
   if (inertia_.size() <= dense_limit) {
     modes_ = diagonalised();
     return;

@@ -20,9 +20,7 @@ struct Entries {
 // M_E on the diagonal and A_E in the interface rows.
 void add_inertia_and_gluing(Entries& entries, const Subdomain& subdomain, Index first, Index interface) {
   for (Index i = 0; i < subdomain.inertia.size(); ++i) entries.add(first + i, first + i, subdomain.inertia[i], 0);
-  for (Index j = 0; j < subdomain.inertia.size(); ++j)
-    for (SparseMatrix::InnerIterator e(subdomain.a, j); e; ++e)
-      entries.add(interface + e.row(), first + j, e.value(), 0);
+  for_entries(subdomain.a, [&](Index i, Index j, double value) { entries.add(interface + i, first + j, value, 0); });
 }
 
 // The block of one decomposition: M_E and K_E = H_E H_E^T.
@@ -30,9 +28,9 @@ void add_condensed(Entries& entries, const Decomposition& parts, Index first, In
   for (const Subdomain& subdomain : parts.subdomains) {
     add_inertia_and_gluing(entries, subdomain, first, interface);
     const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
-    for (Index j = 0; j < stiffness.cols(); ++j)
-      for (SparseMatrix::InnerIterator e(stiffness, j); e; ++e)
-        if (e.row() >= j) entries.add(first + e.row(), first + j, 0, e.value());
+    for_entries(stiffness, [&](Index i, Index j, double value) {
+      if (i >= j) entries.add(first + i, first + j, 0, value);
+    });
     first += stiffness.cols();
   }
 }
@@ -117,10 +115,9 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
     add_condensed(entries, system, 0, interface);
   }
   if (generic) {
-    const SparseMatrix& x = b.preconditioner.generic();  // X
-    for (Index j = 0; j < x.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator e(x, j); e; ++e)
-        if (e.row() >= j) entries.add(interface + e.row(), interface + j, e.value(), 0);
+    for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {  // X
+      if (i >= j) entries.add(interface + i, interface + j, value, 0);
+    });
   } else {
     add_condensed(entries, preconditioner, system_size, interface);
   }

@@ -111,16 +111,17 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
       return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
     };
   }
-  MatrixFreeMemory& last = memory.matrix_free;
-  const LanczosResult high = lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, last.largest);
+  const LanczosResult high =
+      lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, memory.largest);
   // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
   const auto s_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.system.solve(x); };
   const LanczosResult low =
-      b.system.eta() == 0 ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, last.smallest)
-                          : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, last.smallest);
+      b.system.eta() == 0
+          ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, memory.smallest)
+          : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, memory.smallest);
   // If an end was not found, the next point starts from the vector of the point before.
-  if (high.vector.size() > 0) last.largest = high.vector;
-  if (low.vector.size() > 0) last.smallest = low.vector;
+  if (high.vector.size() > 0) memory.largest = high.vector;
+  if (low.vector.size() > 0) memory.smallest = low.vector;
   if (high.vector.size() == 0 || low.vector.size() == 0) {
     SpectralRadius failed = not_converged("arpack");
     failed.applications = result.applications;
