@@ -68,8 +68,7 @@ void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>&
     const ContactStatus status = statuses[at(subdomain.numbers[k])];
     if (status == ContactStatus::open) continue;
     const DiskContact c = subdomain.contacts.contact(k, v);
-    const LocalVector relative = relative_velocity(c, v);
-    LocalVector change{-c.inverse_w.inverse_n * relative.n, -c.inverse_w.inverse_t * relative.t};
+    LocalVector change = -1.0 * c.inverse_w.solve(relative_velocity(c, v));
     if (status != ContactStatus::stick) change.t = slope(status, c.friction) * change.n;
     apply_impulse(c, change, v);
   }

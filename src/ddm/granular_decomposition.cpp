@@ -125,9 +125,9 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
   for (const Index k : contact_order(order, natural, problem.free, seed, points)) {
     const DiskContact& c = natural[at(k)];
     const std::int32_t a = number(c.a), b = number(c.b);
-    rows.rows.push_back({a, b, c.normal_x, c.normal_y, c.bias_n});
-    rows.impulses.push_back({c.impulse_n, c.impulse_t});
-    if (problem.tangential_bias) rows.bias_t.push_back(c.bias_t);
+    rows.rows.push_back({a, b, c.normal_x, c.normal_y, c.bias.n});
+    rows.impulses.push_back(c.impulse);
+    if (problem.tangential_bias) rows.bias_t.push_back(c.bias.t);
     if (problem.pulls) rows.pull.push_back(c.pull);
     subdomain.numbers.push_back(numbers[at(k)]);
   }
@@ -212,11 +212,8 @@ Vector generic_interface_solve(const GranularDecomposition& parts, const Vector&
 void apply_interface_impulses(GranularDecomposition& parts, const Vector& change) {
   for (Index e = 0; e < count(parts.subdomains); ++e)
     for (const Tie& tie : parts.interface.ties(e)) {
-      DiskVelocity& v = parts.subdomains[at(e)].velocities[at(tie.grain)];
-      const auto impulse = [&](Index k) { return tie.sign * change[3 * tie.row + k]; };
-      v.x -= v.inverse_mass * impulse(0);
-      v.y -= v.inverse_mass * impulse(1);
-      v.rim -= rim_mass_ratio * v.inverse_mass * impulse(2);
+      const auto impulse = [&](Index k) { return -tie.sign * change[3 * tie.row + k]; };
+      push(parts.subdomains[at(e)].velocities[at(tie.grain)], {impulse(0), impulse(1), impulse(2)});
     }
 }
 

@@ -183,11 +183,8 @@ std::vector<ContactStatus> GranularTwoStage::statuses() const {
 std::vector<DiskContact> GranularTwoStage::contacts(const StepProblem& problem) const {
   std::vector<DiskContact> result = problem.contacts;
   for (const GranularSubdomain& subdomain : parts_.subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
-      DiskContact& c = result[at(subdomain.numbers[k])];
-      c.impulse_n = subdomain.contacts.impulses[k].n;
-      c.impulse_t = subdomain.contacts.impulses[k].t;
-    }
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      result[at(subdomain.numbers[k])].impulse = subdomain.contacts.impulses[k];
   return result;
 }
 

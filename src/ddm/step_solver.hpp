@@ -99,7 +99,7 @@ struct StepSolver {
   Index seed = 1;
   double contact_relaxation = 1;
   bool warm_start = false;
-  EtaChoice eta;  ///< 1/kg
+  EtaChoice eta = {};  ///< 1/kg
   Choice<StageTwoNetwork> network = StageTwoNetwork::all;
   Choice<Enrichment> enrichment = Enrichment::every_iteration;
   Choice<InterfaceMethod> interface_method = InterfaceMethod::richardson;

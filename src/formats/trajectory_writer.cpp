@@ -117,10 +117,8 @@ TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved
   step.contacts.reserve(solved.contacts.size());
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const DiskContact& c = solved.contacts[k];
-    step.contacts.push_back({solved.problem.geometry[k],
-                             {c.impulse_n, c.impulse_t},
-                             status_of(law, c),
-                             solved.partition.subdomain_of_contact[k]});
+    step.contacts.push_back(
+        {solved.problem.geometry[k], c.impulse, status_of(law, c), solved.partition.subdomain_of_contact[k]});
   }
   return step;
 }

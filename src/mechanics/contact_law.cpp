@@ -14,12 +14,12 @@ constexpr double edge_tolerance = 1e-12;
 template <class Law>
 ContactStatus status_under(const Law&, const DiskContact& c) {
   if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status({c.impulse_n + c.pull, c.impulse_t}, c.friction, edge_tolerance);
+  return contact_status({c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
 }
 
 template <class Law>
 void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
-  const LocalVector r{c.impulse_n, c.impulse_t};
+  const LocalVector r = c.impulse;
   const LocalVector next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
   const LocalVector change = c.inverse_w.apply(next - r);
   const LocalVector here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
@@ -31,9 +31,8 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
   if constexpr (!Law::opens) {
     sum.natural_map += squared(next - r);
   } else {
-    const LocalVector relative = relative_velocity(c, v);
-    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, relative + LocalVector{c.bias_n, c.bias_t}, c.friction,
-                                           c.inverse_w.inverse_n));
+    const LocalVector velocity = relative_velocity(c, v) + c.bias;
+    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
   ++sum.active;
@@ -56,12 +55,8 @@ ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, std::span<
 }  // namespace
 
 ContactLaw contact_law(const Interaction& interaction, double h) {
-  ContactLaw law;
-  // Tries every alternative; the choices of the field are their names.
-  const auto attempt = [&]<class... Laws>(const std::variant<Laws...>&) {
-    return ((to_string(interaction.law) == Laws::name && (law = Laws::of(interaction, h), true)) || ...);
-  };
-  static_cast<void>(attempt(law));
+  ContactLaw law = Alternatives<ContactLaw>::at(static_cast<std::size_t>(LawName{interaction.law}));
+  std::visit([&](auto& one) { one = one.of(interaction, h); }, law);
   return law;
 }
 
@@ -87,15 +82,11 @@ LocalVector natural_map(LocalVector impulse, LocalVector velocity, double fricti
 }
 
 ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
-  natural_map += other.natural_map;
-  impulses += other.impulses;
-  violation += other.violation;
-  work += other.work;
-  scale_work += other.scale_work;
-  scale_velocity += other.scale_velocity;
-  active += other.active;
-  stick += other.stick;
-  slide += other.slide;
+  using Sums = ContactResidual;
+  for (const auto sum :
+       {&Sums::natural_map, &Sums::impulses, &Sums::violation, &Sums::work, &Sums::scale_work, &Sums::scale_velocity})
+    this->*sum += other.*sum;
+  for (const auto sum : {&Sums::active, &Sums::stick, &Sums::slide}) this->*sum += other.*sum;
   return *this;
 }
 

@@ -30,16 +30,6 @@ constexpr auto names_of(LawName) { return Alternatives<ContactLaw>::names; }
 inline bool opens(const ContactLaw& law) {
   return std::visit([](const auto& one) { return one.opens; }, law);
 }
-inline bool rubs(const ContactLaw& law) {
-  return std::visit([](const auto& one) { return one.rubs; }, law);
-}
-
-inline bool pulls(const ContactLaw& law) {
-  return std::visit([](const auto& one) { return one.pulls; }, law);
-}
-inline double pull(const ContactLaw& law) {
-  return std::visit([](const auto& one) { return one.pull(); }, law);
-}
 
 /// The law of one contact, which pulls with at most `pull`, N s. That is 0 if its bodies do not touch.
 template <class Law>

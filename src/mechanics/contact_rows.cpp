@@ -56,19 +56,15 @@ DiskContact ContactRows::contact(std::size_t k, std::span<const DiskVelocity> v)
   const Row& row = rows[k];
   const DiskVelocity& a = v[static_cast<std::size_t>(row.a)];
   const DiskVelocity& b = v[static_cast<std::size_t>(row.b)];
-  DiskContact c;
-  c.a = row.a;
-  c.b = row.b;
-  c.normal_x = row.normal_x;
-  c.normal_y = row.normal_y;
-  c.inverse_w = disk_delassus(a, b);
-  c.bias_n = row.bias_n;
-  c.bias_t = bias_t.empty() ? 0.0 : bias_t[k];
-  c.pull = pull.empty() ? 0.0 : pull[k];
-  c.friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction;
-  c.impulse_n = impulses[k].n;
-  c.impulse_t = impulses[k].t;
-  return c;
+  return {.a = row.a,
+          .b = row.b,
+          .normal_x = row.normal_x,
+          .normal_y = row.normal_y,
+          .inverse_w = disk_delassus(a, b),
+          .bias = {row.bias_n, bias_t.empty() ? 0.0 : bias_t[k]},
+          .friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction,
+          .pull = pull.empty() ? 0.0 : pull[k],
+          .impulse = impulses[k]};
 }
 
 SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows& contacts, std::span<DiskVelocity> v,

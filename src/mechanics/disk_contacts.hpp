@@ -34,11 +34,11 @@ struct DiskContact {
   std::int32_t a = 0, b = 0;          ///< positions in the array of velocities
   double normal_x = 1, normal_y = 0;  ///< n
   std::array<double, 2> normal() const { return {normal_x, normal_y}; }
-  DiagonalDelassus inverse_w;     ///< kg
-  double bias_n = 0, bias_t = 0;  ///< m/s, added to v before the law: gap / h, restitution
+  DiagonalDelassus inverse_w;  ///< kg
+  LocalVector bias = {};       ///< m/s, added to v before the law: gap / h, restitution
   double friction = 0;
-  double pull = 0;                      ///< largest pulling impulse, N s; 0 unless the law pulls
-  double impulse_n = 0, impulse_t = 0;  ///< r, N s
+  double pull = 0;           ///< largest pulling impulse, N s; 0 unless the law pulls
+  LocalVector impulse = {};  ///< r, N s
 };
 
 /// Sums over the contacts of one sweep, (N s)^2: |r - r_before|^2 and |r|^2.
@@ -59,29 +59,22 @@ inline std::array<double, 3> impulse_on_disk(const std::array<double, 2>& normal
   return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 
-/// V += M^-1 H_c r: the velocities of both disks of a contact after an impulse r on b and -r on a.
-/// A call here would nearly double the time of a sweep: `inline` lets the compiler do without.
-template <class Contact>
-inline void apply_impulse(const Contact& c, LocalVector r, DiskVelocity& a, DiskVelocity& b) {
-  const double px = c.normal_x * r.n - c.normal_y * r.t;
-  const double py = c.normal_y * r.n + c.normal_x * r.t;
-  a.x -= a.inverse_mass * px;
-  a.y -= a.inverse_mass * py;
-  a.rim -= rim_mass_ratio * a.inverse_mass * r.t;
-  b.x += b.inverse_mass * px;
-  b.y += b.inverse_mass * py;
-  b.rim -= rim_mass_ratio * b.inverse_mass * r.t;
+/// V += M^-1 p of one disk, for an impulse p = (x, y, rim) on it, N s.
+inline void push(DiskVelocity& disk, const std::array<double, 3>& p) {
+  disk.x += disk.inverse_mass * p[0];
+  disk.y += disk.inverse_mass * p[1];
+  disk.rim += rim_mass_ratio * disk.inverse_mass * p[2];
 }
 
+/// V += M^-1 H_c r: the velocities of both disks of a contact after an impulse r on b and -r on a.
 inline void apply_impulse(const DiskContact& c, LocalVector r, std::span<DiskVelocity> v) {
-  apply_impulse(c, r, v[static_cast<std::size_t>(c.a)], v[static_cast<std::size_t>(c.b)]);
+  push(v[static_cast<std::size_t>(c.a)], impulse_on_disk(c.normal(), -1, r));
+  push(v[static_cast<std::size_t>(c.b)], impulse_on_disk(c.normal(), 1, r));
 }
 
 /// The impulse with which the contact would be at rest, bias included: r - W^-1 (v + bias).
 inline LocalVector stopping_impulse(const DiskContact& c, std::span<const DiskVelocity> v) {
-  const LocalVector relative = relative_velocity(c, v);
-  return {c.impulse_n - c.inverse_w.inverse_n * (relative.n + c.bias_n),
-          c.impulse_t - c.inverse_w.inverse_t * (relative.t + c.bias_t)};
+  return c.impulse - c.inverse_w.solve(relative_velocity(c, v) + c.bias);
 }
 
 /// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: what never changes is stored apart from the

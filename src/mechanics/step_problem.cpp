@@ -84,9 +84,13 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
   const double alert = std::max(scheme.alert * smallest, least_alert);
   const double range = std::max(alert, 2 * fastest * scheme.step);  // the fastest pair may close so much
-  const auto far = [&](double gap, double closing) { return gap > alert && gap + scheme.step * closing > alert; };
   std::vector<StepContact> found;
   found.reserve(at(3 * system.disks()));
+  const auto add_if_near = [&](const StepContact& c, double x, double y) {  // x, y: velocity of b
+    const double closing = c.normal[0] * (x - free[at(c.a)].x) + c.normal[1] * (y - free[at(c.a)].y);
+    const bool far = c.gap > alert && c.gap + scheme.step * closing > alert;
+    if (!far) found.push_back(c);
+  };
   const DiskGrid grid(where.x, where.y, system.radius, 1, range);
   grid.for_each_pair([&](Index a, Index b) {
     const double dx = where.x[at(b)] - where.x[at(a)], dy = where.y[at(b)] - where.y[at(a)];
@@ -97,12 +101,12 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
     const double distance = std::sqrt(square);
     if (!(distance > 0))
       fail("{} and {}: expected distinct centres, met one", body_name(system, a), body_name(system, b));
-    StepContact c{.a = a, .b = b, .normal = {dx / distance, dy / distance}, .gap = distance - touch};
-    const double closing =
-        c.normal[0] * (free[at(b)].x - free[at(a)].x) + c.normal[1] * (free[at(b)].y - free[at(a)].y);
-    if (far(c.gap, closing)) return;
-    c.point = {(where.x[at(a)] + where.x[at(b)]) / 2, (where.y[at(a)] + where.y[at(b)]) / 2};
-    found.push_back(c);
+    add_if_near({.a = a,
+                 .b = b,
+                 .normal = {dx / distance, dy / distance},
+                 .point = {(where.x[at(a)] + where.x[at(b)]) / 2, (where.y[at(a)] + where.y[at(b)]) / 2},
+                 .gap = distance - touch},
+                free[at(b)].x, free[at(b)].y);
   });
   for (Index w = 0; w < count(where.walls); ++w) {
     const auto& [point, normal, boundary] = where.walls[at(w)];
@@ -110,12 +114,14 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
       if (!system.free(i)) continue;
       const double x = where.x[at(i)], y = where.y[at(i)];
       const double height = (x - point[0]) * normal[0] + (y - point[1]) * normal[1];
-      const double gap = height - system.radius[at(i)];
       const std::array<double, 2> foot{x - height * normal[0], y - height * normal[1]};
       const auto v = velocity_of_point(where.motions[at(boundary)], where.poses[at(boundary)], foot);
-      const double closing = normal[0] * (free[at(i)].x - v[0]) + normal[1] * (free[at(i)].y - v[1]);
-      if (far(gap, closing)) continue;
-      found.push_back({.a = i, .b = system.disks() + w, .normal = {-normal[0], -normal[1]}, .point = foot, .gap = gap});
+      add_if_near({.a = i,
+                   .b = system.disks() + w,
+                   .normal = {-normal[0], -normal[1]},
+                   .point = foot,
+                   .gap = height - system.radius[at(i)]},
+                  v[0], v[1]);
     }
   }
   return sorted_by_bodies(found, system.disks());
@@ -163,28 +169,14 @@ DiskContact solver_contact(const StepContact& c, Index second, const StepProblem
                 .normal_x = c.normal[0],
                 .normal_y = c.normal[1],
                 .inverse_w = disk_delassus(a, b),
-                .bias_n = c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push),
+                .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), 0},
                 .friction = driven ? problem.boundary_friction : problem.friction};
   if (interaction.restitution > 0 || interaction.tangential_restitution > 0) {
     const LocalVector before = relative_velocity(k, problem.start);
-    if (interaction.restitution > 0) k.bias_n = interaction.restitution * std::min(0.0, before.n);
-    k.bias_t = interaction.tangential_restitution * before.t;
+    if (interaction.restitution > 0) k.bias.n = interaction.restitution * std::min(0.0, before.n);
+    k.bias.t = interaction.tangential_restitution * before.t;
   }
   return k;
-}
-
-// Both lists ascend by (a, b).
-void start_from(std::vector<DiskContact>& contacts, const std::vector<StepContact>& geometry,
-                const std::vector<RememberedImpulse>& remembered) {
-  auto old = remembered.begin();
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const auto key = std::pair(geometry[k].a, geometry[k].b);
-    while (old != remembered.end() && std::pair(old->a, old->b) < key) ++old;
-    if (old == remembered.end()) return;
-    if (std::pair(old->a, old->b) != key) continue;
-    contacts[k].impulse_n = old->impulse.n;
-    contacts[k].impulse_t = old->impulse.t;
-  }
 }
 
 }  // namespace
@@ -214,11 +206,14 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
   const auto motions = boundary_velocities(system, state.time + h / 2);
   StepProblem problem;
   problem.h = h;
-  const ContactLaw law = contact_law(interaction, h);
-  const bool has_friction = rubs(law);
-  problem.friction = has_friction ? interaction.friction : 0;
-  problem.boundary_friction = has_friction ? interaction.friction_at_boundaries() : 0;
-  problem.pulls = pulls(law);
+  double pull = 0;
+  const auto take_from = [&](const auto& law) {
+    problem.friction = law.rubs ? interaction.friction : 0;
+    problem.boundary_friction = law.rubs ? interaction.friction_at_boundaries() : 0;
+    problem.pulls = law.pulls;
+    pull = law.pull();
+  };
+  std::visit(take_from, contact_law(interaction, h));
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.start = start_velocities(system, state, motions);
   problem.free = problem.start;
@@ -243,9 +238,12 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
     const StepContact& c = problem.geometry[k];
     problem.contacts.push_back(solver_contact(c, second[k], problem, interaction, scheme.penetration_correction,
                                               push_speed(scheme, smaller_radius(system, c), boundary_speed)));
-    if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull(law);
+    if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull;
   }
-  if (warm_start) start_from(problem.contacts, problem.geometry, state.impulses);
+  if (!warm_start) return problem;
+  const auto last = remembered(state.impulses, problem.geometry);
+  for (std::size_t k = 0; k < last.size(); ++k)
+    if (last[k] != nullptr) problem.contacts[k].impulse = last[k]->impulse;
   return problem;
 }
 

@@ -5,25 +5,10 @@
 #include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
-namespace {
-
-// Three rows for every free body; lever arms are radii (walls, which have none, are driven).
-std::vector<BodyRows> rows_of(std::span<const DiskVelocity> bodies, std::span<const double> radius) {
-  std::vector<BodyRows> rows(bodies.size());
-  Index next = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (bodies[i].inverse_mass == 0) continue;
-    rows[i] = {next, radius[i]};
-    next += 3;
-  }
-  return rows;
-}
-
-}  // namespace
 
 std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts) {
   std::vector<DiskVelocity> v = problem.free;
-  for (const DiskContact& c : contacts) apply_impulse(c, {c.impulse_n, c.impulse_t}, v);
+  for (const DiskContact& c : contacts) apply_impulse(c, c.impulse, v);
   return v;
 }
 
@@ -70,16 +55,15 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   double boundary_work = 0, dissipation = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const DiskContact& c = contacts[k];
-    if (c.impulse_n == 0 && c.impulse_t == 0) continue;
+    if (c.impulse.n == 0 && c.impulse.t == 0) continue;
     const StepContact& g = problem.geometry[k];
-    state.impulses.push_back({g.a, g.b, {c.impulse_n, c.impulse_t}});
-    const LocalVector v0 = relative_velocity(c, problem.start), v1 = relative_velocity(c, velocities);
-    dissipation -= (c.impulse_n * (v0.n + v1.n) + c.impulse_t * (v0.t + v1.t)) / 2;
+    state.impulses.push_back({g.a, g.b, c.impulse});
+    dissipation -= dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
     // Work of the impulses -r on a, r on b at the velocities of those that are driven.
     for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
       const DiskVelocity& v = velocities[static_cast<std::size_t>(body)];
       if (v.inverse_mass > 0) continue;
-      const auto impulse = impulse_on_disk(c.normal(), sign, {c.impulse_n, c.impulse_t});
+      const auto impulse = impulse_on_disk(c.normal(), sign, c.impulse);
       boundary_work -= impulse[0] * v.x + impulse[1] * v.y + impulse[2] * v.rim;
     }
   }
@@ -95,12 +79,13 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
 
 GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
                                        std::span<const double> radius) {
-  const std::vector<BodyRows> row_of = rows_of(bodies, radius);
+  std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; walls, which have none, are driven
   std::vector<double> inertia, momentum;
   std::vector<DiskVelocity> driven(bodies.begin(), bodies.end());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (row_of[i].first < 0) continue;
     const DiskVelocity& v = bodies[i];
+    if (v.inverse_mass == 0) continue;
+    rows_of[i] = {count(inertia), radius[i]};
     const double m = 1 / v.inverse_mass, rim_mass = m / rim_mass_ratio;
     inertia.insert(inertia.end(), {m, m, rim_mass * radius[i] * radius[i]});
     momentum.insert(momentum.end(), {m * v.x, m * v.y, rim_mass * radius[i] * v.rim});
@@ -116,10 +101,9 @@ GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std
   for (Index c = 0; c < size; ++c) {
     const DiskContact& k = contacts[at(c)];
     for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
-      h.add(k.normal(), row_of[at(k.a)], row_of[at(k.b)], direction);
-    const LocalVector u = relative_velocity(k, driven);
-    problem.w[2 * c] = u.n + k.bias_n;
-    problem.w[2 * c + 1] = u.t + k.bias_t;
+      h.add(k.normal(), rows_of[at(k.a)], rows_of[at(k.b)], direction);
+    const LocalVector w = relative_velocity(k, driven) + k.bias;
+    problem.w.segment<2>(2 * c) << w.n, w.t;
     problem.friction[c] = k.friction;
   }
   problem.h = h.matrix(rows);

@@ -87,6 +87,20 @@ struct StepProblem {
 StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                          const TimeStepping& scheme, bool warm_start);
 
+/// What was remembered of each contact, or null. Both lists ascend by (a, b).
+template <class Remembered>
+std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
+                                          const std::vector<StepContact>& contacts) {
+  std::vector<const Remembered*> result;
+  auto old = last.begin();
+  for (const StepContact& c : contacts) {
+    while (old != last.end() && std::pair(old->a, old->b) < std::pair(c.a, c.b)) ++old;
+    const bool known = old != last.end() && old->a == c.a && old->b == c.b;
+    result.push_back(known ? &*old : nullptr);
+  }
+  return result;
+}
+
 /// Scale of flexibilities: the mean of W_nn over the contacts, 1/kg, to which driven bodies add nothing. 0 without
 /// contacts.
 double mean_normal_delassus(const StepProblem& problem);

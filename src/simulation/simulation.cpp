@@ -43,8 +43,8 @@ bool energy_exploded(const StepProblem& problem, const std::vector<DiskContact>&
   }
   double pushes = 0;
   for (const DiskContact& c : contacts) {
-    speed_squared = std::max(speed_squared, c.bias_n * c.bias_n + c.bias_t * c.bias_t);
-    pushes += c.impulse_n * std::max(0.0, -c.bias_n);
+    speed_squared = std::max(speed_squared, squared(c.bias));
+    pushes += c.impulse.n * std::max(0.0, -c.bias.n);
   }
   const double reference =
       kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2 + pushes;
@@ -70,23 +70,14 @@ constexpr double explosion = 1e6;
 // If F did not change (there is no interface, or Stage 2 leaves it alone) or nothing jumps, these two cannot
 // tell that the iterations ended, and zeta stands in for them.
 double criterion_value(Criterion criterion, const IterationRecord& record, const ContactResidual& residual) {
-  switch (criterion) {
-    case Criterion::zeta:
-      return record.zeta;
-    case Criterion::interface_change:
-      return record.interface_change == 0 ? record.zeta : record.interface_change;
-    case Criterion::gluing:
-      return record.gluing == 0 ? record.zeta : record.gluing;
-    case Criterion::natural_map:
-      return residual.relative_natural_map();
-    case Criterion::quad_dv:
-      return residual.quad_dv();
-    case Criterion::mean_dv_over_r:
-      return std::abs(residual.mean_dv_over_r());
-    case Criterion::none:
-      break;
-  }
-  return infinity;  // as many iterations as allowed
+  const std::array values{record.zeta,
+                          record.interface_change == 0 ? record.zeta : record.interface_change,
+                          record.gluing == 0 ? record.zeta : record.gluing,
+                          residual.relative_natural_map(),
+                          residual.quad_dv(),
+                          std::abs(residual.mean_dv_over_r()),
+                          infinity};  // as many iterations as allowed
+  return values[static_cast<std::size_t>(criterion)];
 }
 
 }  // namespace
@@ -230,7 +221,7 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep& step)
     return fmt::format("contact of {} and {} at ({:.6g}, {:.6g}) m", body_name(before.system, c.a),
                        body_name(before.system, c.b), c.point[0], c.point[1]);
   };
-  const auto impulse = [](const DiskContact& c) { return std::hypot(c.impulse_n, c.impulse_t); };
+  const auto impulse = [](const DiskContact& c) { return std::hypot(c.impulse.n, c.impulse.t); };
   const auto wrong = std::ranges::find_if_not(
       step.contacts, [](double size) { return std::isfinite(size); }, impulse);
   if (wrong != step.contacts.end()) return name(wrong) + ": impulse is no number";

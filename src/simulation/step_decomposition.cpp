@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/step_decomposition.hpp"
 
-#include "ddm/granular_decomposition.hpp"
-#include "mechanics/disk_contacts.hpp"
+#include "ddm/granular_two_stage.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
 #include <algorithm>
@@ -10,10 +9,13 @@
 namespace nscdd {
 namespace {
 
-// Keeps the columns of a contact that its status leaves in the linear problem.
-void keep_columns(std::vector<char>& kept, std::size_t contact, ContactStatus status) {
-  kept[2 * contact] = status != ContactStatus::open;
-  kept[2 * contact + 1] = status == ContactStatus::stick;
+// The columns that the statuses of the contacts leave in the linear problem: both directions of those that stick, the
+// normal one of those that slide.
+std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses) {
+  std::vector<char> kept;
+  for (const ContactStatus status : statuses)
+    kept.insert(kept.end(), {status != ContactStatus::open, status == ContactStatus::stick});
+  return kept;
 }
 
 // M, H and the partition of a step for the linear analysis, restricted to the columns that impulses may use: a
@@ -28,41 +30,30 @@ Decomposition linear_parts(const Simulation& simulation, const StepProblem& prob
   return std::ranges::count(usable, 0) == 0 ? all : restrict_contacts(all, usable);
 }
 
-// Columns of the contacts that carried an impulse in the last step: both directions of those that stuck, the
-// normal one of those that slid. If there is no step before, all of them.
+// Columns of the contacts that carried an impulse in the last step. If there is no step before, all of them.
 std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
-  std::vector<char> kept(2 * problem.contacts.size(), simulation.state.impulses.empty() ? 1 : 0);
-  auto old = simulation.state.impulses.begin();
-  const auto end = simulation.state.impulses.end();
+  if (simulation.state.impulses.empty()) return std::vector<char>(2 * problem.contacts.size(), 1);
+  const auto last = remembered(simulation.state.impulses, problem.geometry);
   const ContactLaw law = contact_law(simulation.dynamics.interaction, problem.h);
-  for (std::size_t k = 0; k < problem.contacts.size(); ++k) {
-    const auto key = std::pair(problem.geometry[k].a, problem.geometry[k].b);
-    while (old != end && std::pair(old->a, old->b) < key) ++old;
-    if (old == end) break;
-    if (std::pair(old->a, old->b) != key) continue;
+  std::vector<ContactStatus> statuses(last.size(), ContactStatus::open);
+  for (std::size_t k = 0; k < last.size(); ++k) {
+    if (last[k] == nullptr) continue;
     DiskContact contact = problem.contacts[k];
-    contact.impulse_n = old->impulse.n;
-    contact.impulse_t = old->impulse.t;
-    keep_columns(kept, k, status_of(law, contact));
+    contact.impulse = last[k]->impulse;
+    statuses[k] = status_of(law, contact);
   }
-  return kept;
+  return columns_left_by(statuses);
 }
 
 // The network that some undecomposed sweeps find for this step. It is near enough to the one at its end to
 // choose a flexibility by, and it is known for the first step too.
 std::vector<char> expected_columns(const Simulation& simulation, const StepProblem& problem) {
-  constexpr int sweeps = 100;
-  const Partition whole{.subdomains = 1, .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  GranularDecomposition parts = decompose(problem, whole, "natural", 0);
-  GranularSubdomain& one = parts.subdomains.front();
-  const ContactLaw law = contact_law(simulation.dynamics.interaction, problem.h);
-  for (std::size_t k = 0; k < one.contacts.size(); ++k)
-    apply_impulse(one.contacts.contact(k, one.velocities), one.contacts.impulses[k], one.velocities);
-  for (int k = 0; k < sweeps; ++k) gauss_seidel_sweep(law, one.contacts, one.velocities);
-  std::vector<char> kept(2 * problem.contacts.size());
-  for (std::size_t k = 0; k < one.contacts.size(); ++k)
-    keep_columns(kept, k, status_of(law, one.contacts.contact(k, one.velocities)));
-  return kept;
+  const Partition whole{.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
+  GranularTwoStage iteration(decompose(problem, whole, ContactOrder::natural, 0),
+                             contact_law(simulation.dynamics.interaction, problem.h), {.gauss_seidel_sweeps = 100}, {});
+  iteration.start({});
+  iteration.iterate();
+  return columns_left_by(iteration.statuses());
 }
 
 }  // namespace

@@ -58,13 +58,12 @@ Partition kept_partition(const Simulation& simulation, const StepProblem& proble
     for (const Index i : {one.a, one.b})
       if (i < simulation.system.disks() && simulation.system.free(i) && of_disk[at(i)] < 0)
         of_disk[at(i)] = one.subdomain;
-  auto old = known.begin();
-  for (const StepContact& c : problem.geometry) {
-    const auto key = std::pair(c.a, c.b);
-    while (old != known.end() && std::pair(old->a, old->b) < key) ++old;
+  const auto last = remembered(known, problem.geometry);
+  for (std::size_t k = 0; k < last.size(); ++k) {
+    const StepContact& c = problem.geometry[k];
     Index subdomain = of_disk[at(c.a)];
-    if (old != known.end() && std::pair(old->a, old->b) == key)
-      subdomain = old->subdomain;
+    if (last[k] != nullptr)
+      subdomain = last[k]->subdomain;
     else if (subdomain < 0 && c.b < simulation.system.disks())
       subdomain = of_disk[at(c.b)];
     partition.subdomain_of_contact.push_back(std::max<Index>(subdomain, 0));
@@ -87,7 +86,7 @@ void check_next_step(const Simulation& simulation) { partition_step(simulation, 
 Partition partition_step(const Simulation& simulation, const StepProblem& problem) {
   const StepSolver& solver = simulation.dynamics.solver;
   if (solver.algorithm == StepAlgorithm::nlgs)
-    return {.subdomains = 1, .subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
+    return {.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
   return decomposes_afresh(simulation, simulation.state.step) ? fresh_partition(simulation, problem)
                                                               : kept_partition(simulation, problem);
 }

@@ -115,10 +115,10 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const DiskContact& c = step.contacts[k];
     const StepContact& g = step.problem.geometry[k];
-    if (c.impulse_n == 0 && c.impulse_t == 0) continue;
+    if (c.impulse.n == 0 && c.impulse.t == 0) continue;
     const bool wall = g.b >= simulation.system.disks();
-    sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b), c.impulse_n,
-          c.impulse_t, status_of(law, c), step.partition.subdomain_of_contact[k]});
+    sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b), c.impulse.n,
+          c.impulse.t, status_of(law, c), step.partition.subdomain_of_contact[k]});
   }
   return 0;
 }

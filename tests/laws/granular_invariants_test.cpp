@@ -34,7 +34,7 @@ double gain_of_turning_normals(const GranularSystem& system, const SolvedStep& s
     const double length = system.radius[at(c.a)] + system.radius[at(c.b)] + c.gap, h = step.problem.h;
     const DiskVelocity &a = step.problem.start[at(c.a)], &b = step.problem.start[at(c.b)];
     const double dx = length * c.normal[0] - h * (b.x - a.x), dy = length * c.normal[1] - h * (b.y - a.y);
-    sum += step.contacts[k].impulse_n * (std::hypot(dx, dy) - c.normal[0] * dx - c.normal[1] * dy) / (2 * h);
+    sum += step.contacts[k].impulse.n * (std::hypot(dx, dy) - c.normal[0] * dx - c.normal[1] * dy) / (2 * h);
   }
   return sum;
 }
@@ -48,8 +48,8 @@ double least_dissipation(const SolvedStep& step, double e) {
   for (const DiskContact& c : step.contacts) {
     const LocalVector before = relative_velocity(c, step.problem.start);
     const LocalVector after = relative_velocity(c, step.velocities);
-    work += c.impulse_n * (after.n - before.n) + c.impulse_t * (after.t - before.t);
-    pressed += c.impulse_n * std::max(0.0, before.n);
+    work += c.impulse.n * (after.n - before.n) + c.impulse.t * (after.t - before.t);
+    pressed += c.impulse.n * std::max(0.0, before.n);
   }
   return (1 - e) / (1 + e) * work / 2 - e / (1 + e) * pressed;
 }
@@ -175,7 +175,7 @@ TEST_CASE("angular momentum at q_m changes by r_t times the gap of each contact,
     const SolvedStep step = solve_step(simulation);
     double expected = 0;
     for (std::size_t c = 0; c < step.contacts.size(); ++c)
-      expected += step.contacts[c].impulse_t * step.problem.geometry[c].gap;
+      expected += step.contacts[c].impulse.t * step.problem.geometry[c].gap;
     take_step(simulation, step);
     CHECK(std::abs(angular_momentum(simulation.system, x, y, simulation.state) - before - expected) < 1e-11);
   }
@@ -286,5 +286,5 @@ TEST_CASE("a uniform velocity of everything changes nothing but itself") {
   const SolvedStep a = solve_step(still), b = solve_step(carried);
   REQUIRE(a.contacts.size() == b.contacts.size());
   for (std::size_t k = 0; k < a.contacts.size(); ++k)
-    CHECK(std::abs(a.contacts[k].impulse_n - b.contacts[k].impulse_n) < 1e-11);
+    CHECK(std::abs(a.contacts[k].impulse.n - b.contacts[k].impulse.n) < 1e-11);
 }

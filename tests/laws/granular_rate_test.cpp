@@ -30,7 +30,7 @@ struct LinearStep {
     if (with_floor) dynamics.boundaries = {wall("floor", {0, -0.5}, {1, -0.5})};
     simulation = shaken_lattice(5, 5, dynamics, grid);
     problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
-    for (DiskContact& c : problem.contacts) c.bias_n = 0;
+    for (DiskContact& c : problem.contacts) c.bias.n = 0;
     partition = partition_step(simulation, problem);
     parts = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
   }

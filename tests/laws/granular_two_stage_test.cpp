@@ -22,8 +22,8 @@ bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; 
 bool same_bits(const SolvedStep& a, const SolvedStep& b) {
   if (a.contacts.size() != b.contacts.size() || a.velocities.size() != b.velocities.size()) return false;
   for (std::size_t k = 0; k < a.contacts.size(); ++k)
-    if (!same_bits(a.contacts[k].impulse_n, b.contacts[k].impulse_n) ||
-        !same_bits(a.contacts[k].impulse_t, b.contacts[k].impulse_t))
+    if (!same_bits(a.contacts[k].impulse.n, b.contacts[k].impulse.n) ||
+        !same_bits(a.contacts[k].impulse.t, b.contacts[k].impulse.t))
       return false;
   for (std::size_t i = 0; i < a.velocities.size(); ++i)
     if (!same_bits(a.velocities[i].x, b.velocities[i].x) || !same_bits(a.velocities[i].y, b.velocities[i].y) ||
@@ -101,16 +101,16 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskCon
   for (DiskContact& c : contacts) {
     DiskVelocity &a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
     const double dx = b.x - a.x, dy = b.y - a.y;
-    const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias_n;
-    const double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim) + c.bias_t;
-    const LocalVector stop{c.impulse_n - c.inverse_w.inverse_n * v_n, c.impulse_t - c.inverse_w.inverse_t * v_t};
+    const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias.n;
+    const double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim) + c.bias.t;
+    const LocalVector stop{c.impulse.n - c.inverse_w.inverse_n * v_n, c.impulse.t - c.inverse_w.inverse_t * v_t};
     LocalVector r =
         std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
     if (relaxation != 1)
-      r = {c.impulse_n + relaxation * (r.n - c.impulse_n), c.impulse_t + relaxation * (r.t - c.impulse_t)};
-    apply_impulse(c, {r.n - c.impulse_n, r.t - c.impulse_t}, v);
-    c.impulse_n = r.n;
-    c.impulse_t = r.t;
+      r = {c.impulse.n + relaxation * (r.n - c.impulse.n), c.impulse.t + relaxation * (r.t - c.impulse.t)};
+    apply_impulse(c, {r.n - c.impulse.n, r.t - c.impulse.t}, v);
+    c.impulse.n = r.n;
+    c.impulse.t = r.t;
   }
 }
 

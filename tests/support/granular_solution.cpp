@@ -22,8 +22,8 @@ Close closely(const Simulation& simulation) {
 double relative_natural_map(const std::vector<DiskContact>& contacts, const std::vector<DiskVelocity>& v) {
   double map = 0, impulses = 0;
   for (const DiskContact& c : contacts) {
-    const LocalVector w = relative_velocity(c, v), r{c.impulse_n, c.impulse_t};
-    const LocalVector one = natural_map(r, {w.n + c.bias_n, w.t + c.bias_t}, c.friction, c.inverse_w.inverse_n);
+    const LocalVector w = relative_velocity(c, v), r{c.impulse.n, c.impulse.t};
+    const LocalVector one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w.inverse_n);
     map += one.n * one.n + one.t * one.t;
     impulses += r.n * r.n + r.t * r.t;
   }

@@ -135,7 +135,7 @@ TEST_CASE("describe_breakdown names what is no number") {
   Simulation s = shaken_lattice(3, 2, dynamics);
   SolvedStep step = solve_step(s);
   SolvedStep broken = step;
-  broken.contacts[2].impulse_t = not_a_number;
+  broken.contacts[2].impulse.t = not_a_number;
   const StepContact& c = step.problem.geometry[2];
   CHECK(describe_breakdown(s, broken).starts_with("contact of disk " + std::to_string(c.a) + " and disk " +
                                                   std::to_string(c.b) + " at ("));

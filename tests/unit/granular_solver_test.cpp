@@ -241,7 +241,7 @@ TEST_CASE("relaxation: a resting disk is given that part of what its weight stil
       dynamics.solver.maximum_iterations = sweeps;
       const SolvedStep step = solve_step(simulation_of({{.y = 0.5, .mass = 2}}, dynamics));
       const double lacking = std::pow(1 - relaxation, static_cast<double>(sweeps));
-      CHECK(step.contacts.at(0).impulse_n == doctest::Approx((1 - lacking) * 2 * g * 0.005).epsilon(1e-13));
+      CHECK(step.contacts.at(0).impulse.n == doctest::Approx((1 - lacking) * 2 * g * 0.005).epsilon(1e-13));
     }
 }
 
@@ -305,7 +305,7 @@ TEST_CASE("residual: a resting disk whose reaction lacks d is off by d, by d / m
   REQUIRE(step.contacts.size() == 1);
   const double whole = 2 * g * 0.005, d = 0.3 * whole;
   StepProblem lacking = step.problem;
-  lacking.contacts[0].impulse_n = whole - d;
+  lacking.contacts[0].impulse.n = whole - d;
   const GranularDecomposition parts = decompose(lacking, {.subdomains = 1, .subdomain_of_contact = {0}}, "natural", 1);
   const std::vector<DiskVelocity> v = velocities_of(lacking, lacking.contacts);
   const ContactResidual off = contact_residual(Coulomb{}, parts.subdomains[0].contacts, v);

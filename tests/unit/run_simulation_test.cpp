@@ -126,8 +126,8 @@ TEST_CASE("status changes: contacts that close and contacts that open count") {
   const SolvedStep step =
       solve_step(simulation, {.row = [&](const IterationRow& row) { changes.push_back(row.status_changes); }});
   REQUIRE(step.contacts.size() == 2);
-  CHECK(step.contacts[0].impulse_n == 0);
-  CHECK(step.contacts[1].impulse_n == doctest::Approx(5));
+  CHECK(step.contacts[0].impulse.n == 0);
+  CHECK(step.contacts[1].impulse.n == doctest::Approx(5));
   CHECK(changes == std::vector<Index>{2, 1});
 }
 

@@ -156,8 +156,8 @@ TEST_CASE("vtp: a step of a divided box as VTK reads it") {
     for (const Index i : {c.a, c.b})
       if (i < 60) held[at(i)].push_back(e);
     same = same && a["lines/connectivity"][2 * k] == static_cast<double>(c.a) &&
-           a["cell/impulse_n"][60 + k] == step.contacts[k].impulse_n &&
-           a["cell/impulse_t"][60 + k] == step.contacts[k].impulse_t && a["cell/gap"][60 + k] == c.gap &&
+           a["cell/impulse_n"][60 + k] == step.contacts[k].impulse.n &&
+           a["cell/impulse_t"][60 + k] == step.contacts[k].impulse.t && a["cell/gap"][60 + k] == c.gap &&
            a["cell/subdomain"][60 + k] == static_cast<double>(e);
     const double second = a["lines/connectivity"][2 * k + 1];
     if (c.b < 60) {
@@ -168,8 +168,8 @@ TEST_CASE("vtp: a step of a divided box as VTK reads it") {
       if (c.b == 60) CHECK(std::abs(a["points"][3 * p + 1]) < 1e-12);
     }
     // Open: no impulse; sliding: on the edge of the cone; sticking: inside.
-    const double status = a["cell/status"][60 + k], n = step.contacts[k].impulse_n,
-                 t = std::abs(step.contacts[k].impulse_t);
+    const double status = a["cell/status"][60 + k], n = step.contacts[k].impulse.n,
+                 t = std::abs(step.contacts[k].impulse.t);
     CHECK((status == 0) == (n == 0));
     if (status == 1) CHECK(t < 0.3 * n);
     if (status >= 2) CHECK(t == doctest::Approx(0.3 * n));

@@ -35,6 +35,7 @@ struct DiagonalDelassus {
   double inverse_n = 0, inverse_t = 0;  ///< 1/W_nn, 1/W_tt, kg
 
   LocalVector apply(LocalVector r) const { return {r.n / inverse_n, r.t / inverse_t}; }
+  LocalVector solve(LocalVector v) const { return {inverse_n * v.n, inverse_t * v.t}; }
   /// (W + epsilon I)^-1 W r
   LocalVector soften(LocalVector r, double epsilon) const {
     return {r.n / (1 + epsilon * inverse_n), r.t / (1 + epsilon * inverse_t)};

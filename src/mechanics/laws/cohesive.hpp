@@ -3,8 +3,6 @@
 
 #include "mechanics/laws/coulomb.hpp"
 
-#include <string_view>
-
 namespace nscdd {
 
 /// Coulomb's law of grains that stick together: a contact that touches pulls with up to `cohesion` before it opens,
