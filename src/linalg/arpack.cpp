@@ -5,10 +5,7 @@
 
 #include <arpack/arpack.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <mutex>
-#include <vector>
 
 namespace nscdd {
 namespace {

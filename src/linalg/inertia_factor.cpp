@@ -3,11 +3,8 @@
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
-#include <cmath>
-#include <memory>
 #include <mutex>
 #include <numeric>
-#include <optional>
 
 namespace nscdd {
 namespace {

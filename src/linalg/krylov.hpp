@@ -1,38 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/linalg/arpack_options.hpp>
 
 #include <complex>
-#include <concepts>
-#include <functional>
 
 namespace nscdd {
 
-/// Anything that maps R^cols to R^rows linearly: y = apply(x).
-template <class Operator>
-concept LinearOperator = requires(const Operator& op, const Vector& x) {
-  { op.rows() } -> std::convertible_to<Index>;
-  { op.cols() } -> std::convertible_to<Index>;
-  { op.apply(x) } -> std::convertible_to<Vector>;
-};
-
-/// A linear map with its kind forgotten, as the iterative solvers take it.
+/// x -> A x, as the iterative solvers take a linear map.
 using LinearMap = std::function<Vector(const Vector&)>;
-
-template <LinearOperator Operator>
-LinearMap linear_map(Operator op) {
-  return [op = std::move(op)](const Vector& x) -> Vector { return op.apply(x); };
-}
-
-/// Dense matrix of an operator, one application per column.
-template <LinearOperator Operator>
-Matrix dense(const Operator& op) {
-  Matrix a(op.rows(), op.cols());
-  for (Index j = 0; j < op.cols(); ++j) a.col(j) = op.apply(Vector::Unit(op.cols(), j));
-  return a;
-}
 
 /// ARPACK cannot treat problems smaller than this; callers go dense below it.
 inline constexpr Index arpack_smallest_size = 5;

@@ -6,10 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <lapacke.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
-#include <vector>
 
 namespace nscdd {
 namespace {
@@ -30,14 +27,8 @@ Tridiagonal tridiagonalise(Matrix c) {
   return t;
 }
 
-// Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors; empty where
-// LAPACK fails.
-struct Pairs {
-  Vector values;
-  Matrix vectors;
-};
-
-Pairs eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
+// Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors; empty if LAPACK fails.
+SymmetricEigen eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   const Index wanted = last - first + 1;
   lapack_int found = 0, blocks = 0;
@@ -79,7 +70,7 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
   if (!ends.definite) return ends;
   LAPACKE_dsygst(LAPACK_COL_MAJOR, 1, 'L', n, c.data(), n, lower.data(), n);  // C = L^-1 A L^-T
   const Tridiagonal t = tridiagonalise(std::move(c));                         // T = Q^T C Q
-  const Pairs low = eigenpairs(t, 1, k), high = eigenpairs(t, n - k + 1, n);
+  const SymmetricEigen low = eigenpairs(t, 1, k), high = eigenpairs(t, n - k + 1, n);
   ends.definite = low.values.size() > 0 && high.values.size() > 0;
   if (!ends.definite) return ends;
   Matrix y(n, 2 * k);

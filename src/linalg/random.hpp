@@ -6,8 +6,6 @@
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
 
-#include <cstdint>
-#include <memory>
 #include <new>
 
 namespace nscdd {

@@ -9,8 +9,6 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <lapacke.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace nscdd {

@@ -2,10 +2,6 @@
 #pragma once
 
 #include "linalg/ldlt/factor.hpp"
-#include <nscdd/core/types.hpp>
-
-#include <optional>
-#include <vector>
 
 namespace nscdd {
 

@@ -9,9 +9,7 @@
 #include <gsl/gsl_min.h>
 #include <gsl/gsl_roots.h>
 
-#include <cmath>
 #include <exception>
-#include <memory>
 
 namespace nscdd {
 namespace {

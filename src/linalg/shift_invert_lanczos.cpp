@@ -5,9 +5,6 @@
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

@@ -1,16 +1,62 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_cholesky.hpp"
 
-#include "linalg/cholmod_factor.hpp"
 #include "linalg/threads.hpp"
 
+#include <cholmod.h>
+#include <metis.h>
+
+#include <new>
+
 namespace nscdd {
+
+// A factor of CHOLMOD, symbolic or numeric, with the settings and the status that belong to it: silent (status codes
+// are read instead), one fixed ordering, L L^T.
+struct CholmodFactor {
+  explicit CholmodFactor(int ordering) {
+    cholmod_start(&common);
+    common.print = 0;
+    common.nmethods = 1;
+    common.method[0].ordering = ordering;
+    common.postorder = 1;
+    common.final_ll = 1;
+    common.quick_return_if_not_posdef = 1;
+  }
+  ~CholmodFactor() {
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+  }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+
+  // Throws std::bad_alloc if the last call ran out of memory or gave no result.
+  void require_memory(bool result) const {
+    if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE || !result) throw std::bad_alloc();
+  }
+
+  cholmod_common common;
+  cholmod_factor* factor = nullptr;
+};
+
 namespace {
 
 constexpr int ordering = CHOLMOD_METIS;  // nested dissection, the best for the planar networks of grains
 
-cholmod_sparse view(const SparseMatrix& a) {
-  return lower_triangle_view(at(a.rows()), at(a.nonZeros()), a.outerIndexPtr(), a.innerIndexPtr(), a.valuePtr());
+// The lower triangle of a symmetric matrix as CHOLMOD sees it without a copy.
+cholmod_sparse view(const SparseMatrix& lower) {
+  cholmod_sparse a{};
+  a.nrow = a.ncol = at(lower.rows());
+  a.nzmax = at(lower.nonZeros());
+  a.p = const_cast<int*>(lower.outerIndexPtr());
+  a.i = const_cast<int*>(lower.innerIndexPtr());
+  a.x = const_cast<double*>(lower.valuePtr());
+  a.stype = -1;
+  a.itype = CHOLMOD_INT;
+  a.xtype = CHOLMOD_REAL;
+  a.dtype = CHOLMOD_DOUBLE;
+  a.sorted = 1;
+  a.packed = 1;
+  return a;
 }
 
 }  // namespace
@@ -18,8 +64,10 @@ cholmod_sparse view(const SparseMatrix& a) {
 CholeskyAnalysis::CholeskyAnalysis(const SparseMatrix& pattern) {
   const auto symbolic = std::make_shared<CholmodFactor>(ordering);
   cholmod_sparse a = view(pattern);
-  const OneMetis one_at_a_time;
-  symbolic->factor = cholmod_analyze(&a, &symbolic->common);
+  metis_status([&] {
+    symbolic->factor = cholmod_analyze(&a, &symbolic->common);
+    return symbolic->factor == nullptr ? METIS_ERROR : METIS_OK;
+  });
   symbolic->require_memory(symbolic->factor != nullptr);
   symbolic_ = symbolic;
 }
@@ -49,6 +97,24 @@ Matrix SparseCholesky::solve(const Matrix& b) const {
   Matrix result = Eigen::Map<const Matrix>(static_cast<const double*>(x->x), b.rows(), b.cols());
   cholmod_free_dense(&x, &numeric_->common);
   return result;
+}
+
+Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order) {
+  cholmod_sparse a = view(pattern);
+  CholmodFactor cholmod(CHOLMOD_GIVEN);
+  cholmod.common.supernodal = CHOLMOD_SUPERNODAL;
+  cholmod.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &cholmod.common);
+  cholmod.require_memory(cholmod.factor != nullptr && cholmod.common.status >= CHOLMOD_OK);
+  const cholmod_factor& factor = *cholmod.factor;
+  const auto numbers = [](const void* from, std::size_t size) {
+    const auto* const first = static_cast<const int*>(from);
+    return std::vector<int>(first, first + size);
+  };
+  const std::vector<int> first_row = numbers(factor.pi, factor.nsuper + 1);
+  return {.node = numbers(factor.Perm, order.size()),
+          .first_column = numbers(factor.super, factor.nsuper + 1),
+          .first_row = first_row,
+          .rows = numbers(factor.s, at(first_row.back()))};
 }
 
 }  // namespace nscdd

@@ -3,8 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <memory>
-
 namespace nscdd {
 
 struct CholmodFactor;
@@ -34,5 +32,19 @@ class SparseCholesky {
   std::shared_ptr<CholmodFactor> numeric_;
   bool positive_definite_;
 };
+
+/// Runs of columns of a Cholesky factor with the same rows below them. A "position" is a place in the order of
+/// elimination.
+struct Supernodes {
+  std::vector<int> node;          ///< at each position, the row of the matrix
+  std::vector<int> first_column;  ///< supernode s eliminates positions first_column[s] ... first_column[s + 1] - 1
+  std::vector<int> first_row;     ///< its rows are rows[first_row[s]] ... rows[first_row[s + 1] - 1]
+  std::vector<int> rows;          ///< as positions, ascending; those that s eliminates come first
+  Index size() const { return count(first_column) - 1; }
+};
+
+/// The supernodes of a pattern, given as for CholeskyAnalysis, n >= 1, that is eliminated in this order, apart from
+/// subtrees that CHOLMOD puts together. Throws std::bad_alloc if memory runs out.
+Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order);
 
 }  // namespace nscdd

@@ -3,8 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <vector>
-
 namespace nscdd {
 
 /// Calls visit(row, column, value) for the stored entries of a sparse matrix, column by column.

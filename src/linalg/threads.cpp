@@ -19,8 +19,6 @@ __attribute__((weak)) int openblas_get_parallel();
 
 namespace nscdd {
 
-static std::mutex metis_mutex;
-
 ThreadLimit::ThreadLimit(Index threads) {
   using tbb::global_control;
   if (threads > 0) control_ = std::make_shared<global_control>(global_control::max_allowed_parallelism, at(threads));
@@ -52,17 +50,17 @@ void for_each_in_parallel(Index n, const std::function<void(Index)>& work) {
   with_threads([&] { tbb::parallel_for(Index{0}, n, work, tbb::simple_partitioner()); });
 }
 
-OneMetis::OneMetis() : lock_(metis_mutex), before_(initstate(1, state_.data(), state_.size())) {}
-OneMetis::~OneMetis() { setstate(before_); }
-
 int metis_status(const std::function<int()>& call) {
-  int status = METIS_OK;
-  {
-    const OneMetis one_at_a_time;
-    status = call();
-    if (status != METIS_ERROR || (status = call()) != METIS_OK) return status;
-  }
-  std::raise(SIGTERM);
+  static std::mutex one_at_a_time;
+  alignas(8) char numbers[128];  // of the size the C library begins with
+  std::unique_lock lock(one_at_a_time);
+  char* const before = initstate(1, numbers, sizeof numbers);
+  int status = call();
+  const bool failed = status == METIS_ERROR;
+  if (failed) status = call();
+  setstate(before);
+  lock.unlock();
+  if (failed && status == METIS_OK) std::raise(SIGTERM);
   return status;
 }
 

@@ -4,11 +4,6 @@
 #include "core/process_guard.hpp"
 #include <nscdd/core/types.hpp>
 
-#include <array>
-#include <functional>
-#include <memory>
-#include <mutex>
-
 namespace nscdd {
 
 /// While it lives, parallel work uses at most `threads` threads (0: as many as the machine has). No result depends on
@@ -36,25 +31,12 @@ void with_threads(const std::function<void()>& work);
 /// work(0) ... work(n - 1) in parallel, each on its own data.
 void for_each_in_parallel(Index n, const std::function<void(Index)>& work);
 
-/// Held around every call that may reach METIS, which seeds the C library's random numbers and draws from them:
-/// orderings found at the same time would disturb each other. While one lives, others wait, and METIS has a state of
-/// these numbers to itself; the state that the process had comes back afterwards.
-class OneMetis {
- public:
-  OneMetis();
-  ~OneMetis();
-  OneMetis(const OneMetis&) = delete;
-  OneMetis& operator=(const OneMetis&) = delete;
-
- private:
-  std::unique_lock<std::mutex> lock_;
-  alignas(8) std::array<char, 128> state_{};  // of the size the C library begins with
-  char* before_;
-};
-
-/// The status of a call of METIS, made while one OneMetis lives. METIS catches SIGTERM, takes it for a failure of its
-/// own and hands it to nobody. A call that fails is therefore made again. If it succeeds then, a signal it was, and it
-/// is raised again for the process, whose own handlers METIS has put back.
+/// The status of a call that may reach METIS, which seeds the C library's random numbers and draws from them: two
+/// orderings found at the same time would disturb each other. Such calls are therefore made one at a time. Each has a
+/// state of these numbers to itself, and the state that the process had comes back afterwards.
+///
+/// METIS catches SIGTERM, takes it for a failure of its own and hands it to nobody. A call that fails is therefore made
+/// again. If it then succeeds, there was a signal. It is raised again for the process, whose handlers METIS put back.
 int metis_status(const std::function<int()>& call);
 
 }  // namespace nscdd

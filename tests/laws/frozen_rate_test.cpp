@@ -4,10 +4,8 @@
 // contacts do.
 #include "../support/granular.hpp"
 #include "ddm/frozen_iteration.hpp"
-#include "linalg/krylov.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "study/predicted_observed.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/contraction.hpp>
 
 #include <doctest/doctest.h>
@@ -18,6 +16,13 @@ using namespace nscdd;
 using namespace nscdd::testing;
 
 namespace {
+
+// Column by column.
+Matrix dense(const Contraction& b) {
+  Matrix a(b.rows(), b.cols());
+  for (Index j = 0; j < b.cols(); ++j) a.col(j) = b.apply(Vector::Unit(b.cols(), j));
+  return a;
+}
 
 Simulation sheared_box(Index grains, std::array<Index, 2> grid, const std::string& law = "coulomb") {
   Dynamics dynamics = tight();

@@ -1,37 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/ldlt/analysis.hpp"
 
-#include "linalg/cholmod_factor.hpp"
 #include "linalg/ldlt/factor.hpp"
+#include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
 #include <metis.h>
 
-#include <algorithm>
 #include <new>
 #include <numeric>
-#include <utility>
 
 namespace nscdd {
 namespace {
 
 constexpr Index panel_width = 128;  // columns among which pivots are sought
 
-// Adjacency of row groups. The neighbours of group g, without g itself and ascending, are
-// neighbours[start[g]] ... neighbours[start[g + 1] - 1].
+// Adjacency of row groups, which are the nodes that are ordered. The neighbours of group g, without g itself and
+// ascending, are neighbours[start[g]] ... neighbours[start[g + 1] - 1].
 struct GroupGraph {
   std::vector<int> start{0}, neighbours;
-};
-
-// Supernodes of the groups: runs of groups whose columns of the factor have the same rows below them. A
-// "position" is the place of a group in the elimination order.
-struct Supernodes {
-  std::vector<int> group;         // at each position
-  std::vector<int> first_column;  // supernode s eliminates positions first_column[s] ... first_column[s + 1] - 1
-  std::vector<int> first_row;     // its rows are rows[first_row[s]] ... rows[first_row[s + 1] - 1]
-  std::vector<int> rows;          // as positions, ascending; those that s eliminates come first
-  Index size() const { return static_cast<Index>(first_column.size()) - 1; }
 };
 
 std::vector<int> nested_dissection(GroupGraph graph, std::vector<int> weight) {
@@ -74,34 +62,20 @@ std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector
   return order;
 }
 
-// Orders groups of `weight` rows each by nested dissection (METIS), those marked in `last` (one flag per
-// group, or none) behind all others, and finds the supernodes of that order (CHOLMOD's symbolic
-// factorisation). Throws std::bad_alloc where the libraries run out of memory.
+// Orders groups of `weight` rows each by nested dissection (METIS), those marked in `last` (one flag per group, or
+// none) behind all others, and finds the supernodes of the groups in that order. Throws std::bad_alloc if memory runs
+// out.
 Supernodes ordered_supernodes(const GroupGraph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
-  if (weight.empty()) return {.group = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
-  std::vector<int> order = dissection_with_last(graph, weight, last), start{0}, rows;
-  for (int j = 0; j < static_cast<int>(order.size()); ++j) {  // lower triangle with its diagonal
-    rows.push_back(j);
+  if (weight.empty()) return {.node = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
+  SparseMatrix lower(count(weight), count(weight));
+  for (Index j = 0; j < lower.cols(); ++j) {
+    lower.startVec(j);
+    lower.insertBack(j, j) = 1;
     for (int k = graph.start[at(j)]; k < graph.start[at(j + 1)]; ++k)
-      if (graph.neighbours[at(k)] > j) rows.push_back(graph.neighbours[at(k)]);
-    start.push_back(static_cast<int>(rows.size()));
+      if (graph.neighbours[at(k)] > j) lower.insertBack(graph.neighbours[at(k)], j) = 1;
   }
-  cholmod_sparse a = lower_triangle_view(order.size(), rows.size(), start.data(), rows.data(), nullptr);
-  CholmodFactor cholmod(CHOLMOD_GIVEN);
-  cholmod.common.supernodal = CHOLMOD_SUPERNODAL;
-  cholmod.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &cholmod.common);
-  cholmod.require_memory(cholmod.factor != nullptr && cholmod.common.status >= CHOLMOD_OK);
-  const cholmod_factor* const factor = cholmod.factor;
-  const auto numbers = [](const void* from, std::size_t size) {
-    const auto* const first = static_cast<const int*>(from);
-    return std::vector<int>(first, first + size);
-  };
-  Supernodes nodes{.group = numbers(factor->Perm, order.size()),
-                   .first_column = numbers(factor->super, factor->nsuper + 1),
-                   .first_row = numbers(factor->pi, factor->nsuper + 1),
-                   .rows = {}};
-  nodes.rows = numbers(factor->s, at(nodes.first_row.back()));
-  return nodes;
+  lower.finalize();
+  return supernodes(lower, dissection_with_last(graph, weight, last));
 }
 
 // For each row without a group of its own, the groups that it touches.
@@ -160,7 +134,7 @@ struct RowGroups {
   RowGroups(std::vector<Index> of_rows, const std::vector<std::vector<Index>>& touched, Index groups,
             const Supernodes& nodes)
       : group(std::move(of_rows)), supernode(at(groups)), rank(group.size()), position_of(at(groups)) {
-    for (Index k = 0; k < groups; ++k) position_of[at(nodes.group[at(k)])] = k;
+    for (Index k = 0; k < groups; ++k) position_of[at(nodes.node[at(k)])] = k;
     for (Index s = 0; s < nodes.size(); ++s)
       for (int k = nodes.first_column[at(s)]; k < nodes.first_column[at(s + 1)]; ++k) supernode[at(k)] = s;
     const auto earlier = [&](Index a, Index b) { return position_of[at(a)] < position_of[at(b)]; };
@@ -193,7 +167,7 @@ void lay_out_fronts(FrontTree& tree, const Supernodes& nodes, const RowGroups& g
     const int first = nodes.first_row[at(s)], end = nodes.first_row[at(s + 1)];
     std::vector<Index> ends;
     for (int k = first; k < end; ++k) {
-      const std::vector<int>& members = groups.members[at(nodes.group[at(nodes.rows[at(k)])])];
+      const std::vector<int>& members = groups.members[at(nodes.node[at(nodes.rows[at(k)])])];
       tree.row_of.insert(tree.row_of.end(), members.begin(), members.end());
       if (k - first < pivot_groups) ends.push_back(count(tree.row_of) - front.first_row);
     }

@@ -5,8 +5,6 @@
 
 #include <tbb/task_group.h>
 
-#include <vector>
-
 namespace nscdd {
 
 /// One front of the multifrontal method, a dense symmetric matrix of `rows` rows, of which the first `pivots` are

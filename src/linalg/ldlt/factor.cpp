@@ -7,8 +7,6 @@
 #include <sys/mman.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <new>
 

@@ -3,9 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <memory>
-#include <vector>
-
 namespace nscdd {
 
 struct FrontTree;

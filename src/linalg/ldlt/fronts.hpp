@@ -7,9 +7,7 @@
 
 #include <atomic>
 #include <cstdlib>
-#include <memory>
 #include <mutex>
-#include <vector>
 
 namespace nscdd {
 
@@ -109,17 +107,41 @@ struct FactorFronts {
     return (tree.front(s).on_border ? border : interior->fronts).factors[at(s)];
   }
 
-  // Calls visit(first pivot, width, L with D on its diagonal, L below) for the panels of a front, up or down.
+  // Calls visit(first pivot, width, L with D on its diagonal, L below) for the panels of a front.
   template <class Visit>
   void for_panels(Index s, const Visit& visit) const {
     for (std::size_t k = 0; k < tree.front(s).panels.size(); ++k) panel(s, k, visit);
   }
-  template <class Visit>
-  void for_panels_back(Index s, const Visit& visit) const {
-    for (std::size_t k = tree.front(s).panels.size(); k > 0; --k) panel(s, k - 1, visit);
+
+  // Replaces the values of a front's rows, one column per right-hand side, by L^-1 times them.
+  template <class Values>
+  void go_forward(Index s, Values& local) const {
+    for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+      auto head = local.middleRows(first, width);
+      interchange(factor(s).swaps.data() + first, width, exchange_rows(head));
+      diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
+      local.bottomRows(left.rows()).noalias() -= left * head;
+    });
+  }
+  // The same by L^-T D^-1.
+  template <class Values>
+  void go_back(Index s, Values& local) const {
+    for (std::size_t k = tree.front(s).panels.size(); k > 0; --k)
+      panel(s, k - 1, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+        auto head = local.middleRows(first, width);
+        solve_diagonal(diagonal, factor(s).off.data() + first, head);
+        head.noalias() -= left.transpose() * local.bottomRows(left.rows());
+        diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
+        interchange_back(factor(s).swaps.data() + first, width, exchange_rows(head));
+      });
   }
 
  private:
+  static auto exchange_rows(auto& head) {
+    return [&head](Index i, Index j) {
+      if (i != j) head.row(i).swap(head.row(j));
+    };
+  }
   template <class Visit>
   void panel(Index s, std::size_t k, const Visit& visit) const {
     const Front& front = tree.front(s);

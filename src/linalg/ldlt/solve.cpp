@@ -3,11 +3,8 @@
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/ldlt/fronts.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 
-#include <algorithm>
 #include <numeric>
-#include <utility>
 
 namespace nscdd {
 namespace {
@@ -16,7 +13,6 @@ enum class Fronts { all, border };
 
 void go_forward(const FactorFronts& fronts, Index s, Vector& x, std::vector<Vector>& carried) {
   const Front& front = fronts.tree.front(s);
-  const FrontFactor& own = fronts.factor(s);
   const int* row = fronts.tree.rows_of(front);
   Vector local = Vector::Zero(front.rows);
   for (Index i = 0; i < front.pivots; ++i) local[i] = x[row[i]];
@@ -27,29 +23,17 @@ void go_forward(const FactorFronts& fronts, Index s, Vector& x, std::vector<Vect
     for (Index i = 0; i < child.update_rows(); ++i) local[place[i]] += carried[at(c)][i];
     carried[at(c)].resize(0);
   }
-  fronts.for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-    auto head = local.segment(first, width);
-    interchange(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(head[i], head[j]); });
-    diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
-    local.tail(left.rows()).noalias() -= left * head;
-  });
+  fronts.go_forward(s, local);
   for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
   carried[at(s)] = local.tail(front.update_rows());
 }
 
 void go_back(const FactorFronts& fronts, Index s, Vector& x) {
   const Front& front = fronts.tree.front(s);
-  const FrontFactor& own = fronts.factor(s);
   const int* row = fronts.tree.rows_of(front);
   Vector local(front.rows);
   for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
-  fronts.for_panels_back(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-    auto head = local.segment(first, width);
-    solve_diagonal(diagonal, own.off.data() + first, head);
-    head.noalias() -= left.transpose() * local.tail(left.rows());
-    diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-    interchange_back(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(head[i], head[j]); });
-  });
+  fronts.go_back(s, local);
   for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
 }
 
@@ -117,37 +101,15 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   Matrix x = Matrix::Zero(reached_rows, count(rows));
   for (Index k = 0; k < count(rows); ++k) x(compact[at(rows[at(k)])], k) = 1;
   const auto change_rows = [&](Index s, const auto& change) {
-    std::vector<Index> list(at(tree.front(s).rows));
-    std::transform(tree.rows_of(tree.front(s)), tree.rows_of(tree.front(s)) + list.size(), list.begin(),
-                   [&](int row) { return compact[at(row)]; });
+    std::vector<Index> list;
+    for (Index i = 0; i < tree.front(s).rows; ++i) list.push_back(compact[at(tree.rows_of(tree.front(s))[i])]);
     Matrix local = x(list, Eigen::all);
     change(local);
     x(list, Eigen::all) = local;
   };
-  for (const Index s : path)  // L^-1
-    change_rows(s, [&](Matrix& local) {
-      fronts.for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-        auto head = local.middleRows(first, width);
-        interchange(fronts.factor(s).swaps.data() + first, width, [&](Index i, Index j) {
-          if (i != j) head.row(i).swap(head.row(j));
-        });
-        diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
-        local.bottomRows(left.rows()).noalias() -= left * head;
-      });
-    });
+  for (const Index s : path) change_rows(s, [&](Matrix& local) { fronts.go_forward(s, local); });
   std::reverse(path.begin(), path.end());
-  for (const Index s : path)  // L^-T D^-1
-    change_rows(s, [&](Matrix& local) {
-      fronts.for_panels_back(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-        auto head = local.middleRows(first, width);
-        solve_diagonal(diagonal, fronts.factor(s).off.data() + first, head);
-        head.noalias() -= left.transpose() * local.bottomRows(left.rows());
-        diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-        interchange_back(fronts.factor(s).swaps.data() + first, width, [&](Index i, Index j) {
-          if (i != j) head.row(i).swap(head.row(j));
-        });
-      });
-    });
+  for (const Index s : path) change_rows(s, [&](Matrix& local) { fronts.go_back(s, local); });
   std::vector<Index> wanted;
   for (const Index row : rows) wanted.push_back(compact[at(row)]);
   return x(wanted, Eigen::all);
