@@ -3,10 +3,7 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <algorithm>
 #include <numeric>
-#include <span>
-#include <vector>
 
 namespace nscdd {
 
@@ -37,11 +34,9 @@ class CellGrid {
       }
   }
 
-  /// Calls visit(i) for every point of the cells that a square about (x, y) meets: every point no farther
-  /// than `distance` from there in both coordinates, and some that are. x, y anywhere, m.
-  template <class Visit>
   /// Calls visit(i) for every point of the cells that a square about (x, y) meets: every point no farther than
   /// `distance` from there in both coordinates, and some that are. x, y anywhere, m.
+  template <class Visit>
   void for_each_near(double x, double y, double distance, Visit&& visit) const {
     distance += rounding * side_;
     const Index first = along(x - x_low_ - distance, columns_), last = along(x - x_low_ + distance, columns_);

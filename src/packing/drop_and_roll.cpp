@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "packing/drop_and_roll.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <utility>
 
 namespace nscdd {
 namespace {

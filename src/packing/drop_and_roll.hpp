@@ -3,12 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
-
 namespace nscdd {
 
 struct Disk {

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "packing/disk_grid.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/packing/packing.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace nscdd {

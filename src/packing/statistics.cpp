@@ -3,8 +3,6 @@
 
 #include "packing/drop_and_roll.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace nscdd {

@@ -3,8 +3,6 @@
 
 #include <nscdd/packing/packing.hpp>
 
-#include <vector>
-
 namespace nscdd {
 
 /// Area of grains over area, overlaps counted twice.

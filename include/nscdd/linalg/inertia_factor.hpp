@@ -3,11 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <array>
-#include <functional>
-#include <string>
-#include <vector>
-
 namespace nscdd {
 
 /// A = L D L^T, up to a permutation, of a sparse symmetric n x n matrix: by Sylvester's law of inertia D has as many

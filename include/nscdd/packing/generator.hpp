@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
-#include <nscdd/packing/generators/hexagonal_lattice.hpp>
-#include <nscdd/packing/generators/triangular_strip.hpp>
+#include <nscdd/packing/generators/lattice.hpp>
 
 #include <variant>
 

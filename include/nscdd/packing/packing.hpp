@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/choice.hpp>
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/types.hpp>
-
-#include <array>
-#include <optional>
-#include <vector>
 
 namespace nscdd {
 

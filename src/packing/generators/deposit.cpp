@@ -4,11 +4,7 @@
 #include "packing/drop_and_roll.hpp"
 #include <nscdd/packing/generators/deposit.hpp>
 
-#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace nscdd {
 namespace {
@@ -72,9 +68,7 @@ Packing generate(const Deposit& deposit, const Monitor& monitor) {
   if (width > 1e7 * sizes.radius_min)
     fail("packing.width: expected at most 10^7 radius_min = {} m, met {}", 1e7 * sizes.radius_min, width);
   Packing packing;
-  packing.x.reserve(radii.size());
-  packing.y.reserve(radii.size());
-  packing.radius.reserve(radii.size());
+  for (auto* values : {&packing.x, &packing.y, &packing.radius}) values->reserve(radii.size());
   Heap heap(width, sizes.radius_max, radii);
   for (Index i = 0; i < deposit.grains; ++i) {
     if (i % 1024 == 0 && !report(monitor, i, deposit.grains)) break;

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/fields.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/packing/packing.hpp>
-
-#include <functional>
 
 namespace nscdd {
 

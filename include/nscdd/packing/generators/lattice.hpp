@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/fields.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/packing/packing.hpp>
 
 namespace nscdd {
+
+/// The parameter that all these disks share.
+inline constexpr Field radius_of_all{
+    .description = "radius of every disk", .unit = "m", .minimum = 0, .minimum_excluded = true};
+
+/// Two rows of touching equal disks: grain i at (i r, (i mod 2) sqrt(3) r). With n grains it has 2n - 3 contacts and is
+/// isostatic; n = 4, 8, 12 are the examples of [ADI12] Figures 2-4.
+struct TriangularStrip {
+  static constexpr std::string_view name = "strip";
+  static constexpr std::string_view summary = "two rows of touching equal disks, isostatic (2n-3 contacts)";
+  Index grains = 4;
+  double radius = 0.5;
+
+  template <class Self, class Visitor>
+  static void fields(Self& self, Visitor&& visit) {
+    visit("grains", self.grains, Field{.description = "number of disks", .minimum = 1, .maximum = 1e7});
+    visit("radius", self.radius, radius_of_all);
+  }
+};
+
+Packing generate(const TriangularStrip& strip, const Monitor& monitor = {});
 
 /// Touching equal disks on a triangular lattice, row by row: grain k = row x columns + column at
 /// ((2 column + row mod 2) r, row sqrt(3) r). Hyperstatic from 2 rows of 3 on.
@@ -30,8 +49,7 @@ struct HexagonalLattice {
   static void fields(Self& self, Visitor&& visit) {
     visit("columns", self.columns, Field{.description = "disks per row", .minimum = 1, .maximum = 1e5});
     visit("rows", self.rows, Field{.description = "rows", .minimum = 1, .maximum = 1e5});
-    visit("radius", self.radius,
-          Field{.description = "radius of every disk", .unit = "m", .minimum = 0, .minimum_excluded = true});
+    visit("radius", self.radius, radius_of_all);
     visit("vacancies", self.vacancies,
           Field{.description = "fraction of the disks left out", .minimum = 0, .maximum = 0.99});
     visit("disorder", self.disorder,

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/packing/generators/hexagonal_lattice.hpp>
+#include <nscdd/packing/generators/lattice.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
 namespace nscdd {
 namespace {
@@ -33,6 +30,17 @@ std::vector<char> vacant_sites(const std::vector<double>& numbers, double fracti
 }
 
 }  // namespace
+
+Packing generate(const TriangularStrip& strip, const Monitor& monitor) {
+  Packing packing;
+  for (Index i = 0; i < strip.grains; ++i) {
+    if (i % 4096 == 0 && !report(monitor, i, strip.grains)) break;
+    packing.x.push_back(static_cast<double>(i) * strip.radius);
+    packing.y.push_back(i % 2 == 0 ? 0.0 : std::numbers::sqrt3 * strip.radius);
+    packing.radius.push_back(strip.radius);
+  }
+  return packing;
+}
 
 Packing generate(const HexagonalLattice& lattice, const Monitor& monitor) {
   const Index sites = lattice.columns * lattice.rows;
