@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "files/output_file.hpp"
-#include "formats/step_fclib.hpp"
-#include "formats/trajectory.hpp"
-#include "formats/vtk.hpp"
+#include "formats/export.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 

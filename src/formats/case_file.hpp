@@ -4,10 +4,6 @@
 #include "study/case.hpp"
 #include "study/study.hpp"
 
-#include <functional>
-#include <string>
-#include <string_view>
-
 namespace nscdd {
 
 /// What a case file says, from its text alone. Strict: an unknown key, a wrong type, a missing section or a

@@ -4,11 +4,6 @@
 #include "files/hdf5_file.hpp"
 #include <nscdd/formats/fclib.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <limits>
-
 namespace nscdd {
 namespace {
 

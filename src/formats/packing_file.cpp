@@ -2,14 +2,9 @@
 #include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
-#include <nscdd/core/fields.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 
 namespace nscdd {
@@ -41,11 +36,6 @@ void require_columns(const std::vector<const PackingColumn*>& met, std::string_v
   for (const PackingColumn& known : packing_columns)
     if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
       fail("{}: expected a {} '{}', met none", where, kind, known.name);
-}
-
-bool in_bounds(double value, const Field& field) {
-  const bool low = field.minimum_excluded ? value <= field.minimum : value < field.minimum;
-  return std::isfinite(value) && !low && value <= field.maximum;
 }
 
 // Most numbers are valid. Only for the others a text is made that says where they stand.

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/step_fclib.hpp"
-
 #include "core/fail.hpp"
 #include "ddm/granular_decomposition.hpp"
+#include "formats/export.hpp"
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <numeric>
 #include <set>
 

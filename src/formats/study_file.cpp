@@ -4,7 +4,6 @@
 #include "formats/case_file.hpp"
 #include "study/values.hpp"
 
-#include <algorithm>
 #include <filesystem>
 
 namespace nscdd {

@@ -3,12 +3,8 @@
 
 #include "files/output_file.hpp"
 #include "simulation/simulation.hpp"
-#include <nscdd/core/table.hpp>
 
 #include <chrono>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace nscdd {
 
@@ -37,12 +33,11 @@ struct TrajectoryStep {
 /// The step that led from `solved` to the state of `after`.
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
 
-/// Writes the trajectory of a run as HDF5. Its layout is in docs/formats.md: /provenance, /case, /system,
-/// /steps for the steps that are kept, /last for the newest step, and /summary with a row per step.
-/// The file is an AlternatingFile: it holds whole steps at every moment, however the program ends, and can be
-/// read while the run goes on. Steps are gathered in memory and reach the file
-/// together, with `commit`. Throws Error if the system refuses (no room left, no permission) or another run
-/// writes the same file.
+/// Writes the trajectory of a run as HDF5. Its layout is in docs/formats.md: /provenance, /case, /system, /steps for
+/// the steps that are kept, /last for the newest step, and /summary with a row per step. The file is an
+/// AlternatingFile: it holds whole steps at every moment, however the program ends, and can be read while the run goes
+/// on. Steps are gathered in memory and reach the file together, with `commit`. Throws Error if the system refuses (no
+/// room left, no permission) or another run writes the same file.
 class TrajectoryWriter {
  public:
   /// Begins a new trajectory with the state `first`. A file of that name is replaced.

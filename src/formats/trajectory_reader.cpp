@@ -2,12 +2,7 @@
 #include "core/fail.hpp"
 #include "formats/case_file.hpp"
 #include "formats/trajectory_layout.hpp"
-#include <nscdd/core/error.hpp>
-#include <nscdd/core/fields.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <filesystem>
 
 namespace nscdd {
@@ -101,12 +96,8 @@ GranularSystem get_system(const Group& root) {
   system.mass = group.numbers<double>("mass");
   for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
   system.walls = get_structs<Wall>(group.group("walls"), layout::wall_columns);
-  const std::string names = group.text("boundaries");
-  for (std::size_t begin = 0; begin < names.size();) {
-    const std::size_t end = std::min(names.find('\n', begin), names.size());
-    system.boundaries.push_back({names.substr(begin, end - begin), {}});
-    begin = end + 1;
-  }
+  std::istringstream names(group.text("boundaries"));
+  for (std::string name; std::getline(names, name);) system.boundaries.push_back({name, {}});
   return system;
 }
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/trajectory_layout.hpp"
 #include "mechanics/disk_contacts.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 
 namespace nscdd {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "formats/vtk.hpp"
-
 #include "core/fail.hpp"
-
-#include <fmt/format.h>
+#include "formats/export.hpp"
 
 #include <bit>
-#include <cstdint>
 #include <set>
 #include <type_traits>
 

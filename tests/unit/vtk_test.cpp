@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is written for ParaView, read back by VTK itself (tests/unit/read_vtk.py).
-#include "formats/vtk.hpp"
-
 #include "../support/granular.hpp"
 #include "../support/run_program.hpp"
-#include <nscdd/core/error.hpp>
+#include "formats/export.hpp"
 
 #include <doctest/doctest.h>
 

@@ -4,11 +4,7 @@
 #include <nscdd/core/table.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
-#include <optional>
-#include <string>
-#include <string_view>
 #include <variant>
-#include <vector>
 
 namespace nscdd {
 

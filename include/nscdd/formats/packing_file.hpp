@@ -4,10 +4,6 @@
 #include <nscdd/core/table.hpp>
 #include <nscdd/packing/packing.hpp>
 
-#include <optional>
-#include <string>
-#include <string_view>
-
 namespace nscdd {
 
 /// How a packing is kept in a file.

@@ -3,10 +3,6 @@
 
 #include <nscdd/study/model.hpp>
 
-#include <string>
-#include <utility>
-#include <vector>
-
 namespace nscdd {
 
 /// The model of a case file with some of its keys set to other values, as `--set` does: {"packing.grains", "8"}.
