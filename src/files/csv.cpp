@@ -2,25 +2,14 @@
 #include "files/csv.hpp"
 
 #include "core/fail.hpp"
-#include <nscdd/core/error.hpp>
+#include "core/text.hpp"
 #include <nscdd/core/fields.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 namespace nscdd {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 std::optional<double> number_in(const std::string& text) {
   try {
@@ -42,13 +31,13 @@ bool same_value(const Cell& cell, const std::string& expected, double tolerance,
 // The values of one line. Values in quotes are not as they stand in the text and are kept in `quoted`.
 template <class Where>
 void split_values(std::string_view line, const Where& where, std::vector<std::string_view>& values,
-                  std::vector<std::pair<std::size_t, std::string>>& quoted) {
+                  std::deque<std::string>& quoted) {
   values.clear();
   quoted.clear();
   for (std::size_t i = 0;; ++i) {
     const std::size_t start = std::min(line.find_first_not_of(" \t", i), line.size());
     if (line.substr(start, 1) == "\"") {
-      std::string value;
+      std::string& value = quoted.emplace_back();
       for (i = start + 1;; ++i) {
         if (i >= line.size()) fail("{}: expected a closing quote, met the end of the line", where());
         if (line[i] == '"') {
@@ -61,9 +50,8 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
       const std::size_t comma = std::min(line.find(',', i), line.size());
       if (!trimmed(line.substr(i, comma - i)).empty())
         fail("{}: expected a comma after a closing quote, met '{}'", where(), line.substr(i, comma - i));
-      quoted.emplace_back(values.size(), std::move(value));
       i = comma;
-      values.emplace_back();
+      values.emplace_back(value);
     } else {
       const std::size_t comma = std::min(line.find(',', i), line.size());
       values.push_back(trimmed(line.substr(i, comma - i)));
@@ -71,15 +59,13 @@ void split_values(std::string_view line, const Where& where, std::vector<std::st
     }
     if (i >= line.size()) break;
   }
-  // Only now, because views of these texts would not survive the growth of their list.
-  for (const auto& [column, text] : quoted) values[column] = text;
 }
 
 }  // namespace
 
 std::vector<std::string> csv_values(std::string_view line, const std::string& where) {
   std::vector<std::string_view> values;
-  std::vector<std::pair<std::size_t, std::string>> quoted;
+  std::deque<std::string> quoted;
   split_values(
       line, [&] { return where; }, values, quoted);
   return {values.begin(), values.end()};
@@ -162,7 +148,7 @@ std::string CsvReader::where() const { return fmt::format("{}:{}", name_, line_)
 
 CsvText parse_csv(std::string_view text, const std::string& name) {
   CsvReader reader(text, name);
-  CsvText csv{.columns = reader.columns(), .header_line = reader.line(), .rows = {}, .lines = {}};
+  CsvText csv{.columns = reader.columns()};
   while (reader.next()) {
     std::vector<std::string> row;
     for (std::size_t j = 0; j < csv.columns.size(); ++j) row.emplace_back(reader.value(j));
@@ -201,18 +187,17 @@ std::string compare(const Table& table, const CsvText& expected, double toleranc
                     const std::map<std::string, double>& column_tolerance, bool relative) {
   constexpr auto not_compared =
       std::to_array<std::string_view>({"applications", "iterations", "spectra", "residual", "difference"});
-  std::vector<std::string> names;
-  for (const Column& column : table.columns) names.push_back(column.name);
-  if (names != expected.columns) return "the columns differ";
+  if (!std::ranges::equal(table.columns, expected.columns, {}, &Column::name)) return "the columns differ";
   if (table.rows.size() != expected.rows.size())
     return fmt::format("expected {} rows, met {}", expected.rows.size(), table.rows.size());
   for (std::size_t i = 0; i < table.rows.size(); ++i)
-    for (std::size_t j = 0; j < names.size(); ++j) {
-      if (std::ranges::find(not_compared, names[j]) != not_compared.end()) continue;
-      const auto own = column_tolerance.find(names[j]);
+    for (std::size_t j = 0; j < table.columns.size(); ++j) {
+      const std::string& name = table.columns[j].name;
+      if (std::ranges::find(not_compared, name) != not_compared.end()) continue;
+      const auto own = column_tolerance.find(name);
       if (!same_value(table.rows[i][j], expected.rows[i][j], own == column_tolerance.end() ? tolerance : own->second,
                       relative))
-        return fmt::format("row {}, column {}: expected {}, met {}", i + 1, names[j], expected.rows[i][j],
+        return fmt::format("row {}, column {}: expected {}, met {}", i + 1, name, expected.rows[i][j],
                            to_text(table.rows[i][j]));
     }
   return "";

@@ -4,13 +4,8 @@
 #include "files/output_file.hpp"
 #include <nscdd/core/table.hpp>
 
-#include <cstdint>
+#include <deque>
 #include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace nscdd {
 
@@ -32,8 +27,7 @@ class CsvWriter {
   std::string header_;  ///< waits for the first row: a run that fails before it prints nothing
 };
 
-/// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in
-/// quotes.
+/// One line of CSV without its line feed: a value that holds a comma, a quote or a line feed stands in quotes.
 std::string csv_line(const Row& row);
 
 /// The line of names of a table.
@@ -63,15 +57,14 @@ class CsvReader {
   std::size_t line_ = 0;
   std::vector<std::string> columns_;
   std::vector<std::string_view> values_;
-  std::vector<std::pair<std::size_t, std::string>> quoted_;  ///< values in quotes, without them
+  std::deque<std::string> quoted_;  ///< values in quotes, without them
 };
 
 /// A CSV file as texts.
 struct CsvText {
   std::vector<std::string> columns;
-  std::size_t header_line = 0;  ///< line number of the names, from 1
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::size_t> lines;  ///< line number of each row, from 1
+  std::vector<std::vector<std::string>> rows{};
+  std::vector<std::size_t> lines{};  ///< line number of each row, from 1
 };
 
 /// The whole of a CSV text, as CsvReader reads it.
@@ -83,12 +76,11 @@ std::string read_text(const std::string& path);
 /// The table without units. A value is a number if it reads as one, else a text.
 Table untyped_table(const CsvText& csv);
 
-/// The first difference between a table and the CSV text of another, or "" if they agree. They agree if they
-/// have the same columns and the same number of rows, equal texts, and numbers that differ by no more than
-/// `tolerance` x max(1, |number|). A column may have a tolerance of its own. With `relative` the tolerance
-/// counts times |number| alone, so that small numbers count as much as large ones. Columns that tell the
-/// effort of a solver (applications, iterations, spectra) or its rounding (residual, difference) are not
-/// compared.
+/// The first difference between a table and the CSV text of another, or "" if they agree. They agree if they have the
+/// same columns and the same number of rows, equal texts, and numbers that differ by no more than `tolerance` x max(1,
+/// |number|). A column may have a tolerance of its own. With `relative` the tolerance counts times |number| alone, so
+/// that small numbers count as much as large ones. Columns that tell the effort of a solver (applications, iterations,
+/// spectra) or its rounding (residual, difference) are not compared.
 std::string compare(const Table& table, const CsvText& expected, double tolerance,
                     const std::map<std::string, double>& column_tolerance = {}, bool relative = false);
 

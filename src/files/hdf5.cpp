@@ -3,10 +3,6 @@
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
 namespace nscdd {
 namespace hdf5 {
 namespace {
@@ -29,8 +25,6 @@ struct Source {
 Source dataset_of(const Group& group, const std::string& name, const std::string& expected) {
   const std::string unlike =
       fmt::format("{}: expected {}, met {}", group.of(name), expected, group.has(name) ? "something else" : "none");
-  const Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose, unlike);
-  if (H5Iget_type(object) != H5I_DATASET) throw Error(unlike);
   Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, unlike);
   Handle type(H5Dget_type(id), H5Tclose, unlike), space(H5Dget_space(id), H5Sclose, unlike);
   return {std::move(id), std::move(type), std::move(space), unlike};

@@ -3,10 +3,6 @@
 
 #include <nscdd/core/table.hpp>
 
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace nscdd {
 
 /// A table under the name of its group.

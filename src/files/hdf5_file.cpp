@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 namespace nscdd::hdf5 {
 namespace {
 
@@ -80,24 +77,16 @@ Handle new_array(const Group& group, const std::string& name, hid_t type, const 
   return dataset;
 }
 
-template <class Value>
-std::vector<Value> gather(const Table& table, std::size_t column) {
-  std::vector<Value> values;
-  values.reserve(table.rows.size());
-  for (const Row& row : table.rows) values.push_back(std::get<Value>(row[column]));
-  return values;
-}
-
 }  // namespace
 
 ErrorHandler silence_errors() {
   ErrorHandler before;
-  H5Eget_auto2(H5E_DEFAULT, &before.function, &before.data);
+  H5Eget_auto2(H5E_DEFAULT, &before.first, &before.second);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   return before;
 }
 
-void restore_errors(const ErrorHandler& handler) { H5Eset_auto2(H5E_DEFAULT, handler.function, handler.data); }
+void restore_errors(const ErrorHandler& handler) { H5Eset_auto2(H5E_DEFAULT, handler.first, handler.second); }
 
 Handle::Handle(hid_t id, herr_t (*closing)(hid_t), const std::string& failure) : id_(id), close_(closing) {
   if (id_ < 0) throw Error(failure);
@@ -160,13 +149,8 @@ void Group::put_array(const std::string& name, Types types, const void* data, st
   require(H5Dwrite(dataset, types.memory, source, target, H5P_DEFAULT, data), failure);
 }
 
-template <class Value>
-void Group::put(const std::string& name, std::span<const Value> values, const ArrayForm& form) const {
-  put_array(name, types_of<Value>(), values.data(), values.size(), form);
-}
-
 // Texts of equal length, filled up with zeros.
-void Group::put_texts(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const {
+void Group::put(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const {
   std::size_t length = std::max<std::size_t>(form.longest_text, 1);
   if (form.longest_text == 0)
     for (const std::string& text : texts) length = std::max(length, text.size());
@@ -181,16 +165,13 @@ void Group::put_columns(const Table& table, ArrayForm form) const {
     const auto& [name, unit, description] = table.columns[j];
     form.attributes = {{"unit", unit}, {"description", description}};
     const Cell first = table.rows.empty() ? Cell{0.0} : table.rows[0][j];
-    if (std::holds_alternative<double>(first)) {
-      put<double>(name, gather<double>(table, j), form);
-    } else if (std::holds_alternative<std::int64_t>(first)) {
-      put<std::int64_t>(name, gather<std::int64_t>(table, j), form);
-    } else if (std::holds_alternative<bool>(first)) {
-      const std::vector<bool> flags = gather<bool>(table, j);
-      put<std::int8_t>(name, std::vector<std::int8_t>(flags.begin(), flags.end()), form);
-    } else {
-      put_texts(name, gather<std::string>(table, j), form);
-    }
+    std::visit(
+        [&]<class Value>(const Value&) {
+          std::vector<std::conditional_t<std::is_same_v<Value, bool>, std::int8_t, Value>> values;
+          for (const Row& row : table.rows) values.push_back(std::get<Value>(row[j]));
+          put(name, std::span(std::as_const(values)), form);
+        },
+        first);
   }
 }
 
@@ -244,10 +225,5 @@ Provenance provenance_of(const Group& root) {
   for (const std::string& name : origin.members()) provenance.emplace_back(name, origin.text(name));
   return provenance;
 }
-
-template void Group::put(const std::string&, std::span<const double>, const ArrayForm&) const;
-template void Group::put(const std::string&, std::span<const std::int64_t>, const ArrayForm&) const;
-template void Group::put(const std::string&, std::span<const std::int32_t>, const ArrayForm&) const;
-template void Group::put(const std::string&, std::span<const std::int8_t>, const ArrayForm&) const;
 
 }  // namespace nscdd::hdf5

@@ -3,29 +3,17 @@
 
 #include "core/process_guard.hpp"
 #include "files/hdf5.hpp"
-#include <nscdd/core/error.hpp>
-#include <nscdd/core/types.hpp>
 
 #include <hdf5.h>
 
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 /// The C interface of HDF5 as this program uses it: files on disk or in memory, groups, arrays of numbers,
 /// texts. Whatever fails throws Error. Files carry no time stamps, so that equal content gives equal bytes.
 namespace nscdd::hdf5 {
 
-struct ErrorHandler {
-  H5E_auto2_t function = nullptr;
-  void* data = nullptr;
-};
-ErrorHandler silence_errors();  ///< returns the handler that HDF5 had
+using ErrorHandler = std::pair<H5E_auto2_t, void*>;  ///< with its data
+ErrorHandler silence_errors();                       ///< returns the handler that HDF5 had
 void restore_errors(const ErrorHandler& handler);
 /// While such an object lives, HDF5 prints no error messages of its own.
 using QuietErrors = ProcessGuard<silence_errors, restore_errors>;
@@ -105,8 +93,10 @@ class Group {
   /// Writing. A group or array that exists is taken again; an array with chunks is then resized.
   Group make_group(const std::string& name) const;
   template <class Value>
-  void put(const std::string& name, std::span<const Value> values, const ArrayForm& form = {}) const;
-  void put_texts(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const;
+  void put(const std::string& name, std::span<const Value> values, const ArrayForm& form = {}) const {
+    put_array(name, types_of<Value>(), values.data(), values.size(), form);
+  }
+  void put(const std::string& name, std::span<const std::string> texts, const ArrayForm& form) const;
   /// The columns of a table, with their units and descriptions.
   void put_columns(const Table& table, ArrayForm form = {}) const;
   /// `terminated`: with a zero at its end, for readers that take the bytes as a string of C.

@@ -2,7 +2,6 @@
 #include "files/output_file.hpp"
 
 #include "core/fail.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -11,7 +10,6 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
-#include <utility>
 
 namespace nscdd {
 namespace {

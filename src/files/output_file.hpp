@@ -31,11 +31,10 @@ std::filesystem::path partial_path(const std::filesystem::path& path);
 /// Whether `path` is a device or a pipe, which holds nothing; "-" (standard output) counts as one.
 bool is_stream(const std::filesystem::path& path);
 
-/// An output that appears under its name only when it is complete: it grows as `path.partial`, and `finish`
-/// renames it. A killed run leaves the partial file, which can be read. A run that ends by an exception
-/// removes it, unless it holds bytes of an earlier run. "-" is standard output; devices and pipes are written
-/// to directly. Every function throws Error if the system refuses (no room left, no permission) or another
-/// run is writing the same partial file.
+/// An output that appears under its name only when it is complete: it grows as `path.partial`, and `finish` renames it.
+/// A killed run leaves the partial file, which can be read. A run that ends by an exception removes it, unless it holds
+/// bytes of an earlier run. "-" is standard output; devices and pipes are written to directly. Every function throws
+/// Error if the system refuses (no room left, no permission) or another run is writing the same partial file.
 class OutputFile {
  public:
   /// With `kept_bytes`, the partial file of an earlier run is continued behind that many bytes instead of

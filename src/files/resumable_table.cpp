@@ -2,11 +2,8 @@
 #include "files/resumable_table.hpp"
 
 #include "core/fail.hpp"
-#include "core/fingerprint.hpp"
+#include "core/text.hpp"
 #include "files/strict_toml.hpp"
-
-#include <algorithm>
-#include <array>
 
 namespace nscdd {
 namespace {
@@ -14,6 +11,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 4> type_names{"integer", "number", "boolean", "text"};  // as in Cell
+
+struct WorkPart {
+  const char *key, *what;
+  std::string WorkIdentity::*text;
+};
+constexpr WorkPart work_parts[] = {{"version", "code version", &WorkIdentity::version},
+                                   {"cases", "case", &WorkIdentity::cases},
+                                   {"options", "choice of options", &WorkIdentity::options},
+                                   {"effort", "choice of solver options", &WorkIdentity::effort}};
 
 // A text of several lines as TOML. Every text ends with a line feed, so that its quotes never touch the closing ones.
 std::string lines(const std::string& text) {
@@ -148,12 +154,7 @@ KeptRows finished_rows(const std::string& path, const TableWork& work, bool forc
 }  // namespace
 
 std::string difference(const WorkIdentity& expected, const WorkIdentity& met) {
-  constexpr std::pair<const char*, std::string WorkIdentity::*> parts[] = {
-      {"code version", &WorkIdentity::version},
-      {"case", &WorkIdentity::cases},
-      {"choice of options", &WorkIdentity::options},
-      {"choice of solver options", &WorkIdentity::effort}};
-  for (const auto& [what, part] : parts)
+  for (const auto& [key, what, part] : work_parts)
     if (expected.*part != met.*part)
       return fmt::format("the {} differs: {}", what, differing_line(expected.*part, met.*part));
   return "";
@@ -164,11 +165,10 @@ std::filesystem::path record_path(const std::filesystem::path& table) { return t
 std::string to_toml(const TableRecord& record) {
   std::vector<std::string> types;
   for (const std::string& type : record.types) types.push_back(field_text(type));
-  return fmt::format(
-      "# What the rows of the table beside this file come from; --resume goes on with equal work only.\n"
-      "version = {}\n\ncases = {}\n\noptions = {}\n\neffort = {}\n\ntypes = [{}]\nfinished = {}\n",
-      lines(record.work.version), lines(record.work.cases), lines(record.work.options), lines(record.work.effort),
-      fmt::join(types, ", "), field_text(record.finished));
+  std::string text =
+      "# What the rows of the table beside this file come from; --resume goes on with equal work only.\n";
+  for (const WorkPart& part : work_parts) text += fmt::format("{} = {}\n\n", part.key, lines(record.work.*part.text));
+  return text + fmt::format("types = [{}]\nfinished = {}\n", fmt::join(types, ", "), field_text(record.finished));
 }
 
 TableRecord parse_record(std::string_view text, const std::string& file) {
@@ -176,10 +176,7 @@ TableRecord parse_record(std::string_view text, const std::string& file) {
   StrictTable root(document, file, "");
   TableRecord record;
   root.require_keys({"version", "cases", "options", "effort", "types"});
-  root.read("version", record.work.version);
-  root.read("cases", record.work.cases);
-  root.read("options", record.work.options);
-  root.read("effort", record.work.effort);
+  for (const WorkPart& part : work_parts) root.read(part.key, record.work.*part.text);
   root.read("finished", record.finished);
   const toml::node* types = root.node("types");
   if (!types->is_array()) root.fail("types", "an array", StrictTable::describe(*types));

@@ -2,16 +2,8 @@
 #pragma once
 
 #include "files/csv.hpp"
-#include <nscdd/core/table.hpp>
-#include <nscdd/core/types.hpp>
 
 #include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace nscdd {
 

@@ -2,17 +2,12 @@
 #pragma once
 
 #include "core/fail.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include <set>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace nscdd {
 
