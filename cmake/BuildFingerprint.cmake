@@ -12,7 +12,7 @@ foreach(file ${files})
 endforeach()
 string(SHA256 fingerprint "${all}")
 string(SUBSTRING ${fingerprint} 0 16 fingerprint)
-file(WRITE ${OUTPUT} "#include <nscdd/core/version.hpp>
+file(WRITE ${OUTPUT} "#include <nscdd/core/table.hpp>
 namespace nscdd {
 std::string build_fingerprint() { return \"${fingerprint}\"; }
 }  // namespace nscdd

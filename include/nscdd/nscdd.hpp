@@ -5,11 +5,9 @@
 /// and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says what each layer is
 /// for.
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/core/types.hpp>
-#include <nscdd/core/version.hpp>
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/interface.hpp>
@@ -30,8 +28,7 @@
 #include <nscdd/mechanics/reference_problem.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
-#include <nscdd/packing/generators/hexagonal_lattice.hpp>
-#include <nscdd/packing/generators/triangular_strip.hpp>
+#include <nscdd/packing/generators/lattice.hpp>
 #include <nscdd/packing/packing.hpp>
 #include <nscdd/study/model.hpp>
 #include <nscdd/study/sweep.hpp>

@@ -2,7 +2,7 @@
 #include "app/verbs.hpp"
 #include "files/hdf5.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <CLI/CLI.hpp>
 #ifdef __GLIBC__

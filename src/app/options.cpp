@@ -4,7 +4,7 @@
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 

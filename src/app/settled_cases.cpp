@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
-#include "core/fingerprint.hpp"
+#include "core/text.hpp"
 #include "files/csv.hpp"
 #include "files/output_file.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "core/fail.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/verbs.hpp"
 #include "files/output_file.hpp"
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <algorithm>
 #include <array>

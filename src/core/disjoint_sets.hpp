@@ -4,7 +4,6 @@
 #include <nscdd/core/types.hpp>
 
 #include <numeric>
-#include <vector>
 
 namespace nscdd {
 

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/error.hpp>
+#include <nscdd/core/types.hpp>
 
 #include <fmt/format.h>
-
-#include <utility>
 
 namespace nscdd {
 

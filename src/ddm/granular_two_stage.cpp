@@ -2,7 +2,6 @@
 #include "ddm/granular_two_stage.hpp"
 
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,6 @@
 #include "ddm/enriched_inertia.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 
 #include <algorithm>

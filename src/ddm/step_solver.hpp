@@ -84,7 +84,6 @@ inline void parse_value(std::string_view text, EtaChoice& value, std::string_vie
   value = EtaChoice(std::string(text), key);
 }
 inline std::string field_text(const EtaChoice& value) { return field_text(value.text()); }
-inline std::string_view field_type(const EtaChoice&) { return "text"; }
 inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
 /// How the contact problem of a step is solved.

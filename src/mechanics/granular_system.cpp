@@ -2,7 +2,6 @@
 #include "mechanics/granular_system.hpp"
 
 #include "core/fail.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "mechanics/connectivity.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
 #include <cmath>

@@ -2,7 +2,6 @@
 #include "simulation/dynamics.hpp"
 
 #include "core/fail.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -2,7 +2,6 @@
 #include "simulation/simulation.hpp"
 
 #include "simulation/step_decomposition.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <fmt/format.h>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "simulation/dynamics.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/study/model.hpp>

@@ -2,8 +2,8 @@
 #include "study/study.hpp"
 
 #include "core/fail.hpp"
-#include "core/fingerprint.hpp"
-#include <nscdd/core/version.hpp>
+#include "core/text.hpp"
+#include <nscdd/core/table.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

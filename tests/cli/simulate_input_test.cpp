@@ -3,7 +3,7 @@
 #include "../support/moving_case.hpp"
 #include "formats/trajectory.hpp"
 #include "session.hpp"
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,6 @@
 #include "files/csv.hpp"
 #include "formats/trajectory.hpp"
 #include "session.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,6 @@
 #include "formats/case_file.hpp"
 #include "require.hpp"
 #include "study/case.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -2,7 +2,6 @@
 // Any text is a packing or an Error; the contacts of a small packing are those that looking at every pair
 // finds.
 #include "require.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/packing.hpp>
 

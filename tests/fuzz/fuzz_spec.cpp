@@ -3,7 +3,6 @@
 // The first character of an input chooses the parser, the rest is the SPEC.
 #include "require.hpp"
 #include "study/values.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 
 #include <algorithm>

@@ -7,7 +7,6 @@
 #include "formats/case_file.hpp"
 #include "study/inspection.hpp"
 #include "study/study.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

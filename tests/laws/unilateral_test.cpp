@@ -6,7 +6,6 @@
 #include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
 #include "study/inspection.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

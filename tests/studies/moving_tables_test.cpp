@@ -6,7 +6,6 @@
 #include "formats/case_file.hpp"
 #include "simulation/simulation.hpp"
 #include "study/study.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

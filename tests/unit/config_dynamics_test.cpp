@@ -2,7 +2,6 @@
 // The sections of a case file that make it move.
 #include "../support/moving_case.hpp"
 #include "formats/case_file.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/disjoint_sets.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/table.hpp>
-#include <nscdd/core/version.hpp>
 #include <nscdd/packing/packing.hpp>
 
 #include <doctest/doctest.h>
@@ -146,8 +144,8 @@ TEST_CASE("suggestions: keys of a file and names of a choice") {
                        doctest::Contains("met \"densty\"; did you mean density?"), Error);
   CHECK(model == MassModel::unit);
   CHECK(to_string(model) == "unit");
-  CHECK(named<MassModel>("given") == MassModel::given);
-  CHECK_FALSE(named<MassModel>("densty").has_value());
+  CHECK(Choice<MassModel>::parse("given", "model") == MassModel::given);
+  CHECK_THROWS_AS(Choice<MassModel>::parse("densty", "model"), Error);
 }
 
 TEST_CASE("disjoint sets: a join makes two sets one, and says whether they were two") {

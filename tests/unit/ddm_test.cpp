@@ -4,7 +4,6 @@
 #include "ddm/two_stage.hpp"
 #include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/ddm/optimal_eta.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/fclib_files.hpp"
 #include "files/hdf5.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/fclib.hpp>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/matrices.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 
 #include <doctest/doctest.h>

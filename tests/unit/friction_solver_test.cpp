@@ -4,7 +4,6 @@
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/contact_law.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <Eigen/LU>

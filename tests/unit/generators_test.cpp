@@ -3,7 +3,6 @@
 #include "linalg/random.hpp"
 #include "packing/drop_and_roll.hpp"
 #include "packing/statistics.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/packing.hpp>
 

@@ -2,7 +2,6 @@
 // How a step ends: every status, and nothing that is no number passes for converged.
 #include "../support/granular.hpp"
 #include "simulation/simulation.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

@@ -2,7 +2,6 @@
 // Which contacts a step considers, where boundaries are and how they move, what is refused.
 #include "../support/granular.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,6 @@
 #include "../support/problems.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>

@@ -3,7 +3,6 @@
 #include "../support/matrices.hpp"
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

@@ -8,7 +8,6 @@
 #include "linalg/scalar.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <Eigen/Cholesky>
 #include <doctest/doctest.h>

@@ -4,7 +4,6 @@
 #include "linalg/random.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/gauss_seidel.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/mechanics/law.hpp>
 
 #include <doctest/doctest.h>

@@ -5,7 +5,6 @@
 
 #include "../support/problems.hpp"
 #include "ddm/two_stage.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>
@@ -247,6 +246,6 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
 
 TEST_CASE("mode: names of the ends of the spectrum") {
   for (const SpectrumSide side : {SpectrumSide::slowest, SpectrumSide::low, SpectrumSide::high})
-    CHECK(named<SpectrumSide>(to_string(side)) == side);
-  CHECK_FALSE(named<SpectrumSide>("fastest").has_value());
+    CHECK(Choice<SpectrumSide>::parse(to_string(side), "side") == side);
+  CHECK_THROWS_AS(Choice<SpectrumSide>::parse("fastest", "side"), Error);
 }

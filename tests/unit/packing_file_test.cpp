@@ -5,7 +5,6 @@
 #include "files/hdf5_file.hpp"
 #include "files/output_file.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/generator.hpp>
 

@@ -2,7 +2,6 @@
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
 #include "packing/disk_grid.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/packing.hpp>
 

@@ -3,12 +3,11 @@
 // bit.
 #include "../support/problems.hpp"
 #include "../support/run_program.hpp"
-#include "core/fingerprint.hpp"
+#include "core/text.hpp"
 #include "files/resumable_table.hpp"
 #include "study/memory_estimate.hpp"
 #include "study/study.hpp"
-#include <nscdd/core/error.hpp>
-#include <nscdd/core/version.hpp>
+#include <nscdd/core/table.hpp>
 
 #include <doctest/doctest.h>
 

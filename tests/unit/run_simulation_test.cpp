@@ -2,7 +2,6 @@
 // How a run of steps ends.
 #include "../support/granular.hpp"
 #include "simulation/simulation.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,7 +4,6 @@
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
-#include <nscdd/core/error.hpp>
 
 #include <doctest/doctest.h>
 

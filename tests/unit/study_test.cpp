@@ -5,7 +5,6 @@
 #include "../support/spectra.hpp"
 #include "study/inspection.hpp"
 #include "study/values.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/study/sweep.hpp>
 
 #include <doctest/doctest.h>

@@ -9,7 +9,6 @@
 #include "files/hdf5.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/simulation.hpp"
-#include <nscdd/core/error.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>

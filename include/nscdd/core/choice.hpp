@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,8 +10,7 @@
 #include <variant>
 #include <vector>
 
-/// Enumerations with names. The values of the enumeration count from 0; the table of its names stands beside
-/// it:
+/// Enumerations with names. The values of the enumeration count from 0; the table of its names stands beside it:
 ///     enum class Colour { red, green };
 ///     constexpr auto names_of(Colour) { return std::to_array<std::string_view>({"red", "green"}); }
 namespace nscdd {
@@ -35,17 +33,7 @@ std::vector<std::string> all_names() {
   return {names.begin(), names.end()};
 }
 
-/// The value of that name, if there is one.
-template <Named Enum>
-constexpr std::optional<Enum> named(std::string_view name) {
-  const auto names = names_of(Enum{});
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == name) return static_cast<Enum>(i);
-  return std::nullopt;
-}
-
-/// Position of a name among others. Throws Error "what: expected one of ..., met ..." if it is not among
-/// them.
+/// Position of a name among others. Throws Error "what: expected one of ..., met ..." if it is not among them.
 std::size_t position_of(std::string_view name, std::span<const std::string_view> names, std::string_view what);
 
 /// A parameter with named values. It can be set to a value or to a name; an unknown name throws Error.

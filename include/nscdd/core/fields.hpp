@@ -4,17 +4,12 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
-#include <array>
-#include <string>
-#include <string_view>
-#include <vector>
-
 /// One description per parameter, used to read it from a file, list it, write it and override it.
 /// A parameter struct P with defaults in place has
 ///     template <class Self, class Visitor> static void fields(Self& self, Visitor&& visit);
 /// which calls visit(key, self.member, Field{...}) once per parameter. Members are double, Index, bool,
 /// std::string, Choice<Enum>, pairs std::array<double, 2> and std::array<Index, 2>, or a type with its own
-/// parse_value, field_text, field_type and check_bounds, which is a text in TOML.
+/// parse_value, field_text and check_bounds, which is a text in TOML.
 namespace nscdd {
 
 struct Field {
@@ -38,13 +33,18 @@ double parse_number(std::string_view text, std::string_view what);
 Index parse_integer(std::string_view text, std::string_view what);
 
 /// Sets a value from text: numbers as printed, pairs as "a,b" or "[a, b]". Throws Error naming `key`.
-void parse_value(std::string_view text, double& value, std::string_view key);
-void parse_value(std::string_view text, Index& value, std::string_view key);
+inline void parse_value(std::string_view text, double& value, std::string_view key) { value = parse_number(text, key); }
+inline void parse_value(std::string_view text, Index& value, std::string_view key) { value = parse_integer(text, key); }
+inline void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
 void parse_value(std::string_view text, bool& value, std::string_view key);
-void parse_value(std::string_view text, std::string& value, std::string_view key);
-void parse_value(std::string_view text, std::array<double, 2>& value, std::string_view key);
-void parse_value(std::string_view text, std::array<Index, 2>& value, std::string_view key);
 
+/// The two parts of "a,b" or "[a, b]".
+std::array<std::string_view, 2> pair_of(std::string_view text, std::string_view key);
+template <class Number>
+void parse_value(std::string_view text, std::array<Number, 2>& value, std::string_view key) {
+  const auto parts = pair_of(text, key);
+  for (std::size_t i = 0; i < 2; ++i) parse_value(parts[i], value[i], key);
+}
 template <Named Enum>
 void parse_value(std::string_view text, Choice<Enum>& value, std::string_view key) {
   value = Choice<Enum>::parse(text, key);
@@ -52,32 +52,40 @@ void parse_value(std::string_view text, Choice<Enum>& value, std::string_view ke
 
 /// Text that parse_value reads back, in TOML syntax.
 std::string field_text(double value);
-std::string field_text(Index value);
-std::string field_text(bool value);
+inline std::string field_text(Index value) { return std::to_string(value); }
+inline std::string field_text(bool value) { return value ? "true" : "false"; }
 std::string field_text(const std::string& value);
-std::string field_text(const std::array<double, 2>& value);
-std::string field_text(const std::array<Index, 2>& value);
+template <class Number>
+std::string field_text(const std::array<Number, 2>& value) {
+  return "[" + field_text(value[0]) + ", " + field_text(value[1]) + "]";
+}
 template <Named Enum>
 std::string field_text(Choice<Enum> value) {
   return field_text(std::string(to_string(value)));
 }
 
-std::string_view field_type(double);
-std::string_view field_type(Index);
-std::string_view field_type(bool);
-std::string_view field_type(const std::string&);
-std::string_view field_type(const std::array<double, 2>&);
-std::string_view field_type(const std::array<Index, 2>&);
-template <Named Enum>
-std::string_view field_type(Choice<Enum>) {
+template <class Value>
+constexpr std::string_view field_type() {
+  if (std::is_same_v<Value, double>) return "number";
+  if (std::is_same_v<Value, Index>) return "integer";
+  if (std::is_same_v<Value, bool>) return "boolean";
+  if (std::is_same_v<Value, std::array<double, 2>>) return "pair of numbers";
+  if (std::is_same_v<Value, std::array<Index, 2>>) return "pair of integers";
   return "text";
 }
 
-/// Throws Error unless every component of the value is finite and within the bounds of its field.
+/// Whether a number is finite and within the bounds of its field.
+bool in_bounds(double value, const Field& field);
+
+/// Throws Error unless every component of the value is in bounds or is the one number that is allowed outside.
 void check_bounds(double value, const Field& field, std::string_view key);
-void check_bounds(Index value, const Field& field, std::string_view key);
-void check_bounds(const std::array<double, 2>& value, const Field& field, std::string_view key);
-void check_bounds(const std::array<Index, 2>& value, const Field& field, std::string_view key);
+inline void check_bounds(Index value, const Field& field, std::string_view key) {
+  check_bounds(static_cast<double>(value), field, key);
+}
+template <class Number>
+void check_bounds(const std::array<Number, 2>& value, const Field& field, std::string_view key) {
+  for (const Number component : value) check_bounds(component, field, key);
+}
 inline void check_bounds(bool, const Field&, std::string_view) {}
 inline void check_bounds(const std::string&, const Field&, std::string_view) {}
 template <Named Enum>
@@ -87,8 +95,8 @@ void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
 template <class Parameters>
 std::vector<FieldDescription> describe_fields(const Parameters& parameters) {
   std::vector<FieldDescription> all;
-  Parameters::fields(parameters, [&](std::string_view key, const auto& value, const Field& field) {
-    all.push_back({std::string(key), std::string(field_type(value)), field_text(value), std::string(field.unit),
+  Parameters::fields(parameters, [&]<class Value>(std::string_view key, const Value& value, const Field& field) {
+    all.push_back({std::string(key), std::string(field_type<Value>()), field_text(value), std::string(field.unit),
                    std::string(field.description)});
   });
   return all;

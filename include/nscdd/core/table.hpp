@@ -3,14 +3,9 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <cstdint>
-#include <functional>
 #include <initializer_list>
-#include <string>
 #include <type_traits>
-#include <utility>
 #include <variant>
-#include <vector>
 
 namespace nscdd {
 
@@ -113,8 +108,17 @@ ResultColumns<Result> joined(std::initializer_list<ResultColumns<Result>> lists)
   return all;
 }
 
-/// What a result file says of its origin: pairs of a name and a text, such as ("command_line", "nscdd run
-/// ...").
+/// What a result file says of its origin: pairs of a name and a text, such as ("command_line", "nscdd run ...").
 using Provenance = std::vector<std::pair<std::string, std::string>>;
+
+/// Version of this library, "major.minor.patch".
+std::string version();
+
+/// 16 hexadecimal digits that change with any source of the program, its compiler or its settings: two builds
+/// of one version with different ones need not give equal bits.
+std::string build_fingerprint();
+
+/// Name and version of every library that the numbers depend on, in a fixed order.
+Provenance dependency_versions();
 
 }  // namespace nscdd

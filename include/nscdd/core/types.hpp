@@ -4,10 +4,24 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+/// The words that every layer speaks. The headers of the standard library above are among them: a file that has this
+/// one, be it through another of ours, does not name them again.
 namespace nscdd {
 
 using Index = Eigen::Index;
@@ -26,6 +40,21 @@ template <class Container>
 constexpr Index count(const Container& c) {
   return static_cast<Index>(c.size());
 }
+
+/// Input that the program cannot use. The message says what was expected, what was met, and where (file and line, key,
+/// option or grain). An Error may be thrown anywhere; `main` catches it and returns exit code 2. A computation that
+/// does not converge throws no Error: its result has a flag for that.
+class Error : public std::runtime_error {
+ public:
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  /// About the value of a key of a case ("solver.criterion"): what() is "key: message", and whoever knows the file adds
+  /// its name and line.
+  Error(std::string key, const std::string& message) : std::runtime_error(key + ": " + message), key_(std::move(key)) {}
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
+};
 
 /// Long work calls it after each unit with (units done, units in all). If it returns false, the work stops at
 /// once and returns what it has. An empty Monitor is never called.
