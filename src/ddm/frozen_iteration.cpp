@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/frozen_iteration.hpp"
 
+#include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
 
-#include <Eigen/QR>
-
 #include <cmath>
+#include <limits>
 
 namespace nscdd {
 namespace {
@@ -142,8 +142,8 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
     Matrix kept = a;
     if (maps.impulses.cols() > 0) {
       const Matrix w(maps.resting.transpose() * maps.impulses);
-      kept -=
-          maps.impulses * Eigen::CompleteOrthogonalDecomposition<Matrix>(w).solve(Matrix(maps.resting.transpose() * a));
+      const double threshold = std::numeric_limits<double>::epsilon() * static_cast<double>(w.rows());
+      kept -= maps.impulses * minimum_norm_map(w, threshold)(maps.resting.transpose() * a);
     }
     system += a.transpose() * kept;
   }

@@ -5,7 +5,6 @@
 #include "linalg/threads.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 namespace nscdd {
 namespace {
@@ -18,7 +17,7 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
   ends.definite = cholesky.info() == Eigen::Success;
   if (!ends.definite) return ends;
   const Matrix image = cholesky.matrixU() * kernel;
-  const Matrix q = Matrix(Eigen::HouseholderQR<Matrix>(image).householderQ()).rightCols(p.rows() - kernel.cols());
+  const Matrix q = orthonormal_complement(image);
   const Matrix y = cholesky.matrixU().solve(q);
   const Matrix reduced = y.transpose() * a * y;
   ends = pencil_ends(0.5 * (reduced + reduced.transpose()), Matrix::Identity(q.cols(), q.cols()), wanted);

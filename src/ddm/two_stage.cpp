@@ -2,11 +2,11 @@
 #include "ddm/two_stage.hpp"
 
 #include "core/fail.hpp"
+#include "linalg/pencil.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -19,12 +19,8 @@ namespace {
 LinearMap exact_stage_one(const ContactSystem& contacts, double epsilon) {
   if (contacts.h.cols() == 0) return [](const Vector& right) { return right; };
   SparseMatrix w = contacts.h.transpose() * contacts.response;  // W = H^T M^-1 H
-  if (epsilon == 0) {
-    Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
-    decomposition.setThreshold(1e-12);
-    decomposition.compute(Matrix(w));
-    return [decomposition](const Vector& right) -> Vector { return decomposition.solve(right); };
-  }
+  if (epsilon == 0)
+    return [inverse = minimum_norm_map(w, 1e-12)](const Vector& right) -> Vector { return inverse(right); };
   w.diagonal().array() += epsilon;
   return [cholesky = SparseCholesky(CholeskyAnalysis(w), w)](const Vector& right) -> Vector {
     return cholesky.solve(right);

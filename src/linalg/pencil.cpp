@@ -4,6 +4,7 @@
 #include "linalg/threads.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <lapacke.h>
 
 #include <numeric>
@@ -99,6 +100,17 @@ SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   SymmetricSolver solver;
   solver.computeFromTridiagonal(diagonal, below);
   return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double threshold) {
+  Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
+  decomposition.setThreshold(threshold);
+  decomposition.compute(a);
+  return [decomposition](const Matrix& b) -> Matrix { return decomposition.solve(b); };
+}
+
+Matrix orthonormal_complement(const Matrix& columns) {
+  return Matrix(Eigen::HouseholderQR<Matrix>(columns).householderQ()).rightCols(columns.rows() - columns.cols());
 }
 
 KernelSplit split_kernel(const Matrix& s, Index nullity) {

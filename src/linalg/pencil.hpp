@@ -3,6 +3,8 @@
 
 #include <nscdd/core/types.hpp>
 
+#include <functional>
+
 namespace nscdd {
 
 /// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
@@ -25,7 +27,7 @@ double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, cons
                      const Matrix& vectors);
 
 /// All eigenvalues of a symmetric matrix, ascending, and orthonormal eigenvectors as columns (none unless they are
-/// wanted). Eigen's decomposition is slow to compile: this is the one place that does.
+/// wanted). Eigen's decompositions are slow to compile: this is the one place that does.
 struct SymmetricEigen {
   Vector values;
   Matrix vectors;
@@ -34,6 +36,13 @@ enum class Eigenvectors { wanted, not_wanted };
 SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvectors::wanted);
 /// The same of a tridiagonal matrix, given by its diagonal and the line below it.
 SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
+
+/// B -> A^+ B, the least-squares solutions of smallest norm, by a complete orthogonal decomposition: pivots below
+/// `threshold` times the largest count as zero.
+std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double threshold);
+
+/// Orthonormal columns that span what is orthogonal to n x m independent ones: n x (n - m).
+Matrix orthonormal_complement(const Matrix& columns);
 
 /// Orthonormal bases of the kernel of a symmetric positive semidefinite matrix and of its complement.
 struct KernelSplit {

@@ -12,7 +12,8 @@ template <class Expression>
 concept VectorExpression = (Expression::ColsAtCompileTime == 1);
 
 /// A dense matrix whose sums, products and inverses are plain functions, evaluated at once: formulas read as
-/// printed, and no product is a new template that every test compiles again. All work is done by Eigen.
+/// printed, and no product is a new template that every test compiles again. The decompositions are LAPACK's, as an
+/// independent judge of those of the library.
 class Dense {
  public:
   Dense() = default;  ///< without entries
@@ -50,8 +51,8 @@ Dense solve(const Dense& a, const Dense& b);  ///< A^-1 B by LU
 LinearMap solver(const Dense& a);             ///< x -> A^-1 x by one LU
 Vector solve(const Dense& a, const VectorExpression auto& b) { return solver(a)(b); }
 
-Index rank(const Dense& a);                                   ///< by QR with column exchanges
-Dense pseudo_inverse(const Dense& a, double threshold);       ///< A^+; pivots below threshold x largest are 0
+Index rank(const Dense& a);                                   ///< singular values above rounding
+Dense pseudo_inverse(const Dense& a, double threshold);       ///< A^+; singular values below threshold x largest are 0
 Vector least_norm_solution(const Dense& a, const Vector& b);  ///< A^+ b
 Dense orthogonal_factor(const Dense& a);                      ///< Q of A = Q R
 
