@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/progress.hpp"
+#include "app/verbs.hpp"
 
 #include <unistd.h>
 
@@ -8,7 +8,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <utility>
 
 namespace nscdd::app {
 namespace {
@@ -20,6 +19,36 @@ std::string duration_text(double seconds) {
   if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
   if (whole < 86400) return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
   return fmt::format("{} d {} h", whole / 86400, whole % 86400 / 3600);
+}
+
+struct ProgressBar {
+  std::string label, unit;
+  Index before;
+  double started = seconds(), drawn = 0;
+
+  ~ProgressBar() {
+    if (drawn > 0) fmt::print(stderr, "\r\033[K");
+  }
+  void draw(Index done, Index total);
+};
+
+void ProgressBar::draw(Index done, Index total) {
+  const double now = seconds();
+  if (now - drawn < 0.1 || total <= 0) return;
+  drawn = now;
+  const double fraction = static_cast<double>(done) / static_cast<double>(total);
+  constexpr int width = 30;
+  const int filled = static_cast<int>(fraction * width);
+  std::string speed;
+  if (done > before) {
+    const double each = (now - started) / static_cast<double>(done - before);
+    speed = each < 1 ? fmt::format(", {:.3g} {}s/s", 1 / std::max(each, 1e-9), unit)
+                     : fmt::format(", {:.3g} s/{}", each, unit);
+    speed += fmt::format(", {} left", duration_text(each * static_cast<double>(total - done)));
+  }
+  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label, "", filled, "", width - filled, 100 * fraction,
+             speed);
+  std::fflush(stderr);
 }
 
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
@@ -37,42 +66,13 @@ void vnote(fmt::string_view format, fmt::format_args arguments) {
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-Progress::Progress(std::string label, Index before, std::string unit)
-    : label_(std::move(label)),
-      unit_(std::move(unit)),
-      before_(before),
-      terminal_(isatty(STDERR_FILENO) != 0),
-      started_(seconds()) {}
-
-Progress::~Progress() {
-  if (terminal_ && drawn_ > 0) fmt::print(stderr, "\r\033[K");
-}
-
-Monitor Progress::monitor() {
-  if (!terminal_) return {};
-  return [this](Index done, Index total) {
-    draw(done, total);
+Monitor progress(std::string label, Index before, std::string unit) {
+  if (isatty(STDERR_FILENO) == 0) return {};
+  const std::shared_ptr<ProgressBar> bar(new ProgressBar{std::move(label), std::move(unit), before});
+  return [bar](Index done, Index total) {
+    bar->draw(done, total);
     return true;
   };
-}
-
-void Progress::draw(Index done, Index total) {
-  const double now = seconds();
-  if (now - drawn_ < 0.1 || total <= 0) return;
-  drawn_ = now;
-  const double fraction = static_cast<double>(done) / static_cast<double>(total);
-  constexpr int width = 30;
-  const int filled = static_cast<int>(fraction * width);
-  std::string speed;
-  if (done > before_) {
-    const double each = (now - started_) / static_cast<double>(done - before_);
-    speed = each < 1 ? fmt::format(", {:.3g} {}s/s", 1 / std::max(each, 1e-9), unit_)
-                     : fmt::format(", {:.3g} s/{}", each, unit_);
-    speed += fmt::format(", {} left", duration_text(each * static_cast<double>(total - done)));
-  }
-  fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", width - filled, 100 * fraction,
-             speed);
-  std::fflush(stderr);
 }
 
 Interruption::Interruption() {
@@ -96,9 +96,9 @@ Interruption::~Interruption() {
   }
 }
 
-Monitor Interruption::watch(Monitor monitor) {
-  return [this, inner = std::move(monitor)](Index done, Index total) {
-    if (!report(inner, done, total)) return false;
+Monitor Interruption::watch(std::string label, Index before, std::string unit) {
+  return [this, bar = progress(std::move(label), before, std::move(unit))](Index done, Index total) {
+    report(bar, done, total);
     stopped_ = stopped_ || (requested != 0 && done < total);
     return !stopped_;
   };

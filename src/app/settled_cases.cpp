@@ -113,13 +113,12 @@ Packing free_grains(const Simulation& simulation, Index grains) {
 }
 
 Packing simulate_to_the_end(const Case& one) {
-  Progress progress("settle " + one.spec.name, 0, "step");
   const Packing packing = packing_of(one);
   Simulation simulation = simulation_of(one);
   double kinetic = 0;
   RunSinks sinks;
   sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) { kinetic = report.energy.kinetic; };
-  sinks.monitor = progress.monitor();
+  sinks.monitor = progress("settle " + one.spec.name, 0, "step");
   const RunOutcome outcome = run_simulation(simulation, sinks);
   if (outcome.end == RunEnd::broke_down) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)

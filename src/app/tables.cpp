@@ -152,8 +152,7 @@ void repair_table(const StudyTable& work, const std::string& path, Interruption&
   OutputFile file(path, true);
   file.line(csv_header(layout.columns));
   require_columns(layout, text, path);
-  Progress progress("redo " + work.name);
-  const Monitor monitor = interruption.watch(progress.monitor());
+  const Monitor monitor = interruption.watch("redo " + work.name);
   CsvReader reader(text, path);
   Index number = 0;
   for (; reader.next(); ++number) {

@@ -89,8 +89,8 @@ int export_vtk(const Options& options) {
   std::vector<VtkFile> files;
   Interruption interruption;
   {
-    Progress progress("export " + fs::path(options.trajectory).filename().string(), 0, "step");
-    const Monitor monitor = interruption.watch(progress.monitor());
+    const std::string label = "export " + fs::path(options.trajectory).filename().string();
+    const Monitor monitor = interruption.watch(label, 0, "step");
     for (const Index step : steps) {
       const TrajectoryStep shown = read_trajectory_step(options.trajectory, step);
       files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", step)});

@@ -46,7 +46,7 @@ int run(const Options& options, const Context& context) {
   const PackingFormat format = output_format(options.output);
   const Case one = resolve(options);
   OutputFile file(options.output, options.force);
-  const Packing packing = packing_of(one, Progress("generate").monitor());
+  const Packing packing = packing_of(one, progress("generate"));
   file.bytes(packing_bytes(format, packing, provenance(context, {one})));
   file.finish();
   return 0;

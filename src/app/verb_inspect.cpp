@@ -74,7 +74,7 @@ int run(const Options& options) {
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
   if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
-  const Model model = build(with_overlaps_of_motion(one), Progress("generate").monitor());
+  const Model model = build(with_overlaps_of_motion(one), progress("generate"));
   const Index ranks_up_to = options.ranks ? std::numeric_limits<Index>::max() : ranks_up_to_by_default;
   MemoryNeed need = rank_need(model);
   if (options.ranks) need.advice = "no --ranks, " + need.advice;

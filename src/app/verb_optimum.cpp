@@ -63,7 +63,7 @@ int run(const Options& options) {
   ResumableTable csv(options.csv, table_work(work), options.how);
   const RowSink write = [&](const Row& cells) { csv.write(cells); };
   const Index failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
-                              interruption.watch(Progress(work.name, csv.kept()).monitor()), csv.kept());
+                              interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return leave(csv, options.csv);
   csv.finish();
   remove_record(options.csv);

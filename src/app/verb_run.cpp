@@ -67,15 +67,12 @@ std::vector<Case> resolve_cases(Study& study) {
 bool run_one(const StudyTable& table, ResumableTable& csv, Interruption& interruption, LeadIn& lead_in, Table& result) {
   const auto collect = [&](const Row& row) { result.rows.push_back(row); };
   csv.replay(collect);
-  Index failed = 0;
-  if (!csv.finished()) {
-    const auto write = [&](const Row& row) {
-      csv.write(row);
-      collect(row);
-    };
-    failed =
-        run_table(table, write, interruption.watch(Progress(table.name, csv.kept()).monitor()), csv.kept(), &lead_in);
-  }
+  const auto write = [&](const Row& row) {
+    csv.write(row);
+    collect(row);
+  };
+  const Index failed =
+      csv.finished() ? 0 : run_table(table, write, interruption.watch(table.name, csv.kept()), csv.kept(), &lead_in);
   if (interruption.stopped()) return false;
   csv.finish();
   if (failed > 0) note("{}: {} row(s) did not converge: see the column 'converged'", table.name, failed);

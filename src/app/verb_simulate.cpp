@@ -157,13 +157,12 @@ int run(const Options& options, const Context& context) {
                       fmt::format("from step {}: nscdd {}: {}\n", before, version(), context.command_line));
   else
     trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
-  Progress progress("simulate " + spec.name, before, "step");
-  RunSummary summary;
+  RunTotals totals;
   RunSinks sinks;
   if (table)
     sinks.iteration = {[&](const IterationRow& each) { table->write(row(iteration_columns(), each)); },
                        options.convergence_every.value_or(0)};
-  sinks.monitor = interruption.watch(progress.monitor());
+  sinks.monitor = interruption.watch("simulate " + spec.name, before, "step");
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
     trajectory->append(trajectory_step(after, solved), row(step_columns(), report), keep);

@@ -115,8 +115,7 @@ int run(const Options& options, const Context& context) {
   FrictionSolution solution;
   const double started = seconds();
   {
-    Progress progress("solve");
-    const Monitor monitor = interruption.watch(progress.monitor());
+    const Monitor monitor = interruption.watch("solve");
     solution = solve_friction(local, solver, guess, [&](const FrictionSolution& check) {
       if (csv) csv->write(row(columns, check));
       return report(monitor, check.sweeps, solver.maximum_sweeps);

@@ -59,7 +59,7 @@ void work_through(const Model& model, const StudyTable& work, ResumableTable& cs
     csv.write(cells);
     take(cells);
   };
-  sweep(model, work.sweep, write, interruption.watch(Progress(work.name, csv.kept()).monitor()), csv.kept());
+  sweep(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return;
   if (unproved > 0) note("{} row(s) did not converge: see the column 'converged'", unproved);
   if (rigid > 0)
