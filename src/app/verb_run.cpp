@@ -95,15 +95,16 @@ std::optional<CsvText> baseline_of(const Work& work, const StudyTable& table) {
   return parse_csv(read_text(path), path);
 }
 
-int check_baselines(const Work& work, const std::vector<NamedTable>& tables) {
+// Compares the tables as they are on disk with their baselines.
+int check_baselines(const Work& work) {
   int exit_code = 0, compared = 0;
-  for (std::size_t i = 0; i < tables.size(); ++i) {
-    const StudyTable& table = work.study.tables[i];
+  for (const StudyTable& table : work.study.tables) {
     const std::optional<CsvText> baseline = baseline_of(work, table);
     if (!baseline) continue;
     ++compared;
-    const std::string found =
-        compare(tables[i].table, *baseline, table.check_tolerance, table.column_tolerance, table.check_relative);
+    const std::string path = work.csv(table);
+    const std::string found = compare(untyped_table(parse_csv(read_text(path), path)), *baseline, table.check_tolerance,
+                                      table.column_tolerance, table.check_relative);
     if (found.empty()) continue;
     note("{}/{} differs from {}: {}", work.study.name, table.name, work.baseline(table), found);
     exit_code = 1;
@@ -113,14 +114,6 @@ int check_baselines(const Work& work, const std::vector<NamedTable>& tables) {
   else if (exit_code == 0)
     note("{}: agrees with its baseline", work.study.name);
   return exit_code;
-}
-
-// The same for the tables as they are on disk.
-int check_files(const Work& work) {
-  std::vector<NamedTable> tables;
-  for (const StudyTable& table : work.study.tables)
-    tables.push_back({table.name, untyped_table(parse_csv(read_text(work.csv(table)), work.csv(table)))});
-  return check_baselines(work, tables);
 }
 
 // Whether every table of the study is there, and no record of a run that was interrupted.
@@ -159,7 +152,7 @@ int redo(const Work& work, const Options& options, const Context& context) {
     repair_table(table, work.csv(table), interruption, lead_in, repaired);
   update_tables(work.hdf5(), context.command_line);
   if (const int exit_code = explain(repaired, work.output.string()); exit_code != 0) return exit_code;
-  return options.check ? check_files(work) : 0;
+  return options.check ? check_baselines(work) : 0;
 }
 
 int compute(const Work& work, const std::vector<Case>& cases, const Options& options, const Context& context) {
@@ -185,7 +178,7 @@ int compute(const Work& work, const std::vector<Case>& cases, const Options& opt
   for (const StudyTable& table : work.study.tables) remove_record(work.csv(table));
   for (const StudyTable& table : work.study.tables) fmt::print("{}\n", work.csv(table));
   fmt::print("{}\n", work.hdf5());
-  return options.check ? check_baselines(work, tables) : 0;
+  return options.check ? check_baselines(work) : 0;
 }
 
 int run(const Options& options, const Context& context) {
@@ -207,7 +200,7 @@ int run(const Options& options, const Context& context) {
       fail("{}; --force replaces what is there", error.what());
     }
   note("{}: already complete, nothing to resume", work.output.string());
-  return options.check ? check_files(work) : 0;
+  return options.check ? check_baselines(work) : 0;
 }
 
 }  // namespace
