@@ -140,6 +140,39 @@ void require_same_start(const std::string& path, const GranularState& asked) {
   }
 }
 
+std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
+  const StepSolver& solver = dynamics.solver;
+  std::string text;
+  if (totals.relative_overlap > notable_overlap)
+    text += fmt::format(
+        "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
+        "boundaries that leave no room, or a step or tolerance too coarse\n",
+        totals.relative_overlap);
+  const Index open = totals.steps - totals.converged;
+  if (open > 0 && solver.criterion != Criterion::none)
+    text += fmt::format("attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n",
+                        open, totals.steps, to_string(solver.criterion), solver.tolerance,
+                        totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
+                        solver.maximum_iterations);
+  if (totals.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
+    text += fmt::format(
+        "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
+        "not iterate on them\n",
+        totals.gluing, solver.gluing_tolerance);
+  // Every run pushes some overlaps apart; only a notable gain is worth a line.
+  if (!(totals.gain >
+        0.01 * (totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation))))
+    return text;
+  const bool pushes = totals.relative_overlap > 0 && dynamics.interaction.restitution == 0 &&
+                      dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
+  std::vector<std::string_view> reasons;
+  if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
+  if (open > 0) reasons.push_back("steps that had not converged");
+  if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
+  return text + fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", totals.gain, totals.gaining_steps,
+                            fmt::join(reasons, ", or "));
+}
+
 }  // namespace
 
 RunSoFar run_so_far(const std::string& path) {
@@ -168,79 +201,32 @@ std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force
   return std::make_unique<CsvWriter>(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
 }
 
-void RunSummary::add(const StepReport& report) {
-  ++steps_;
-  ++statuses_[to_string(report.status)];
-  most_iterations_ = std::max(most_iterations_, report.last.iteration);
-  if (report.residual.relative_natural_map() >= totals_.natural_map) worst_step_ = report.step;
-  totals_.add(report);
-  overlap_ = std::max(overlap_, report.overlap.maximum);
-  relative_overlap_ = std::max(relative_overlap_, report.overlap.relative);
-  has_interface_ = has_interface_ || report.interface_size > 0;
-  gaining_steps_ += report.energy.dissipation < 0;
-  gain_ += std::max(0.0, -report.energy.dissipation);
-  boundary_work_ += report.energy.boundary_work;
-  dissipation_ += report.energy.dissipation;
-  numerical_ += report.energy.numerical;
-  setup_seconds_ += report.setup_seconds;
-  solve_seconds_ += report.solve_seconds;
-  visits_ += static_cast<double>(report.contacts) * static_cast<double>(report.last.sweeps);
-  last_ = report;
-}
-
-std::string RunSummary::text(const Simulation& simulation, const RunOutcome& outcome) const {
+std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome) {
   const Index free = simulation.system.free_disks();
   std::vector<std::string> statuses;
-  for (const auto& [status, number] : statuses_) statuses.push_back(fmt::format("{} {}", number, status));
-  std::string text = fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end),
-                                 steps_, simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
+  for (const auto& [status, number] : totals.statuses) statuses.push_back(fmt::format("{} {}", number, status));
+  std::string text =
+      fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), totals.steps,
+                  simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
   text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n", free,
-                      simulation.system.disks() - free, last_.contacts, last_.interface_size);
-  if (steps_ == 0) return text;
+                      simulation.system.disks() - free, totals.last.contacts, totals.last.interface_size);
+  if (totals.steps == 0) return text;
   text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
-  text += fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", totals_.iterations,
-                      static_cast<double>(totals_.iterations) / static_cast<double>(steps_), most_iterations_);
+  text +=
+      fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", totals.iterations,
+                  static_cast<double>(totals.iterations) / static_cast<double>(totals.steps), totals.most_iterations);
   text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n",
-                      totals_.natural_map, worst_step_, overlap_);
-  if (last_.interface_size > 0)
-    text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", totals_.gluing);
+                      totals.natural_map, totals.worst_step, totals.overlap);
+  if (totals.last.interface_size > 0)
+    text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", totals.gluing);
   text += fmt::format(
       "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} J\n",
-      totals_.kinetic, boundary_work_, dissipation_, numerical_);
-  text += fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", solve_seconds_, setup_seconds_);
-  if (visits_ > 0) text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * solve_seconds_ / visits_);
-  return text + "\n" + warnings(simulation.dynamics);
-}
-
-std::string RunSummary::warnings(const Dynamics& dynamics) const {
-  const StepSolver& solver = dynamics.solver;
-  std::string text;
-  if (relative_overlap_ > notable_overlap)
-    text += fmt::format(
-        "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
-        "boundaries that leave no room, or a step or tolerance too coarse\n",
-        relative_overlap_);
-  const Index open = steps_ - totals_.converged;
-  if (open > 0 && solver.criterion != Criterion::none)
-    text += fmt::format("attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n",
-                        open, steps_, to_string(solver.criterion), solver.tolerance,
-                        has_interface_ ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
-                        solver.maximum_iterations);
-  if (totals_.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
-    text += fmt::format(
-        "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
-        "not iterate on them\n",
-        totals_.gluing, solver.gluing_tolerance);
-  // Every run pushes some overlaps apart; only a notable gain is worth a line.
-  if (!(gain_ > 0.01 * (totals_.kinetic + std::abs(boundary_work_) + std::max(0.0, dissipation_)))) return text;
-  const bool pushes = relative_overlap_ > 0 && dynamics.interaction.restitution == 0 &&
-                      dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
-  std::vector<std::string_view> reasons;
-  if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
-  if (open > 0) reasons.push_back("steps that had not converged");
-  if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
-  return text + fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", gain_, gaining_steps_,
-                            fmt::join(reasons, ", or "));
+      totals.last.energy.kinetic, totals.boundary_work, totals.dissipation, totals.numerical);
+  text +=
+      fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", totals.solve_seconds, totals.setup_seconds);
+  if (totals.visits > 0)
+    text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * totals.solve_seconds / totals.visits);
+  return text + "\n" + warnings(totals, simulation.dynamics);
 }
 
 }  // namespace nscdd::app

@@ -5,12 +5,7 @@
 #include "formats/trajectory.hpp"
 #include "study/lead_in.hpp"
 
-#include <map>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace nscdd::app {
 
@@ -37,23 +32,7 @@ void take_up(Simulation& simulation, const std::string& path);
 /// continued, it keeps the rows of the steps that are done and drops those of the step that was not.
 std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run);
 
-/// Sums over the steps of a run, for the lines at its end.
-class RunSummary {
- public:
-  void add(const StepReport& report);
-  std::string text(const Simulation& simulation, const RunOutcome& outcome) const;
-
- private:
-  std::string warnings(const Dynamics& dynamics) const;  ///< what a reader of the numbers must know; often ""
-  RunTotals totals_;
-  Index steps_ = 0, most_iterations_ = 0, worst_step_ = 0, gaining_steps_ = 0;
-  std::map<std::string_view, Index> statuses_;
-  double boundary_work_ = 0, dissipation_ = 0, numerical_ = 0, overlap_ = 0;
-  double gain_ = 0;                                            // energy that contacts added, J
-  bool has_interface_ = false;                                 // in any step
-  double relative_overlap_ = 0;                                // times the smaller radius
-  double setup_seconds_ = 0, solve_seconds_ = 0, visits_ = 0;  // contacts x sweeps
-  StepReport last_;
-};
+/// The lines at the end of a run, among them warnings that a reader of the numbers must know.
+std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome);
 
 }  // namespace nscdd::app

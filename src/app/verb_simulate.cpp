@@ -119,13 +119,13 @@ void check_names(const Options& options) {
   if (!options.convergence.empty()) require_writable(options.convergence, options.force);
 }
 
-int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunSummary& summary) {
+int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunTotals& totals) {
   if (outcome.end == RunEnd::stopped) {
     note("{}: interrupted after {} of {} steps; --restart goes on with it", options.output, simulation.state.step,
          simulation.dynamics.time.steps);
     return interrupted_exit_code;
   }
-  fmt::print(options.convergence == "-" ? stderr : stdout, "{}", summary.text(simulation, outcome));
+  fmt::print(options.convergence == "-" ? stderr : stdout, "{}", report_text(totals, simulation, outcome));
   if (outcome.end != RunEnd::broke_down) return 0;
   note("{}: broke down in {}; it holds the last good state", options.output, outcome.reason);
   return 1;
@@ -166,7 +166,7 @@ int run(const Options& options, const Context& context) {
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
     const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
     trajectory->append(trajectory_step(after, solved), row(step_columns(), report), keep);
-    summary.add(report);
+    totals.add(report);
     if (!trajectory->due()) return;
     if (table) table->flush();  // first: a restart needs the rows of all the steps that the trajectory has
     trajectory->commit();
@@ -177,7 +177,7 @@ int run(const Options& options, const Context& context) {
                                          : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
   if (table && outcome.end == RunEnd::stopped) table->leave();
   if (table && outcome.end != RunEnd::stopped) table->finish();
-  return close(options, simulation, outcome, summary);
+  return close(options, simulation, outcome, totals);
 }
 
 }  // namespace

@@ -29,13 +29,26 @@ void advance(Arrival& arrival) {
 }  // namespace
 
 void RunTotals::add(const StepReport& report) {
-  iterations += report.last.iteration;
+  ++steps;
+  ++statuses[to_string(report.status)];
   converged += report.status == SolverStatus::converged;
+  iterations += report.last.iteration;
+  most_iterations = std::max(most_iterations, report.last.iteration);
+  if (report.residual.relative_natural_map() >= natural_map) worst_step = report.step;
   natural_map = std::max(natural_map, report.residual.relative_natural_map());
   gluing = std::max(gluing, report.last.gluing);
-  kinetic = report.energy.kinetic;
-  eta = report.eta;
-  interface_size = report.interface_size;
+  overlap = std::max(overlap, report.overlap.maximum);
+  relative_overlap = std::max(relative_overlap, report.overlap.relative);
+  interface = interface || report.interface_size > 0;
+  boundary_work += report.energy.boundary_work;
+  dissipation += report.energy.dissipation;
+  numerical += report.energy.numerical;
+  gain += std::max(0.0, -report.energy.dissipation);
+  gaining_steps += report.energy.dissipation < 0;
+  setup_seconds += report.setup_seconds;
+  solve_seconds += report.solve_seconds;
+  visits += static_cast<double>(report.contacts) * static_cast<double>(report.last.sweeps);
+  last = report;
 }
 
 Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {

@@ -17,13 +17,20 @@ constexpr auto names_of(LeadInSolver) { return std::to_array<std::string_view>({
 
 /// What a run was like, over all its steps.
 struct RunTotals {
-  Index iterations = 0;       ///< of all steps
-  Index converged = 0;        ///< steps that did
-  double natural_map = 0;     ///< the worst of any step, of what the step kept
-  double gluing = 0;          ///< the largest of any step, at its last iteration
-  double kinetic = 0;         ///< of the free disks at the end, J
-  double eta = not_a_number;  ///< of the last step, 1/kg
-  Index interface_size = 0;   ///< of the last step
+  Index steps = 0, converged = 0;                            ///< and how many of them did
+  Index iterations = 0, most_iterations = 0;                 ///< of all steps, and of one
+  double natural_map = 0;                                    ///< the worst of any step, of what the step kept
+  Index worst_step = 0;                                      ///< that step
+  double gluing = 0;                                         ///< the largest of any step, at its last iteration
+  double overlap = 0, relative_overlap = 0;                  ///< the largest, m, and times the smaller radius
+  bool interface = false;                                    ///< in any step
+  double boundary_work = 0, dissipation = 0, numerical = 0;  ///< energies, J
+  double gain = 0;                                           ///< energy that contacts added, J
+  Index gaining_steps = 0;                                   ///< in which they did
+  double setup_seconds = 0, solve_seconds = 0;
+  double visits = 0;  ///< contacts times sweeps
+  std::map<std::string_view, Index> statuses;
+  StepReport last;
   void add(const StepReport& report);
 };
 

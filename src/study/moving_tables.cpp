@@ -190,7 +190,7 @@ const ResultColumns<WholeRun>& run_columns() {
       {"iterations", "1", "of all steps", &Totals::iterations},
       {"natural_map", "1", "|natural map| / |r| of the velocities kept, the worst of all steps", &Totals::natural_map},
       {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps", &Totals::gluing},
-      {"kinetic", "J", "energy of the free disks at the end", &Totals::kinetic}};
+      {"kinetic", "J", "energy of the free disks at the end", [](const Totals& t) { return t.last.energy.kinetic; }}};
   static const auto columns =
       joined<WholeRun>({columns_of(&WholeRun::solver, solver_columns()),
                         {{"steps", "1", "steps of the run", &WholeRun::steps}},
@@ -206,8 +206,8 @@ Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sin
   const GranularState plain = work.lead_in.at(work.one, steps, LeadInSolver::plain).simulation.state;
   const GranularSystem& system = own.simulation.system;
   const GranularState& state = own.simulation.state;
-  const RunTotals& totals = own.totals;
-  WholeRun run{{work.one.spec.name, own.simulation, totals.eta, totals.interface_size}, steps, totals};
+  const StepReport& last = own.totals.last;
+  WholeRun run{{work.one.spec.name, own.simulation, last.eta, last.interface_size}, steps, own.totals};
   for (Index i = 0; i < system.disks(); ++i) {
     if (!system.free(i)) continue;
     const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)]);
