@@ -107,12 +107,8 @@ std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, cons
 }
 
 double spread(const Mode& mode) {
-  double sum = 0, squares = 0;
-  for (const double share : mode.shares) {
-    sum += std::abs(share);
-    squares += share * share;
-  }
-  return sum * sum / squares;
+  const Eigen::Map<const Vector> shares(mode.shares.data(), count(mode.shares));
+  return std::pow(shares.lpNorm<1>(), 2) / shares.squaredNorm();
 }
 
 const ResultColumns<ModeImpulse>& mode_impulse_columns() {
