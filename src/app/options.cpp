@@ -3,6 +3,7 @@
 
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
+#include "study/values.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/formats/fclib.hpp>
@@ -65,12 +66,10 @@ double available_bytes() { return std::min(system_available(), control_groups_av
 
 PrescribedVelocity parse_prescribed(const std::string& text) {
   const std::string what = "--prescribed";
-  const auto first = text.find(':'), last = text.rfind(':');
-  if (std::ranges::count(text, ':') != 2) fail("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
-  PrescribedVelocity velocity;
-  velocity.grain = parse_integer(text.substr(0, first), what);
-  velocity.velocity = {parse_number(text.substr(first + 1, last - first - 1), what),
-                       parse_number(text.substr(last + 1), what)};
+  const std::vector<std::string_view> parts = split(text, ':');
+  if (parts.size() != 3) fail("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
+  const PrescribedVelocity velocity{parse_integer(parts[0], what),
+                                    {parse_number(parts[1], what), parse_number(parts[2], what)}};
   check_bounds(velocity.velocity, Field{.description = ""}, what);
   return velocity;
 }

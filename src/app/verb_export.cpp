@@ -2,6 +2,7 @@
 #include "app/options.hpp"
 #include "files/output_file.hpp"
 #include "formats/export.hpp"
+#include "study/values.hpp"
 #include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -29,11 +30,7 @@ struct StepRange {
 StepRange parse_step_range(const std::string& text) {
   if (text.empty()) return {};
   std::vector<Index> numbers;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(':', begin), text.size());
-    numbers.push_back(parse_integer(text.substr(begin, end - begin), "--steps"));
-    begin = end + 1;
-  }
+  for (const std::string_view number : split(text, ':')) numbers.push_back(parse_integer(number, "--steps"));
   const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
   if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
     fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);

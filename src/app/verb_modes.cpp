@@ -26,7 +26,8 @@ struct Options {
 
 // `scale`: of relative flexibilities, 1/kg
 double one_of(const FlexibilityValues& all, double scale, const std::string& option, const std::string& text) {
-  if (all.values.size() == 1) return all.relative ? all.values.front() * scale : all.values.front();
+  const auto& [values, relative] = all;
+  if (values.size() == 1) return relative ? values.front() * scale : values.front();
   fail("{}: expected one number, a mode belongs to one operator, met '{}'", option, text);
 }
 

@@ -32,7 +32,7 @@ StudyTable table_of(const Options& options) {
   StudyTable work;
   work.name = "optimum";
   work.observable = &observables::optimum;
-  set_epsilon(work.sweep, parse_epsilon(options.epsilon));
+  std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
   work.sweep.contacts = options.spectral.contact_set();
   work.sweep.spectral = options.spectral.spectral();
   work.cases = {options.one.resolve({options.csv})};

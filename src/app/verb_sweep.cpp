@@ -22,8 +22,8 @@ struct Options {
 
 SweepParameters parameters(const Options& options) {
   SweepParameters result;
-  set_epsilon(result, parse_epsilon(options.epsilon));
-  set_eta(result, parse_eta(options.eta));
+  std::tie(result.epsilon, result.relative_epsilon) = parse_epsilon(options.epsilon);
+  std::tie(result.eta, result.relative_eta) = parse_eta(options.eta);
   result.relaxation = parse_relaxation(options.relaxation);
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   result.contacts = options.spectral.contact_set();

@@ -152,8 +152,10 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   read_vary(section, table);
   check_moving(section, table);
   SweepParameters& sweep = table.sweep;
-  read_spec(section, "epsilon", [&](const std::string& spec) { set_epsilon(sweep, parse_epsilon(spec)); });
-  read_spec(section, "eta", [&](const std::string& spec) { set_eta(sweep, parse_eta(spec)); });
+  read_spec(section, "epsilon",
+            [&](const std::string& spec) { std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(spec); });
+  read_spec(section, "eta",
+            [&](const std::string& spec) { std::tie(sweep.eta, sweep.relative_eta) = parse_eta(spec); });
   read_spec(section, "relaxation", [&](const std::string& spec) { sweep.relaxation = parse_relaxation(spec); });
   read_spec(section, "gauss_seidel_sweeps",
             [&](const std::string& spec) { sweep.gauss_seidel_sweeps = parse_sweeps(spec); });

@@ -11,16 +11,6 @@ namespace {
 
 constexpr std::size_t most_values = 1'000'000;
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  while (true) {
-    const auto next = text.find(separator);
-    parts.push_back(text.substr(0, next));
-    if (next == std::string_view::npos) return parts;
-    text.remove_prefix(next + 1);
-  }
-}
-
 // Points of one range. Both ends are met exactly, whatever rounding does between them.
 std::vector<double> range(std::string_view item, const std::vector<std::string_view>& parts, std::string_view what) {
   const bool linear = parts.size() == 4 && parts[3] == "linear";
@@ -58,8 +48,8 @@ void append(auto& all, const std::vector<double>& more, std::string_view what) {
 
 FlexibilityValues flexibilities(std::string_view spec, std::string_view name, std::string_view expected,
                                 bool (*check)(double)) {
-  FlexibilityValues all;
-  bool absolute = false;
+  std::vector<double> all;
+  bool absolute = false, multiples = false;
   for (std::string_view item : split(spec, ',')) {
     const bool relative = item.ends_with('W');
     if (relative) item.remove_suffix(1);
@@ -67,15 +57,25 @@ FlexibilityValues flexibilities(std::string_view spec, std::string_view name, st
     if (item.empty() && relative) fail("{}: expected a number before W such as 10W, met '{}'", name, spec);
     const std::vector<double> values = parse_values(item, name);
     for (const double value : values) absolute |= !relative && value != 0 && std::isfinite(value);
-    all.relative |= relative;
-    append(all.values, values, name);
+    multiples |= relative;
+    append(all, values, name);
   }
-  require(all.values, name, expected, check);
-  if (all.relative && absolute) fail("{}: expected a W behind every number or behind none, met '{}'", name, spec);
-  return all;
+  require(all, name, expected, check);
+  if (multiples && absolute) fail("{}: expected a W behind every number or behind none, met '{}'", name, spec);
+  return {all, multiples};
 }
 
 }  // namespace
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const auto next = text.find(separator);
+    parts.push_back(text.substr(0, next));
+    if (next == std::string_view::npos) return parts;
+    text.remove_prefix(next + 1);
+  }
+}
 
 std::vector<double> parse_values(std::string_view spec, std::string_view what) {
   std::vector<double> values;
@@ -92,16 +92,6 @@ FlexibilityValues parse_epsilon(std::string_view spec) {
 
 FlexibilityValues parse_eta(std::string_view spec) {
   return flexibilities(spec, "eta", "a number > 0 (or inf for the generic algorithm)", [](double v) { return v > 0; });
-}
-
-void set_epsilon(SweepParameters& sweep, FlexibilityValues epsilon) {
-  sweep.epsilon = std::move(epsilon.values);
-  sweep.relative_epsilon = epsilon.relative;
-}
-
-void set_eta(SweepParameters& sweep, FlexibilityValues eta) {
-  sweep.eta = std::move(eta.values);
-  sweep.relative_eta = eta.relative;
 }
 
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {

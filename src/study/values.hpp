@@ -5,6 +5,9 @@
 
 namespace nscdd {
 
+/// The parts of a text between separators, one more than there are separators.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
 /// Values of a sweep, from its SPEC: a comma-separated list whose items are numbers ("1e-3", "inf") or ranges
 ///     FROM:TO:COUNT          logarithmic, FROM and TO > 0
 ///     FROM:TO:COUNT:linear
@@ -12,18 +15,13 @@ namespace nscdd {
 /// Throws Error naming `what` and the item that cannot be read. Never returns an empty list.
 std::vector<double> parse_values(std::string_view spec, std::string_view what);
 
-/// Flexibilities of a sweep.
-struct FlexibilityValues {
-  std::vector<double> values;
-  bool relative = false;  ///< multiples of the scale W of the packing (see Flexibility), else 1/kg
-};
+/// The values of a flexibility, and whether they are multiples of the scale W of the packing (see Flexibility)
+/// rather than 1/kg: they are where a W stands behind every item ("0.1W,1:10:5 W"); 0 and inf need none.
+using FlexibilityValues = std::pair<std::vector<double>, bool>;
 
-/// The same for each quantity of a sweep, with its bounds checked. Flexibilities are relative where a W
-/// stands behind every item ("0.1W,1:10:5 W"); 0 and inf need none.
+/// The same for each quantity of a sweep, with its bounds checked.
 FlexibilityValues parse_epsilon(std::string_view spec);  ///< finite, >= 0
 FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
-void set_epsilon(SweepParameters& sweep, FlexibilityValues epsilon);
-void set_eta(SweepParameters& sweep, FlexibilityValues eta);
 /// Relaxation: finite, > 0; the word "optimal" (an empty value here) asks for 2 / (lambda_min + lambda_max).
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
 /// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.

@@ -47,13 +47,13 @@ void values(std::string_view spec) {
 }
 
 void epsilon(std::string_view spec) {
-  const auto all = parse_epsilon(spec).values;
+  const auto all = parse_epsilon(spec).first;
   require_amount(all);
   for (const double value : all) require(std::isfinite(value) && value >= 0, "epsilon is finite and >= 0");
 }
 
 void eta(std::string_view spec) {
-  const auto all = parse_eta(spec).values;
+  const auto all = parse_eta(spec).first;
   require_amount(all);
   for (const double value : all) require(value > 0, "eta is > 0");
 }

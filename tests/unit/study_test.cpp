@@ -39,19 +39,19 @@ TEST_CASE("SPEC: nonsense is refused by name") {
   for (const char* spec : {"0", "-1", "nan", "-inf", "0:1:3:linear"}) CHECK_THROWS_AS(parse_eta(spec), Error);
   for (const char* spec : {"0", "-1", "inf", "best"}) CHECK_THROWS_AS(parse_relaxation(spec), Error);
   for (const char* spec : {"0", "1.5", "-inf", "nan", "1e10"}) CHECK_THROWS_AS(parse_sweeps(spec), Error);
-  CHECK(parse_epsilon("0").values == std::vector<double>{0});
-  CHECK(parse_eta("inf").values[0] == infinity);
+  CHECK(parse_epsilon("0").first == std::vector<double>{0});
+  CHECK(parse_eta("inf").first[0] == infinity);
   CHECK(parse_relaxation("1,optimal") == std::vector<std::optional<double>>{1.0, std::nullopt});
   CHECK(parse_sweeps("1:3:3:linear,inf") == std::vector<std::optional<long>>{1, 2, 3, std::nullopt});
 }
 
 TEST_CASE("SPEC: flexibilities relative to the packing have a W behind every number") {
   const FlexibilityValues mixed = parse_eta("0.5W,1:100:3 W,inf");
-  CHECK(mixed.relative);
-  CHECK(mixed.values == std::vector<double>{0.5, 1, 10, 100, infinity});
-  CHECK(parse_epsilon("0,2 W").relative);
-  CHECK(parse_epsilon("1:3:3:linear W").values == std::vector<double>{1, 2, 3});
-  CHECK_FALSE(parse_epsilon("0,2").relative);
+  CHECK(mixed.second);
+  CHECK(mixed.first == std::vector<double>{0.5, 1, 10, 100, infinity});
+  CHECK(parse_epsilon("0,2 W").second);
+  CHECK(parse_epsilon("1:3:3:linear W").first == std::vector<double>{1, 2, 3});
+  CHECK_FALSE(parse_epsilon("0,2").second);
   CHECK_THROWS_WITH_AS(parse_epsilon("1,2W"), doctest::Contains("a W behind every number or behind none"), Error);
   for (const char* spec : {"W", "1WW", "1w", "1:2W:3", "-1W", ",W"}) CHECK_THROWS_AS(parse_eta(spec), Error);
 }
@@ -122,8 +122,8 @@ TEST_CASE("sweep: one row per point, last list fastest, columns in place") {
 
 TEST_CASE("sweep: relative flexibilities are those of the packing, and do not depend on the unit of mass") {
   SweepParameters relative;
-  set_epsilon(relative, parse_epsilon("0.1W"));
-  set_eta(relative, parse_eta("0.5W"));
+  std::tie(relative.epsilon, relative.relative_epsilon) = parse_epsilon("0.1W");
+  std::tie(relative.eta, relative.relative_eta) = parse_eta("0.5W");
   const auto swept = [](const Case& one, const SweepParameters& parameters) {
     SweepResult found;
     sweep(build(one), parameters, [&](const SweepResult& result) { found = result; });
