@@ -7,17 +7,17 @@
 #include <metis.h>
 
 #include <new>
+#include <numeric>
 
 namespace nscdd {
 
-// A factor of CHOLMOD, symbolic or numeric, with the settings and the status that belong to it: silent (status codes
-// are read instead), one fixed ordering, L L^T.
+// A factor of CHOLMOD, symbolic or numeric, L L^T, with its settings (one ordering, no messages) and its status.
 struct CholmodFactor {
-  explicit CholmodFactor(int ordering) {
+  CholmodFactor() {
     cholmod_start(&common);
     common.print = 0;
     common.nmethods = 1;
-    common.method[0].ordering = ordering;
+    common.method[0].ordering = CHOLMOD_GIVEN;
     common.postorder = 1;
     common.final_ll = 1;
     common.quick_return_if_not_posdef = 1;
@@ -40,8 +40,6 @@ struct CholmodFactor {
 
 namespace {
 
-constexpr int ordering = CHOLMOD_METIS;  // nested dissection, the best for the planar networks of grains
-
 // The lower triangle of a symmetric matrix as CHOLMOD sees it without a copy.
 cholmod_sparse view(const SparseMatrix& lower) {
   cholmod_sparse a{};
@@ -62,18 +60,24 @@ cholmod_sparse view(const SparseMatrix& lower) {
 }  // namespace
 
 CholeskyAnalysis::CholeskyAnalysis(const SparseMatrix& pattern) {
-  const auto symbolic = std::make_shared<CholmodFactor>(ordering);
+  const SparseMatrix full = pattern.selfadjointView<Eigen::Lower>();
+  Graph graph;
+  for (Index j = 0; j < full.cols(); ++j) {
+    for (SparseMatrix::InnerIterator e(full, j); e; ++e)
+      if (e.row() != j) graph.neighbours.push_back(static_cast<int>(e.row()));
+    graph.start.push_back(static_cast<int>(graph.neighbours.size()));
+  }
+  // The best for the planar networks of grains. CHOLMOD would not see that METIS failed, and lose a signal.
+  std::vector<int> order = nested_dissection(std::move(graph), {}, -1);
+  const auto symbolic = std::make_shared<CholmodFactor>();
   cholmod_sparse a = view(pattern);
-  metis_status([&] {
-    symbolic->factor = cholmod_analyze(&a, &symbolic->common);
-    return symbolic->factor == nullptr ? METIS_ERROR : METIS_OK;
-  });
+  symbolic->factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &symbolic->common);
   symbolic->require_memory(symbolic->factor != nullptr);
   symbolic_ = symbolic;
 }
 
 SparseCholesky::SparseCholesky(const CholeskyAnalysis& analysis, const SparseMatrix& matrix)
-    : numeric_(std::make_shared<CholmodFactor>(ordering)) {
+    : numeric_(std::make_shared<CholmodFactor>()) {
   const OneBlasThread serial_blas;
   cholmod_sparse a = view(matrix);
   numeric_->factor = cholmod_copy_factor(analysis.symbolic_->factor, &numeric_->common);
@@ -99,9 +103,25 @@ Matrix SparseCholesky::solve(const Matrix& b) const {
   return result;
 }
 
+std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int seed) {
+  auto n = static_cast<idx_t>(graph.start.size() - 1);
+  std::vector<idx_t> order(at(n)), position(at(n));
+  std::iota(order.begin(), order.end(), 0);
+  if (graph.neighbours.empty()) return order;  // METIS does not take a graph without edges
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = seed;
+  const int status = metis_status([&] {
+    return METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.empty() ? nullptr : weight.data(),
+                        options, order.data(), position.data());
+  });
+  if (status != METIS_OK) throw std::bad_alloc();
+  return order;
+}
+
 Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order) {
   cholmod_sparse a = view(pattern);
-  CholmodFactor cholmod(CHOLMOD_GIVEN);
+  CholmodFactor cholmod;
   cholmod.common.supernodal = CHOLMOD_SUPERNODAL;
   cholmod.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &cholmod.common);
   cholmod.require_memory(cholmod.factor != nullptr && cholmod.common.status >= CHOLMOD_OK);

@@ -19,9 +19,8 @@ class CholeskyAnalysis {
   std::shared_ptr<const CholmodFactor> symbolic_;
 };
 
-/// A = L L^T (up to a fill-reducing permutation) of a sparse symmetric positive definite matrix. A matrix that is not
-/// numerically positive definite is not an error: `positive_definite()` is false and `solve` must not be called.
-/// Solving is safe from one thread at a time.
+/// A = L L^T (up to a permutation) of a sparse symmetric positive definite matrix. One that is not so numerically is no
+/// error: `positive_definite()` is false and `solve` must not be called. Solving is safe from one thread at a time.
 class SparseCholesky {
  public:
   SparseCholesky(const CholeskyAnalysis& analysis, const SparseMatrix& a);
@@ -33,8 +32,16 @@ class SparseCholesky {
   bool positive_definite_;
 };
 
-/// Runs of columns of a Cholesky factor with the same rows below them. A "position" is a place in the order of
-/// elimination.
+/// Neighbours of node g, without g itself and ascending, are neighbours[start[g]] ... neighbours[start[g + 1] - 1].
+struct Graph {
+  std::vector<int> start{0}, neighbours;
+};
+
+/// Order of elimination by nested dissection (METIS). `weight`: of each node; if empty, 1. `seed`: -1 for METIS's own.
+/// Throws std::bad_alloc if memory runs out.
+std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int seed);
+
+/// Runs of columns of a Cholesky factor with the same rows below them. A "position" is a place in their order.
 struct Supernodes {
   std::vector<int> node;          ///< at each position, the row of the matrix
   std::vector<int> first_column;  ///< supernode s eliminates positions first_column[s] ... first_column[s + 1] - 1

@@ -4,44 +4,17 @@
 #include "linalg/ldlt/factor.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
-#include "linalg/threads.hpp"
-
-#include <metis.h>
-
-#include <new>
-#include <numeric>
 
 namespace nscdd {
 namespace {
 
 constexpr Index panel_width = 128;  // columns among which pivots are sought
-
-// Adjacency of row groups, which are the nodes that are ordered. The neighbours of group g, without g itself and
-// ascending, are neighbours[start[g]] ... neighbours[start[g + 1] - 1].
-struct GroupGraph {
-  std::vector<int> start{0}, neighbours;
-};
-
-std::vector<int> nested_dissection(GroupGraph graph, std::vector<int> weight) {
-  auto n = static_cast<idx_t>(weight.size());
-  std::vector<idx_t> order(weight.size()), position(weight.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (graph.neighbours.empty()) return order;  // METIS does not take a graph without edges
-  idx_t options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_SEED] = 1;
-  const int status = metis_status([&] {
-    return METIS_NodeND(&n, graph.start.data(), graph.neighbours.data(), weight.data(), options, order.data(),
-                        position.data());
-  });
-  if (status != METIS_OK) throw std::bad_alloc();
-  return order;
-}
+constexpr int seed = 1;             // of METIS
 
 // The groups marked `last` are cut out of the graph and put behind the dissection of the others.
-std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector<int>& weight,
+std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>& weight,
                                       const std::vector<char>& last) {
-  if (last.empty()) return nested_dissection(graph, weight);
+  if (last.empty()) return nested_dissection(graph, weight, seed);
   std::vector<int> kept, number(weight.size(), -1), kept_weight, order, tail;
   for (std::size_t g = 0; g < weight.size(); ++g)
     if (last[g]) {
@@ -51,21 +24,20 @@ std::vector<int> dissection_with_last(const GroupGraph& graph, const std::vector
       kept.push_back(static_cast<int>(g));
       kept_weight.push_back(weight[g]);
     }
-  GroupGraph inner;
+  Graph inner;
   for (const int g : kept) {
     for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
       if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0) inner.neighbours.push_back(other);
     inner.start.push_back(static_cast<int>(inner.neighbours.size()));
   }
-  for (const int k : nested_dissection(inner, kept_weight)) order.push_back(kept[at(k)]);
+  for (const int k : nested_dissection(inner, kept_weight, seed)) order.push_back(kept[at(k)]);
   order.insert(order.end(), tail.begin(), tail.end());
   return order;
 }
 
 // Orders groups of `weight` rows each by nested dissection (METIS), those marked in `last` (one flag per group, or
-// none) behind all others, and finds the supernodes of the groups in that order. Throws std::bad_alloc if memory runs
-// out.
-Supernodes ordered_supernodes(const GroupGraph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
+// none) behind all others, and finds the supernodes of the groups in that order.
+Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
   if (weight.empty()) return {.node = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
   SparseMatrix lower(count(weight), count(weight));
   for (Index j = 0; j < lower.cols(); ++j) {
@@ -88,8 +60,8 @@ std::vector<std::vector<Index>> touched_groups(const SparseMatrix& pattern, cons
   return touched;
 }
 
-GroupGraph group_graph(const SparseMatrix& pattern, const std::vector<Index>& group,
-                       const std::vector<std::vector<Index>>& touched, Index groups) {
+Graph group_graph(const SparseMatrix& pattern, const std::vector<Index>& group,
+                  const std::vector<std::vector<Index>>& touched, Index groups) {
   std::vector<std::vector<int>> lists(at(groups));
   const auto connect = [&](Index a, Index b) {
     if (a == b) return;
@@ -102,7 +74,7 @@ GroupGraph group_graph(const SparseMatrix& pattern, const std::vector<Index>& gr
   for (const std::vector<Index>& together : touched)
     for (std::size_t i = 0; i < together.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) connect(together[i], together[j]);
-  GroupGraph graph;
+  Graph graph;
   for (auto& list : lists) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -264,11 +236,5 @@ SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vec
 }
 
 double SymmetricAnalysis::entries() const { return tree_->factor_entries; }
-
-double SymmetricAnalysis::flops() const {
-  double all = 0;
-  tree_->for_roots(false, [&](Index s) { all += tree_->front(s).subtree_flops; });
-  return all;
-}
 
 }  // namespace nscdd
