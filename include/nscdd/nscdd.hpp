@@ -20,7 +20,6 @@
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
-#include <nscdd/linalg/arpack_options.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>

@@ -25,8 +25,7 @@ Number parse_all(std::string_view text, std::string_view what, std::string_view 
   return value;
 }
 
-// Fewest insertions, deletions, changes and swaps of neighbours that make one word the other (Damerau's
-// distance without edits within a swap).
+// Fewest edits (insertions, deletions, changes, swaps of neighbours; none within a swap) that make one word the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;

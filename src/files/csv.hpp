@@ -9,12 +9,10 @@
 
 namespace nscdd {
 
-/// Writes a table row by row as CSV (RFC 4180 with line feeds): a line of column names, then one line per
-/// row, as OutputFile writes lines. Equal tables give equal bytes.
+/// Writes a table as CSV (RFC 4180 with line feeds): a line of column names, then one per row, as OutputFile does.
 class CsvWriter {
  public:
-  /// With `kept_bytes` > 0, the partial file of an earlier run is continued behind that many bytes. They hold
-  /// the line of names already.
+  /// With `kept_bytes` > 0, the partial file of an earlier run is continued behind these, which hold the names already.
   CsvWriter(const std::string& path, bool force, const std::vector<Column>& columns,
             std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   void write(const Row& row);
@@ -33,8 +31,7 @@ std::string csv_line(const Row& row);
 /// The line of names of a table.
 std::string csv_header(const std::vector<Column>& columns);
 
-/// Values of one line of CSV with quotes as in RFC 4180. A quote that is not closed throws an Error that
-/// begins with `where`.
+/// Values of one line of CSV, quoted as in RFC 4180. Throws Error "where: ..." for a quote that is not closed.
 std::vector<std::string> csv_values(std::string_view line, const std::string& where);
 
 /// Reads CSV text row by row, with quotes as in RFC 4180. The first line holds the names. Blank lines and

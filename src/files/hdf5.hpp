@@ -27,8 +27,7 @@ struct TablesFile {
 /// Reads the bytes that `to_hdf5` made of tables. Throws Error naming `name` (the file) for others.
 TablesFile tables_from_hdf5(std::string_view bytes, const std::string& name);
 
-/// A program calls this at its beginning. HDF5 then leaves files alone when the program ends. Otherwise it
-/// would try again to write what a full disk did not take, and crash.
+/// To be called when a program begins: at its end HDF5 would try again to write what a full disk refused, and crash.
 void leave_hdf5_alone_at_exit();
 
 }  // namespace nscdd

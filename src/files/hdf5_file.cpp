@@ -55,12 +55,7 @@ void make_attribute(hid_t object, const char* name, std::string_view text) {
   require(H5Awrite(attribute, type, text.empty() ? "" : text.data()));
 }
 
-using Extent = std::array<hsize_t, 2>;
-
-// Rows and numbers per row: 1 in one dimension.
-Extent extent_of(std::size_t size, const ArrayForm& form) {
-  return form.rows ? Extent{*form.rows, size / *form.rows} : Extent{size, 1};
-}
+using Extent = std::array<hsize_t, 2>;  // rows and numbers per row: 1 in one dimension
 
 Handle new_array(const Group& group, const std::string& name, hid_t type, const Extent& extent, const ArrayForm& form) {
   constexpr Extent unlimited{H5S_UNLIMITED, H5S_UNLIMITED};
@@ -131,7 +126,7 @@ void Group::remove(const std::string& name) const { H5Ldelete(id_, name.c_str(),
 
 void Group::put_array(const std::string& name, Types types, const void* data, std::size_t size,
                       const ArrayForm& form) const {
-  const Extent more = extent_of(size, form);
+  const Extent more = form.rows ? Extent{*form.rows, size / *form.rows} : Extent{size, 1};
   Extent start{0, 0};
   const bool there = has(name);
   const std::string failure = fmt::format("{}: cannot be written", of(name));

@@ -39,8 +39,7 @@ bool is_locked(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) !
 
 [[noreturn]] void refuse_locked(const std::string& path) { fail("{}: is being written by another run", path); }
 
-// The file is locked before it is cut, so that two runs never write into one another's rows. Null if the
-// system refuses.
+// Locked before it is cut, so that two runs never write into one another's rows. Null if the system refuses.
 std::FILE* open_growing(const fs::path& path, std::uintmax_t kept_bytes) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;

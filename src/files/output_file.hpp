@@ -14,9 +14,8 @@
 
 namespace nscdd {
 
-/// Throws Error if `path` (or the `path.partial` of an interrupted run) exists and `force` is false, or if
-/// its folder does not exist. Devices and pipes hold nothing and are always accepted. With `partial_accepted`
-/// the caller goes on with the partial file.
+/// Throws Error if the folder of `path` does not exist, or if `path` does and `force` is false. The same holds for the
+/// `path.partial` of an interrupted run unless `partial_accepted`. Devices and pipes hold nothing and are accepted.
 void require_writable(const std::filesystem::path& path, bool force, bool partial_accepted = false);
 
 /// Throws Error if two outputs would be one file, unless that is a device or a pipe.
@@ -37,8 +36,7 @@ bool is_stream(const std::filesystem::path& path);
 /// Error if the system refuses (no room left, no permission) or another run is writing the same partial file.
 class OutputFile {
  public:
-  /// With `kept_bytes`, the partial file of an earlier run is continued behind that many bytes instead of
-  /// being refused; 0 if there is none yet.
+  /// With `kept_bytes`, the partial file of an earlier run, if any, is continued behind so many bytes, not refused.
   OutputFile(const std::string& path, bool force, std::optional<std::uintmax_t> kept_bytes = std::nullopt);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -79,8 +77,7 @@ class AlternatingFile {
   /// The names beside `path`: of the spare copy, of the version before, of the lock.
   static std::vector<std::string> names_beside(const std::string& path);
 
-  /// Takes the lock and removes what a killed run left. `path` stays as it is. Throws Error naming a file
-  /// that has one of these names but is not left by a run.
+  /// Takes the lock and removes what a killed run left. Throws Error naming any other file that has such a name.
   explicit AlternatingFile(const std::string& path);
   ~AlternatingFile();  ///< `path` keeps its last complete change
   AlternatingFile(const AlternatingFile&) = delete;

@@ -82,8 +82,7 @@ void check_known_cells(const TableWork& work, const Table& layout, const Row& ro
   }
 }
 
-// The rows of `text` that can be kept. The last line is left out if the end of its run cut it short: if it
-// has no line feed or too few values.
+// The rows of `text` that can be kept, without a last line that was cut short: no line feed, or too few values.
 KeptRows usable_rows(const std::string& text, const TableRecord& record, const TableWork& work,
                      const std::string& name) {
   KeptRows kept{"", record.types, 0, false};

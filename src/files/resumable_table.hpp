@@ -33,8 +33,7 @@ std::string to_toml(const TableRecord& record);
 /// Reads what `to_toml` wrote; throws Error "file:line: ..." for anything else.
 TableRecord parse_record(std::string_view text, const std::string& file);
 
-/// The name of the type of each cell of a row, and the cell of that type that a text stands for. Numbers read
-/// back to the last bit.
+/// The name of the type of each cell, and the cell of a type that a text stands for, with every bit of a number.
 std::vector<std::string> cell_types(const Row& row);
 Cell parse_cell(const std::string& text, const std::string& type, const std::string& where);
 

@@ -64,8 +64,7 @@ class StrictTable {
     return all;
   }
 
-  /// Sets `value` if the key is there. A value that is no text, truth value, number or pair of these, such as a
-  /// Choice, is read from its text.
+  /// Sets `value` if the key is there. Values of other types than TOML has, such as a Choice, are read from their text.
   template <class Value>
   void read(std::string_view key, Value& value) {
     if (const toml::node* found = node(key)) get(*found, key, value);

@@ -13,16 +13,14 @@ CaseSpec parse_case(std::string_view text, const std::string& file);
 /// What a case file says, named by its stem.
 CaseSpec read_case(const std::string& path);
 
-/// The case with the packing or contact problem of the file that it names, which lies beside the case file.
-/// Throws Error "file:line: packing.file: ..." for a file that cannot be used, and for a packing that is to
-/// be settled by a simulation.
+/// The case with the packing or contact problem of the file that it names, which lies beside the case file. Throws
+/// Error "file:line: packing.file: ..." for a file that cannot be used, and for a packing that is to be settled first.
 Case resolve(CaseSpec spec);
 
 /// Finds the case named in a study file ("disks4", or a path) and reads its case file.
 using CaseFinder = std::function<CaseSpec(const std::string& name)>;
 
-/// A study from the text of a study file, as strict. Its cases are not resolved: what they name may take long
-/// to settle, and tables may be left out.
+/// A study from the text of its file, as strict. Its cases are not resolved: settling takes long, and not all are run.
 Study parse_study(std::string_view text, const std::string& file, const CaseFinder& find);
 
 }  // namespace nscdd

@@ -19,8 +19,7 @@ inline constexpr StateArray state_arrays[] = {{"x", "m", &GranularState::x},
                                               {"velocity_y", "m/s", &GranularState::velocity_y},
                                               {"spin", "rad/s", &GranularState::spin}};
 
-/// Each visits the columns of a list of structs: `visit(name, unit, get)`, where get(element) points
-/// to the number, double, Index or ContactStatus.
+/// Columns of a list of structs: visit(name, unit, get); get(element) points to a double, Index or ContactStatus.
 inline constexpr auto state_columns = [](auto&& visit) {
   visit("step", "1", [](auto& state) { return &state.step; });
   visit("time", "s", [](auto& state) { return &state.time; });

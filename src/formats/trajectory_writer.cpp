@@ -29,8 +29,7 @@ void put_structs(const Group& group, std::span<const Owner> owners, List list, C
   });
 }
 
-// The same where their number changes from step to step. Of each step, the array `rows` has the number of its
-// first struct and that of the one behind its last.
+// The same where their number changes. The array `rows` has the first struct of each step and the one behind its last.
 template <class List, class Columns>
 void put_lists(const Group& group, Steps steps, List list, Columns&& columns, ArrayForm form) {
   put_structs(group, steps, list, columns, form);

@@ -34,8 +34,7 @@ a_int checked_size(Index n) {
   return static_cast<a_int>(n);
 }
 
-// One reverse-communication run, alone in the process: work arrays with ARPACK's own names. Symmetric problems run in
-// mode 2, others in mode 1.
+// One reverse-communication run, alone in the process, with ARPACK's own names. Mode 2 is for symmetric problems.
 struct Workspace {
   OneBlasThread serial_blas;
   a_int n, nev, ncv;

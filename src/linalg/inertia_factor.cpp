@@ -95,19 +95,18 @@ InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second) {
       return factor.regular ? inexactness(factor, lower, border) : infinity;
     };
     const InertiaFamily usual = first.analyse(pattern), other = second.analyse(pattern);
-    return InertiaFamily{.factorise =
-                             [=](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
-                               InertiaFactor factor = usual.factorise(lower, parameters);
-                               const double error = inexact(factor, lower);
-                               if (error < reliable_inexactness) return factor;
-                               InertiaFactor again = other.factorise(lower, parameters);
-                               return inexact(again, lower) < error ? again : factor;
-                             },
-                         .release =
-                             [=] {
-                               usual.release();
-                               other.release();
-                             }};
+    const auto factorise = [=](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
+      InertiaFactor factor = usual.factorise(lower, parameters);
+      const double error = inexact(factor, lower);
+      if (error < reliable_inexactness) return factor;
+      InertiaFactor again = other.factorise(lower, parameters);
+      return inexact(again, lower) < error ? again : factor;
+    };
+    const auto release = [=] {
+      usual.release();
+      other.release();
+    };
+    return InertiaFamily{factorise, release};
   };
   return {first.name + ", then " + second.name, analyse};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/linalg/arpack_options.hpp>
+#include <nscdd/linalg/inertia_factor.hpp>
 
 #include <complex>
 
@@ -26,8 +26,7 @@ enum class SpectrumEnd { smallest, largest };
 /// Implicitly restarted Lanczos (ARPACK dsaupd, mode 2) in the inner product of M. `a`, `m`, `m_inverse`: x -> A x, M
 /// x, M^-1 x, A symmetric, M symmetric positive definite. `start`: where the iteration starts, such as the vector of a
 /// neighbouring problem; empty for a fixed vector, a thousandth of which is added to any other, so that a wrong
-/// eigenvector is left. Equal calls give equal bits. One call runs at a time (ARPACK keeps state in static memory);
-/// others wait. Throws Error for n < 5.
+/// eigenvector is left. Equal calls give equal bits. Calls wait for each other (static memory). Throws Error for n < 5.
 LanczosResult lanczos(Index n, const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
                       const ArpackOptions& options = {}, const Vector& start = {});
 

@@ -12,8 +12,7 @@ struct PencilEnds {
   bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then empty
   Vector low, high;      ///< k eigenvalues from each end inwards: ascending, descending
   Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
-  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies within this distance of each
-  /// value.
+  /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies as near as this to each value.
   double residual = not_a_number;
 };
 
@@ -50,8 +49,7 @@ struct KernelSplit {
   Matrix range;   ///< n x (n - m)
 };
 
-/// Splits R^n by a symmetric positive semidefinite matrix of known nullity: the kernel belongs to its `nullity`
-/// smallest eigenvalues.
+/// Splits R^n by such a matrix of known nullity: its kernel belongs to its `nullity` smallest eigenvalues.
 KernelSplit split_kernel(const Matrix& s, Index nullity);
 
 }  // namespace nscdd

@@ -23,8 +23,7 @@ class RangeProjector {
   /// rank. The rank is then the last one counted, and `apply` gives NaN.
   bool conclusive() const { return conclusive_; }
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
-  /// As many columns of A as its rank, ascending, that are likely to span its range: all but those with the smallest
-  /// pivots.
+  /// As many columns of A as its rank, ascending, that are likely to span its range: those with the largest pivots.
   std::vector<Index> independent_columns() const;
 
  private:
@@ -39,8 +38,7 @@ class RangeProjector {
   bool conclusive_ = true;
 };
 
-/// Rank of a sparse matrix, by the same factorisation and tolerance. If that is not conclusive, by the dense spectrum
-/// of B^T B for up to 1 500 columns.
+/// Rank by the same factorisation. If that is not conclusive, by the dense spectrum of B^T B for up to 1 500 columns.
 Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
 
 /// Solution of min || A x - b || of least norm, with the numerical rank of A.
@@ -49,8 +47,7 @@ struct LeastSquares {
   Index rank = 0;
 };
 
-/// Dense complete orthogonal decomposition (LAPACK dgelsy), any shape and rank. Pivots below `tolerance` x the largest
-/// count as zero.
+/// Dense, of any shape and rank, by LAPACK dgelsy. Pivots below `tolerance` x the largest count as zero.
 LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance = 1e-10);
 
 /// The same solution for a sparse A, by conjugate gradients on A^T A x = A^T b from zero, preconditioned by

@@ -23,8 +23,7 @@ struct ScalarSearch {
   bool converged = false;
 };
 
-/// Root of f between a and b by Brent's method (GSL), to |interval| <= tolerance.
-/// Throws Error where f(a) and f(b) have the same strict sign.
+/// Root of f between a and b by Brent's method (GSL), to |interval| <= tolerance. Throws Error if no sign changes.
 ScalarSearch find_root(const std::function<double(double)>& f, double a, double b, double tolerance);
 
 /// Minimum of f between a and b by Brent's method (GSL), given an inner point m with f(m) below both ends.

@@ -12,8 +12,7 @@ void for_entries(const SparseMatrix& matrix, Visit&& visit) {
     for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) visit(e.row(), j, e.value());
 }
 
-/// Entries of a sparse matrix, gathered one by one in any order. Entries of one place add up; a zero that is added is
-/// stored.
+/// Entries of a sparse matrix, gathered in any order. Entries of one place add up; a zero that is added is stored.
 class SparseEntries {
  public:
   void reserve(std::size_t entries) { entries_.reserve(entries); }

@@ -6,8 +6,7 @@
 
 namespace nscdd {
 
-/// While it lives, parallel work uses at most `threads` threads (0: as many as the machine has). No result depends on
-/// it.
+/// While it lives, parallel work has at most `threads` threads (0: all of the machine). No result depends on it.
 class ThreadLimit {
  public:
   explicit ThreadLimit(Index threads);
@@ -19,13 +18,11 @@ class ThreadLimit {
 int take_one_blas_thread();  ///< returns how many there were
 void restore_blas_threads(int threads);
 
-/// While any lives, OpenBLAS keeps to one thread per call in the whole process: its own threads would change the order
-/// of sums, and with it the last bits of results. Whatever calls BLAS or LAPACK on more than a few numbers holds one.
-/// With another BLAS it does nothing.
+/// While any lives, OpenBLAS keeps to one thread per call in the whole process: its threads would change the order of
+/// sums and the last bits of results. Whatever calls BLAS or LAPACK on more than a few numbers holds one.
 using OneBlasThread = ProcessGuard<take_one_blas_thread, restore_blas_threads>;
 
-/// Runs `work`, whose parallel parts may call BLAS from several threads, with one BLAS thread per call. With an
-/// OpenBLAS built without locks the work keeps to one thread.
+/// Runs parallel `work` with one BLAS thread per call; on one thread in all if OpenBLAS was built without locks.
 void with_threads(const std::function<void()>& work);
 
 /// work(0) ... work(n - 1) in parallel, each on its own data.

@@ -14,8 +14,7 @@ class CellGrid {
   /// x, y: coordinates, m, at least one, finite and of the same length; side > 0, m.
   CellGrid(std::span<const double> x, std::span<const double> y, double side);
 
-  /// Calls visit(i, j) for every pair i < j in the same or in touching cells: every pair no farther apart
-  /// than `side` in both coordinates, and some that are.
+  /// Calls visit(i, j), i < j, for every pair no farther apart than `side` in both coordinates, and some that are.
   template <class Visit>
   void for_each_pair(Visit&& visit) const {
     for (Index row = 0; row < rows_; ++row)

@@ -8,8 +8,7 @@ namespace {
 
 // Added to sizes, relative to them: far more than coordinates lose by rounding.
 constexpr double margin = 1e-6;
-// Smaller grains in a cell of the largest, on average, beyond which they get a level of their own. The best
-// value depends little on the sizes: 4 to 16 were measured.
+// Smaller grains per cell of the largest beyond which they get a level of their own. Measured: 4 to 16 serve as well.
 constexpr double crowded = 4;
 
 // > 0 where q is met after p by a disk that rolls over the pivot to that side, less than half a turn apart.
@@ -140,8 +139,7 @@ Heap::Meeting Heap::fall(const Point& from, double radius) const {
   return met;
 }
 
-// Where rolling ends if no grain is in the way: at the wall, on the floor, or in free fall from the height of
-// the pivot's centre.
+// Where rolling ends if no grain is in the way: at the wall, on the floor, or falling from the height of the pivot.
 Heap::Meeting Heap::end_of_roll(const Disk& pivot, double radius, Side side) const {
   const double reach = radius + pivot.radius, sign = static_cast<double>(side);
   Meeting met{Meeting::With::nothing, {pivot.x + sign * reach, pivot.y}};

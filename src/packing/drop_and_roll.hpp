@@ -30,8 +30,7 @@ double disk_area(std::span<const double> radii);
 /// cells along its way: its cost does not grow with the bed, and little with the ratio of sizes.
 class Heap {
  public:
-  /// A box with the floor y = 0 and walls x = 0 and x = width, m. `radii`, m, are those of the grains to come: they
-  /// decide how the cells are cut, not where a grain comes to rest.
+  /// A box with the floor y = 0 and walls x = 0 and x = width, m. Cells are cut for the `radii`, m, of what will come.
   Heap(double width, double largest_radius, std::vector<double> radii);
 
   /// Where a disk dropped at x comes to rest: on the floor, or on two supports (grains, or a grain and a wall) with its

@@ -3,7 +3,6 @@
 
 #include <nscdd/core/choice.hpp>
 #include <nscdd/ddm/contraction.hpp>
-#include <nscdd/linalg/arpack_options.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
 #include <array>

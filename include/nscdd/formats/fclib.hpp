@@ -31,8 +31,7 @@ struct FclibFile {
   Index contacts() const;
 };
 
-/// Whether an HDF5 file given by its bytes has one of the groups that FCLIB keeps problems in. Throws Error
-/// naming `name` for bytes that are no HDF5 file.
+/// Whether these bytes of an HDF5 file hold a problem of FCLIB. Throws Error naming `name` for bytes of another kind.
 bool holds_fclib(std::string_view bytes, const std::string& name);
 
 /// Reads a plane problem, local or global, with matrices by columns, by rows or as triplets. Triplets are

@@ -28,8 +28,7 @@ struct InertiaPattern {
 
 /// Factorisations of the matrices of one pattern.
 struct InertiaFamily {
-  /// Factorises the matrix with this lower triangle. Matrices of equal `parameters` have the same interior, which may
-  /// be kept from one to the next.
+  /// Factorises the matrix with this lower triangle. With equal `parameters` the interior is the same and may be kept.
   std::function<InertiaFactor(const SparseMatrix& lower, const std::array<double, 2>& parameters)> factorise;
   std::function<void()> release;  ///< frees what is kept
 };
@@ -54,9 +53,15 @@ double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index
 /// Inexactness below which an inertia and solutions are used.
 inline constexpr double reliable_inexactness = 1e-3;
 
-/// Factorises with `first`, and where that factor is not regular or not reliable, with `second`; takes the more exact
-/// one.
+/// Factorises with `first`. If that factor is not regular or not reliable, takes the more exact one of it and `second`.
 InertiaMethod first_reliable(InertiaMethod first, InertiaMethod second);
+
+/// Settings of ARPACK, the matrix-free solver of eigenvalue problems, which factorises nothing.
+struct ArpackOptions {
+  Index basis = 40;              ///< Krylov vectors kept (ncv), cut to the size of the problem
+  Index maximum_restarts = 300;  ///< implicit restarts
+  double tolerance = 1e-12;      ///< relative accuracy asked of the Ritz values
+};
 
 /// b - A x for a symmetric matrix given by its lower triangle.
 Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b);

@@ -64,8 +64,7 @@ struct ContactDetection {
   }
 };
 
-/// Every contact of a packing, by a cell grid. Throws Error naming both grains of a pair that overlaps more
-/// than allowed, or that shares one centre.
+/// Every contact, by a cell grid. Throws Error naming both grains of a pair that overlaps too much or shares a centre.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 
 /// Number of contacts of each grain.

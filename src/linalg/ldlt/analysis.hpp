@@ -7,8 +7,7 @@
 
 namespace nscdd {
 
-/// One front of the multifrontal method, a dense symmetric matrix of `rows` rows, of which the first `pivots` are
-/// eliminated.
+/// One front of the multifrontal method, a dense symmetric matrix. Its first `pivots` rows are eliminated.
 struct Front {
   Index first_row = 0;  ///< of its `rows` entries in row_of
   Index rows = 0, pivots = 0;

@@ -24,8 +24,7 @@ class SymmetricAnalysis {
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last = {},
                     const std::vector<Index>& border = {});
 
-  double entries() const;  ///< entries of the factor
-  double flops() const;    ///< multiplications and additions of one factorisation
+  double entries() const;  ///< of the factor
 
  private:
   friend class SymmetricInterior;
@@ -67,8 +66,7 @@ class SymmetricFactor {
   /// (A^-1)_{rows, rows}; only the fronts on the way from these rows to the root take part.
   Matrix inverse_block(const std::vector<Index>& rows) const;
 
-  /// Among the rows from `first` on whose pivots are 1 x 1, the `wanted` rows with the pivots of smallest modulus, or
-  /// as many as there are, ascending.
+  /// Among the rows from `first` on whose pivots are 1 x 1, up to `wanted` rows with the smallest pivots, ascending.
   std::vector<Index> smallest_pivots(Index wanted, Index first) const;
 
  private:
