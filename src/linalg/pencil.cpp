@@ -106,7 +106,10 @@ std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double th
   Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
   decomposition.setThreshold(threshold);
   decomposition.compute(a);
-  return [decomposition](const Matrix& b) -> Matrix { return decomposition.solve(b); };
+  return [decomposition](const Matrix& b) -> Matrix {
+    if (b.cols() == 1) return Vector(decomposition.solve(Vector(b)));  // other bits than of a matrix with one column
+    return decomposition.solve(b);
+  };
 }
 
 Matrix orthonormal_complement(const Matrix& columns) {
