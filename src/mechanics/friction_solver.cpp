@@ -5,8 +5,10 @@
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <vector>
 
 namespace nscdd {
@@ -17,45 +19,28 @@ constexpr double growth_allowed = 1e12;
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-// [nn nt; tn tt] of a pair of contacts.
-struct Block {
-  double nn = 0, nt = 0, tn = 0, tt = 0;
-};
+using Block = std::array<std::array<double, 2>, 2>;  // of a pair of contacts, (n, t) x (n, t)
 
 // W as compressed rows of 2 x 2 blocks. The diagonal blocks are stored again for the law.
 struct BlockRows {
-  std::vector<Index> start;
+  std::vector<Index> start{0};
   std::vector<int> contact;
   std::vector<Block> block;
   std::vector<FullDelassus> diagonal;
 };
 
-// One row of blocks, gathered column by column of W^T.
-void append_row(const SparseRows& w, Index c, BlockRows& rows) {
-  const auto begin = rows.contact.size();
-  for (const Index row : {2 * c, 2 * c + 1})
-    for (SparseRows::InnerIterator e(w, row); e; ++e) rows.contact.push_back(static_cast<int>(e.col() / 2));
-  const auto from = rows.contact.begin() + static_cast<std::ptrdiff_t>(begin);
-  std::sort(from, rows.contact.end());
-  rows.contact.erase(std::unique(from, rows.contact.end()), rows.contact.end());
-  rows.block.resize(rows.contact.size());
-  for (const Index row : {2 * c, 2 * c + 1}) {
-    std::size_t k = begin;
-    for (SparseRows::InnerIterator e(w, row); e; ++e) {
-      while (rows.contact[k] != e.col() / 2) ++k;
-      Block& b = rows.block[k];
-      (row % 2 == 0 ? (e.col() % 2 == 0 ? b.nn : b.nt) : (e.col() % 2 == 0 ? b.tn : b.tt)) = e.value();
-    }
-  }
-  rows.start.push_back(count(rows.contact));
-}
-
 BlockRows block_rows(const LocalFrictionProblem& problem) {
   const SparseRows w = problem.w;
   BlockRows rows;
-  rows.start.push_back(0);
   for (Index c = 0; c < problem.contacts(); ++c) {
-    append_row(w, c, rows);
+    std::map<Index, Block> row;
+    for (const Index i : {2 * c, 2 * c + 1})
+      for (SparseRows::InnerIterator e(w, i); e; ++e) row[e.col() / 2][at(i % 2)][at(e.col() % 2)] = e.value();
+    for (const auto& [contact, block] : row) {
+      rows.contact.push_back(static_cast<int>(contact));
+      rows.block.push_back(block);
+    }
+    rows.start.push_back(count(rows.contact));
     rows.diagonal.push_back(diagonal_block(problem, c));
   }
   return rows;
@@ -71,8 +56,8 @@ inline LocalVector velocity(const BlockRows& rows, const Vector& q, const Vector
     const Block& b = rows.block[at(k)];
     const Index other = 2 * static_cast<Index>(rows.contact[at(k)]);
     const double n = impulses[other], t = impulses[other + 1];
-    u.n += b.nn * n + b.nt * t;
-    u.t += b.tn * n + b.tt * t;
+    u.n += b[0][0] * n + b[0][1] * t;
+    u.t += b[1][0] * n + b[1][1] * t;
   }
   return u;
 }
