@@ -4,7 +4,6 @@
 #include "core/fail.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +12,6 @@ namespace nscdd {
 namespace {
 
 double length_of(const BoundarySpec& spec) { return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]); }
-
-void add_wall(GranularSystem& system, const BoundarySpec& spec, Index boundary) {
-  const double length = length_of(spec);
-  system.walls.push_back({.point = spec.from,
-                          .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length},
-                          .boundary = boundary});
-}
 
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                Index boundary) {
@@ -66,16 +58,15 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
     check(spec);
     const Index boundary = count(system.boundaries);
     system.boundaries.push_back({spec.name, spec.motion, spec.orientation});
-    switch (spec.shape) {
-      case BoundaryShape::wall:
-        add_wall(system, spec, boundary);
-        break;
-      case BoundaryShape::disks:
-        add_disks(system, x, y, spec, boundary);
-        break;
-      case BoundaryShape::grains:
-        drive_grains(system, spec, boundary, packing.size());
-        break;
+    if (spec.shape == BoundaryShape::wall) {
+      const double length = length_of(spec);
+      system.walls.push_back({.point = spec.from,
+                              .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length},
+                              .boundary = boundary});
+    } else if (spec.shape == BoundaryShape::disks) {
+      add_disks(system, x, y, spec, boundary);
+    } else {
+      drive_grains(system, spec, boundary, packing.size());
     }
   }
   result.state = initial_state(system, std::move(x), std::move(y));
@@ -89,37 +80,33 @@ constexpr std::string_view above_zero = "> 0";
 
 // A parameter that has an effect only if another one has one of these values, or one above zero.
 struct Effect {
-  std::string_view path, with;
-  std::vector<std::string_view> values;
+  std::string_view path, with, values;
 };
 
-const std::vector<Effect>& effects() {
-  static const std::vector<std::string_view> with_friction{"coulomb", "cohesive"}, divided{"generic", "enriched"},
-      criteria{"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"};
-  static const std::vector<Effect> all{
-      {"interaction.friction", "interaction.law", with_friction},
-      {"interaction.boundary_friction", "interaction.law", with_friction},
-      {"interaction.cohesion", "interaction.law", {"cohesive"}},
-      {"interaction.epsilon", "interaction.law", {"linear_viscous"}},
-      {"interaction.tangential_restitution", "interaction.law", {"coulomb", "cohesive", "linear_viscous"}},
-      {"dynamics.penetration_correction", "interaction.restitution", {"0"}},
-      {"dynamics.maximum_push_speed", "interaction.restitution", {"0"}},
-      {"dynamics.maximum_push_speed", "dynamics.penetration_correction", {above_zero}},
-      {"solver.tolerance", "solver.criterion", criteria},
-      {"solver.gluing_tolerance", "solver.algorithm", divided},
-      {"solver.gluing_tolerance", "solver.criterion", criteria},
-      {"solver.seed", "solver.order", {"random"}},
-      {"solver.eta", "solver.algorithm", {"enriched"}},
-      {"solver.network", "solver.algorithm", {"enriched"}},
-      {"solver.network", "solver.enrichment", {"every_iteration", "first_iteration"}},
-      {"solver.enrichment", "solver.algorithm", {"enriched"}},
-      {"solver.interface_method", "solver.algorithm", divided},
-      {"solver.interface_relaxation", "solver.algorithm", divided},
-      {"solver.interface_relaxation", "solver.interface_method", {"richardson"}},
-      {"solver.redecompose", "solver.algorithm", divided},
-  };
-  return all;
-}
+constexpr std::string_view with_friction = "coulomb or cohesive", divided = "generic or enriched",
+                           criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
+
+constexpr Effect effects[] = {
+    {"interaction.friction", "interaction.law", with_friction},
+    {"interaction.boundary_friction", "interaction.law", with_friction},
+    {"interaction.cohesion", "interaction.law", "cohesive"},
+    {"interaction.epsilon", "interaction.law", "linear_viscous"},
+    {"interaction.tangential_restitution", "interaction.law", "coulomb, cohesive or linear_viscous"},
+    {"dynamics.penetration_correction", "interaction.restitution", "0"},
+    {"dynamics.maximum_push_speed", "interaction.restitution", "0"},
+    {"dynamics.maximum_push_speed", "dynamics.penetration_correction", above_zero},
+    {"solver.tolerance", "solver.criterion", criteria},
+    {"solver.gluing_tolerance", "solver.algorithm", divided},
+    {"solver.gluing_tolerance", "solver.criterion", criteria},
+    {"solver.seed", "solver.order", "random"},
+    {"solver.eta", "solver.algorithm", "enriched"},
+    {"solver.network", "solver.algorithm", "enriched"},
+    {"solver.network", "solver.enrichment", "every_iteration or first_iteration"},
+    {"solver.enrichment", "solver.algorithm", "enriched"},
+    {"solver.interface_method", "solver.algorithm", divided},
+    {"solver.interface_relaxation", "solver.algorithm", divided},
+    {"solver.interface_relaxation", "solver.interface_method", "richardson"},
+    {"solver.redecompose", "solver.algorithm", divided}};
 
 // The value of a parameter of the interaction, the motion or the solver as a text without quotes.
 std::string value_of(const Dynamics& dynamics, std::string_view path) {
@@ -132,15 +119,16 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
   return text == "-0.0" ? "0" : text;
 }
 
-// The first entry of the list that keeps the parameter from having an effect; none if it has one.
+// The first entry of the list that keeps the parameter from having an effect; null if it has one.
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
-  const auto missing = std::ranges::find_if(effects(), [&](const Effect& effect) {
+  const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
     const std::string value = value_of(dynamics, effect.with);
+    // No value of these parameters is a part of the name of another one.
     const bool enough =
-        effect.values.front() == above_zero ? value != "0" : std::ranges::count(effect.values, value) > 0;
+        effect.values == above_zero ? value != "0" : effect.values.find(value) != std::string_view::npos;
     return effect.path == path && !enough;
   });
-  return missing == effects().end() ? nullptr : &*missing;
+  return missing == std::end(effects) ? nullptr : missing;
 }
 
 }  // namespace
@@ -150,9 +138,7 @@ bool has_effect(const Dynamics& dynamics, std::string_view path) { return missin
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where) {
   const Effect* missing = missing_for(dynamics, path);
   if (missing == nullptr) return;
-  std::string values = fmt::format("{}", fmt::join(missing->values, ", "));
-  if (const auto last = values.rfind(", "); last != std::string::npos) values.replace(last, 2, " or ");
-  fail("{}: expected {} {} with it, met {}", where, missing->with, values, value_of(dynamics, missing->with));
+  fail("{}: expected {} {} with it, met {}", where, missing->with, missing->values, value_of(dynamics, missing->with));
 }
 
 void check(const BoundarySpec& spec) {
