@@ -57,10 +57,6 @@ std::vector<Index> EnrichedInertiaFamily::glued_dofs() const {
   return dofs;
 }
 
-const CholeskyAnalysis& EnrichedInertiaFamily::analysis() const {
-  return analysis_.get([this] { return CholeskyAnalysis(stiffness_); });
-}
-
 // The interface grains come last, so that the trailing block of the factor is the condensed subdomain.
 const SymmetricAnalysis& EnrichedInertiaFamily::condensation() const {
   return condensation_.get([this] {
@@ -87,7 +83,9 @@ Matrix EnrichedInertia::apply(const Matrix& r) const {
   const Vector& inertia = family_.inertia_;
   if (std::isinf(eta_)) return inertia.cwiseInverse().asDiagonal() * r;
   if (eta_ > 0) {
-    const SparseCholesky& factor = cholesky_.get([&] { return SparseCholesky(family_.analysis(), family_.sum(eta_)); });
+    const auto analyse = [&] { return CholeskyAnalysis(family_.stiffness_); };
+    const SparseCholesky& factor =
+        cholesky_.get([&] { return SparseCholesky(family_.analysis_.get(analyse), family_.sum(eta_)); });
     if (!factor.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
     return factor.solve(r);
   }

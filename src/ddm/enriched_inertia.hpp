@@ -49,7 +49,6 @@ class EnrichedInertiaFamily {
   Modes diagonalised() const;
   SparseMatrix sum(double eta) const;  // M + K / eta
   std::vector<Index> glued_dofs() const;
-  const CholeskyAnalysis& analysis() const;
   const SymmetricAnalysis& condensation() const;
 
   Vector inertia_;

@@ -167,6 +167,4 @@ InterfaceOperator InterfaceFamily::at(double eta) const {
   return InterfaceOperator(std::make_shared<const InterfaceOperator::Implementation>(preparation_, eta));
 }
 
-const Decomposition& InterfaceFamily::parts() const { return preparation_->parts; }
-
 }  // namespace nscdd

@@ -31,9 +31,6 @@ struct EndOptions {
   double tolerance = 1e-8;  ///< of lambda, times max(1, |1 - lambda|)
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
-  Index maximum_factorisations = 40;
-  Index steps = 24;        ///< of Lanczos from one shift; after more, a closer shift is worth its factorisation
-  Index list_steps = 300;  ///< the same if several eigenvalues are wanted
 };
 
 /// One end of the spectrum of (S, P).

@@ -55,9 +55,10 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
 
 // Looks for more eigenvalues, orthogonal to those of the list; false if none is found.
 bool PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
+  constexpr Index list_steps = 300;  // of Lanczos
   const Matrix locked = result.vectors;
-  const ShiftInvertResult run = lanczos(
-      pencil, end, wanted, {.maximum_steps = options.list_steps, .tolerance = 0.1 * options.tolerance}, {}, locked);
+  const ShiftInvertResult run =
+      lanczos(pencil, end, wanted, {.maximum_steps = list_steps, .tolerance = 0.1 * options.tolerance}, {}, locked);
   for (Index k = 0; k < run.values.size(); ++k) {
     const double lambda = run.values[k];
     const double error = run.bounds[k] + pencil.solution_error() * std::abs(lambda - pencil.shift());

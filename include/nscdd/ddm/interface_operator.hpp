@@ -53,7 +53,6 @@ class InterfaceFamily {
   explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit);
   static constexpr Index default_dense_limit = 300;
   InterfaceOperator at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
-  const Decomposition& parts() const;
 
   class Preparation;
 
