@@ -44,8 +44,8 @@ LocalMaps local_maps(const GranularDecomposition& parts, Index e, const std::vec
     if (status == ContactStatus::open) continue;
     const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
     const auto put = [&](LocalVector impulse, LocalVector rest) {
-      impulses.add(c.normal(), bodies[at(c.a)], bodies[at(c.b)], impulse);
-      resting.add(c.normal(), bodies[at(c.a)], bodies[at(c.b)], rest);
+      impulses.add(c.normal, bodies[at(c.a)], bodies[at(c.b)], impulse);
+      resting.add(c.normal, bodies[at(c.a)], bodies[at(c.b)], rest);
     };
     put({1, slope(status, c.friction)}, {1, 0});
     if (status == ContactStatus::stick) put({0, 1}, {0, 1});

@@ -5,6 +5,7 @@
 #include "mechanics/connectivity.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <utility>
 
@@ -53,20 +54,21 @@ std::vector<Index> along_curve(std::span<const std::array<double, 2>> points) {
   return order;
 }
 
-// Smallest colours such that no two contacts of one colour share a free disk, greedily in the given order within each
-// block of `block` contacts.
-std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::span<const DiskVelocity> bodies,
-                                 Index block) {
+// The contacts in the given order, by blocks, those of a block by colours: greedily the smallest such that no two
+// contacts of one colour share a free disk.
+std::vector<Index> by_colour(std::vector<Index> order, std::span<const DiskContact> contacts,
+                             std::span<const DiskVelocity> bodies, Index block) {
   // Bit c of used[i] says that colour c is taken at disk i within the present block. Disks have few contacts.
   // If one has more than 64, the rest get the last colour, whose contacts may then share this disk.
   constexpr int most = 63;
   std::vector<std::uint64_t> used(bodies.size(), 0);
   std::vector<Index> block_of(bodies.size(), -1);
   std::vector<int> colours(contacts.size());
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const Index here = static_cast<Index>(k) / block;
+  for (Index place = 0; place < count(order); ++place) {
+    const Index here = place / block;
+    const DiskContact& contact = contacts[at(order[at(place)])];
     std::uint64_t taken = 0;
-    const std::size_t ends[2] = {static_cast<std::size_t>(contacts[k].a), static_cast<std::size_t>(contacts[k].b)};
+    const std::size_t ends[2] = {at(contact.a), at(contact.b)};
     for (const std::size_t i : ends) {
       if (block_of[i] != here) {
         block_of[i] = here;
@@ -74,28 +76,14 @@ std::vector<int> contact_colours(std::span<const DiskContact> contacts, std::spa
       }
       if (bodies[i].inverse_mass > 0) taken |= used[i];
     }
-    int colour = 0;
-    while (colour < most && (taken >> colour & 1U) != 0) ++colour;
-    colours[k] = colour;
+    const int colour = std::min(most, std::countr_one(taken));
+    colours[at(order[at(place)])] = colour;
     for (const std::size_t i : ends) used[i] |= std::uint64_t{1} << colour;
   }
-  return colours;
-}
-
-// The contacts in this order, by blocks, those of a block by their colours.
-std::vector<Index> by_colour(const std::vector<Index>& order, std::span<const DiskContact> contacts,
-                             std::span<const DiskVelocity> bodies, Index block) {
-  std::vector<DiskContact> ordered;
-  ordered.reserve(order.size());
-  for (const Index k : order) ordered.push_back(contacts[at(k)]);
-  const std::vector<int> colours = contact_colours(ordered, bodies, block);
-  std::vector<Index> places(order.size());
-  std::iota(places.begin(), places.end(), Index{0});
-  for (Index first = 0; first < count(places); first += block)
-    std::stable_sort(places.begin() + first, places.begin() + std::min(first + block, count(places)),
+  for (Index first = 0; first < count(order); first += block)
+    std::stable_sort(order.begin() + first, order.begin() + std::min(first + block, count(order)),
                      [&](Index p, Index q) { return colours[at(p)] < colours[at(q)]; });
-  for (Index& place : places) place = order[at(place)];
-  return places;
+  return order;
 }
 
 // Puts the contacts of one subdomain in sweep order and numbers its bodies in the order in which the sweep
@@ -125,7 +113,7 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
   for (const Index k : contact_order(order, natural, problem.free, seed, points)) {
     const DiskContact& c = natural[at(k)];
     const std::int32_t a = number(c.a), b = number(c.b);
-    rows.rows.push_back({a, b, c.normal_x, c.normal_y, c.bias.n});
+    rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.bias.n});
     rows.impulses.push_back(c.impulse);
     if (problem.tangential_bias) rows.bias_t.push_back(c.bias.t);
     if (problem.pulls) rows.pull.push_back(c.pull);
@@ -149,8 +137,7 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
   std::vector<Index> result(contacts.size());
   std::iota(result.begin(), result.end(), Index{0});
   if (order == ContactOrder::coloured) return by_colour(result, contacts, bodies, std::max<Index>(1, count(result)));
-  if (order == ContactOrder::interleaved)
-    return by_colour(points.empty() ? result : along_curve(points), contacts, bodies, interleaved_block);
+  if (order == ContactOrder::interleaved) return by_colour(along_curve(points), contacts, bodies, interleaved_block);
   if (order == ContactOrder::random) {
     RandomStream stream(seed);
     for (Index k = count(result) - 1; k > 0; --k) std::swap(result[at(k)], result[at(stream.below(k + 1))]);
@@ -235,7 +222,7 @@ ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
   };
   for (const DiskContact& c : problem.contacts)
     for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
-      h.add(c.normal(), rows(c.a), rows(c.b), direction);
+      h.add(c.normal, rows(c.a), rows(c.b), direction);
   result.h = h.matrix(3 * disks);
   return result;
 }

@@ -28,11 +28,10 @@ struct GranularDecomposition {
 };
 
 /// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
-/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, for `interleaved`;
-/// without them it takes the natural order for the curve.
+/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, for `interleaved`.
 std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
                                  std::span<const DiskVelocity> bodies, std::uint64_t seed,
-                                 std::span<const std::array<double, 2>> points = {});
+                                 std::span<const std::array<double, 2>> points);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
 /// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.

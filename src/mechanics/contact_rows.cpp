@@ -58,8 +58,7 @@ DiskContact ContactRows::contact(std::size_t k, std::span<const DiskVelocity> v)
   const DiskVelocity& b = v[static_cast<std::size_t>(row.b)];
   return {.a = row.a,
           .b = row.b,
-          .normal_x = row.normal_x,
-          .normal_y = row.normal_y,
+          .normal = {row.normal_x, row.normal_y},
           .inverse_w = disk_delassus(a, b),
           .bias = {row.bias_n, bias_t.empty() ? 0.0 : bias_t[k]},
           .friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction,

@@ -31,11 +31,10 @@ inline DiagonalDelassus disk_delassus(const DiskVelocity& a, const DiskVelocity&
 ///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a) - rim_a - rim_b,
 /// with everything a law may need. Sweeps use the shorter ContactRows.
 struct DiskContact {
-  std::int32_t a = 0, b = 0;          ///< positions in the array of velocities
-  double normal_x = 1, normal_y = 0;  ///< n
-  std::array<double, 2> normal() const { return {normal_x, normal_y}; }
-  DiagonalDelassus inverse_w;  ///< kg
-  LocalVector bias = {};       ///< m/s, added to v before the law: gap / h, restitution
+  std::int32_t a = 0, b = 0;           ///< positions in the array of velocities
+  std::array<double, 2> normal{1, 0};  ///< n
+  DiagonalDelassus inverse_w;          ///< kg
+  LocalVector bias = {};               ///< m/s, added to v before the law: gap / h, restitution
   double friction = 0;
   double pull = 0;           ///< largest pulling impulse, N s; 0 unless the law pulls
   LocalVector impulse = {};  ///< r, N s
@@ -51,7 +50,7 @@ inline LocalVector relative_velocity(const DiskContact& c, std::span<const DiskV
   const DiskVelocity& a = v[static_cast<std::size_t>(c.a)];
   const DiskVelocity& b = v[static_cast<std::size_t>(c.b)];
   const double dx = b.x - a.x, dy = b.y - a.y;
-  return {c.normal_x * dx + c.normal_y * dy, c.normal_x * dy - c.normal_y * dx - a.rim - b.rim};
+  return {c.normal[0] * dx + c.normal[1] * dy, c.normal[0] * dy - c.normal[1] * dx - a.rim - b.rim};
 }
 
 /// H_c r on one of its disks, (x, y, rim), N s; sign +1 for b, -1 for a. With r a unit vector, a column of H.
@@ -68,8 +67,8 @@ inline void push(DiskVelocity& disk, const std::array<double, 3>& p) {
 
 /// V += M^-1 H_c r: the velocities of both disks of a contact after an impulse r on b and -r on a.
 inline void apply_impulse(const DiskContact& c, LocalVector r, std::span<DiskVelocity> v) {
-  push(v[static_cast<std::size_t>(c.a)], impulse_on_disk(c.normal(), -1, r));
-  push(v[static_cast<std::size_t>(c.b)], impulse_on_disk(c.normal(), 1, r));
+  push(v[static_cast<std::size_t>(c.a)], impulse_on_disk(c.normal, -1, r));
+  push(v[static_cast<std::size_t>(c.b)], impulse_on_disk(c.normal, 1, r));
 }
 
 /// The impulse with which the contact would be at rest, bias included: r - W^-1 (v + bias).

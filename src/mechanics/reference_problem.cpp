@@ -4,6 +4,7 @@
 #include <nscdd/mechanics/reference_problem.hpp>
 
 #include <cmath>
+#include <numeric>
 
 namespace nscdd {
 namespace {
@@ -12,14 +13,12 @@ namespace {
 Vector deformation_velocities(const Packing& packing, const Loads& loads) {
   Vector velocities = Vector::Zero(2 * packing.size());
   if (loads.none()) return velocities;
-  double mass = 0, centre_x = 0, centre_y = 0;
+  const auto weighted = [&m = packing.mass](const std::vector<double>& x) {
+    return std::inner_product(m.begin(), m.end(), x.begin(), 0.0) / std::accumulate(m.begin(), m.end(), 0.0);
+  };
+  const double centre_x = weighted(packing.x), centre_y = weighted(packing.y);
   for (Index i = 0; i < packing.size(); ++i) {
-    mass += packing.mass[at(i)];
-    centre_x += packing.mass[at(i)] * packing.x[at(i)];
-    centre_y += packing.mass[at(i)] * packing.y[at(i)];
-  }
-  for (Index i = 0; i < packing.size(); ++i) {
-    const double x = packing.x[at(i)] - centre_x / mass, y = packing.y[at(i)] - centre_y / mass;
+    const double x = packing.x[at(i)] - centre_x, y = packing.y[at(i)] - centre_y;
     velocities[2 * i] = -loads.compression[0] * x + loads.shear * y;
     velocities[2 * i + 1] = loads.shear * x - loads.compression[1] * y;
   }

@@ -166,8 +166,7 @@ DiskContact solver_contact(const StepContact& c, Index second, const StepProblem
   const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
   DiskContact k{.a = static_cast<std::int32_t>(c.a),
                 .b = static_cast<std::int32_t>(second),
-                .normal_x = c.normal[0],
-                .normal_y = c.normal[1],
+                .normal = c.normal,
                 .inverse_w = disk_delassus(a, b),
                 .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), 0},
                 .friction = driven ? problem.boundary_friction : problem.friction};

@@ -101,8 +101,8 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskCon
   for (DiskContact& c : contacts) {
     DiskVelocity &a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
     const double dx = b.x - a.x, dy = b.y - a.y;
-    const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias.n;
-    const double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim) + c.bias.t;
+    const double v_n = c.normal[0] * dx + c.normal[1] * dy + c.bias.n;
+    const double v_t = c.normal[0] * dy - c.normal[1] * dx - (a.rim + b.rim) + c.bias.t;
     const LocalVector stop{c.impulse.n - c.inverse_w.inverse_n * v_n, c.impulse.t - c.inverse_w.inverse_t * v_t};
     LocalVector r =
         std::visit([&](const auto& one) { return law_at(one, c.pull).impulse(stop, c.inverse_w, c.friction); }, law);
