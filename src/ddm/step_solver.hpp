@@ -58,14 +58,21 @@ constexpr auto names_of(InterfaceMethod) {
 /// of the two grains of a contact, W_nn = 1/m_i + 1/m_j, in 1/kg.
 class EtaChoice {
  public:
+  static constexpr std::string_view expected =
+      "\"optimal\", a number > 0 in 1/kg such as \"0.5\", or a multiple of the mean of W_nn such as \"30 W\"";
+
   EtaChoice() = default;
   EtaChoice(const char* text) : EtaChoice(std::string(text)) {}
   /// Throws Error naming `what` for any other text.
   EtaChoice(const std::string& text, std::string_view what = "eta") : optimal_(text == "optimal") {
     if (optimal_) return;
     relative_ = text.ends_with('W');
-    value_ = parse_number(std::string_view(text).substr(0, text.size() - (relative_ ? 1 : 0)), what);
-    check_bounds(value_, Field{.description = "", .minimum = 0, .minimum_excluded = true}, what);
+    try {
+      value_ = parse_number(std::string_view(text).substr(0, text.size() - (relative_ ? 1 : 0)), what);
+      check_bounds(value_, Field{.description = "", .minimum = 0, .minimum_excluded = true}, what);
+    } catch (const Error&) {
+      throw Error(std::string(what) + ": expected " + std::string(expected) + ", met \"" + text + "\"");
+    }
   }
 
   bool optimal() const { return optimal_; }

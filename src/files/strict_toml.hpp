@@ -165,6 +165,7 @@ class StrictTable {
       get(found, key, choice);
       value = choice;
     } else {
+      if constexpr (requires { Value::expected; }) require(found.is_string(), Value::expected);
       std::string text;
       get(found, key, text);
       parse_value(text, value, where(key));

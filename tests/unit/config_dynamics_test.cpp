@@ -72,8 +72,11 @@ TEST_CASE("moving case: every error names file, line and key") {
   require_error(replaced(good, "step = 0.005", "theta = 0.4"), "c.toml:14: dynamics.theta");
   require_error(replaced(good, "\"generic\"", "\"gauss\""), "c.toml:17: solver.algorithm: expected one of");
   require_error(replaced(good, "warm_start = true", "warm_start = 1"), "c.toml:18: solver.warm_start");
-  require_error(replaced(good, "warm_start = true", "eta = \"best\""),
-                "c.toml:18: solver.eta: expected a number, met 'best'");
+  require_error(
+      replaced(good, "warm_start = true", "eta = \"best\""),
+      "c.toml:18: solver.eta: expected \"optimal\", a number > 0 in 1/kg such as \"0.5\", or a multiple of the "
+      "mean of W_nn such as \"30 W\", met \"best\"");
+  require_error(replaced(good, "warm_start = true", "eta = 10"), "such as \"30 W\", met the integer '10'");
   require_error(replaced(good, "warm_start = true", "eta = \"0\""), "c.toml:18: solver.eta");
   require_error(replaced(good, "[dynamics]\nstep = 0.005\nsteps = 20\n", ""),
                 "c.toml:11: interaction: expected a section [dynamics] with it, met none");
