@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
-#include <nscdd/ddm/decomposition.hpp>
-
-#include <algorithm>
+#include <nscdd/ddm/partitioner.hpp>
 
 namespace nscdd {
 namespace {
@@ -31,6 +29,21 @@ void check(const Partition& partition, Index contacts) {
   for (Index c = 0; c < contacts; ++c)
     if (const Index e = partition.subdomain_of_contact[at(c)]; e < 0 || e >= partition.subdomains)
       fail("partition: expected a subdomain in 0..{} for contact {}, met {}", partition.subdomains - 1, c, e);
+}
+
+Partitioner parse_partitioner(std::string_view text, std::string_view what) {
+  std::optional<Partitioner> found;
+  std::string forms;
+  for_each_partitioner([&](auto one) {
+    forms += fmt::format("{}{}", forms.empty() ? "" : ", or ", one.option_form);
+    if (const auto colon = text.find(':'); colon < text.size() && text.substr(0, colon) != one.name) return;
+    const std::optional<std::string> value = one.value_of_option(text);
+    if (!value || found) return;
+    override_field(one, one.name, *value, what);
+    found = one;
+  });
+  if (!found) fail("{}: expected {}, met '{}'", what, forms, text);
+  return *found;
 }
 
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {

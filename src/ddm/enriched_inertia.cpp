@@ -6,9 +6,6 @@
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 
 EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)

@@ -7,8 +7,6 @@
 #include <nscdd/ddm/decomposition.hpp>
 
 #include <mutex>
-#include <optional>
-#include <vector>
 
 namespace nscdd {
 

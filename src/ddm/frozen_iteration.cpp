@@ -5,9 +5,6 @@
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
 
-#include <cmath>
-#include <limits>
-
 namespace nscdd {
 namespace {
 

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/granular_decomposition.hpp"
+#include "ddm/granular_two_stage.hpp"
 #include "ddm/two_stage.hpp"
 #include "linalg/range_projector.hpp"
-
-#include <memory>
-#include <optional>
-#include <vector>
 
 namespace nscdd {
 

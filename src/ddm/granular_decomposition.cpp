@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/granular_decomposition.hpp"
-
+#include "ddm/granular_two_stage.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/connectivity.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <numeric>
-#include <utility>
 
 namespace nscdd {
 namespace {
@@ -54,8 +51,7 @@ std::vector<Index> along_curve(std::span<const std::array<double, 2>> points) {
   return order;
 }
 
-// The contacts in the given order, by blocks, those of a block by colours: greedily the smallest such that no two
-// contacts of one colour share a free disk.
+// The contacts in the given order, by blocks, those of a block by colours. No two of one colour share a free disk.
 std::vector<Index> by_colour(std::vector<Index> order, std::span<const DiskContact> contacts,
                              std::span<const DiskVelocity> bodies, Index block) {
   // Bit c of used[i] says that colour c is taken at disk i within the present block. Disks have few contacts.

@@ -3,10 +3,7 @@
 
 #include "linalg/threads.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
-#include <utility>
 
 namespace nscdd {
 namespace {

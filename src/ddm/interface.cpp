@@ -2,7 +2,6 @@
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/ddm/interface.hpp>
 
-#include <algorithm>
 #include <numeric>
 
 namespace nscdd {

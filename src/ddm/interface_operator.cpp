@@ -4,9 +4,6 @@
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 
 // Subdomain families and what else does not depend on eta.

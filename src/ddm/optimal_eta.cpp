@@ -3,9 +3,6 @@
 #include "linalg/scalar.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

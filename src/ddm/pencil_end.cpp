@@ -6,9 +6,7 @@ namespace {
 
 constexpr double share_of_margin = 0.2;  // the error that Lanczos may leave, over the distance of the last shift
 constexpr Index few = 16;                // so many eigenvalues beyond a shift are looked for from it
-constexpr Index steps = 24;              // of Lanczos from one shift; a closer shift is worth its factorisation then
-constexpr Index most_factorisations = 40;
-constexpr Index most_reaches = 6;  // after so many such attempts the search begins again from further out
+constexpr Index most_reaches = 6;        // after so many such attempts the search begins again from further out
 
 class EndSearch {
  public:
@@ -16,7 +14,7 @@ class EndSearch {
 
   void run(const std::optional<EndGuess>& guess, Vector start) {
     double shift = first_shift(guess), last_distance = infinity;
-    while (result_.factorisations < most_factorisations) {
+    while (result_.factorisations < options_.maximum_factorisations) {
       const std::optional<ShiftedPencil> pencil = side_.factorise(shift);
       if (!pencil) break;
       if (beyond(*pencil) < 0) {  // the shift lies among the eigenvalues of the kernel
@@ -116,7 +114,7 @@ class EndSearch {
   }
 
   ShiftInvertOptions accuracy_at(double lambda) const {
-    return {.maximum_steps = steps, .accuracy = share_of_margin * margin(lambda)};
+    return {.maximum_steps = options_.steps, .accuracy = share_of_margin * margin(lambda)};
   }
 
   // Looks for the end from a shift beyond it; false if nothing was found.
@@ -133,7 +131,7 @@ class EndSearch {
     const double relative = 0.5 * tolerance() / std::abs(value() - pencil.shift());
     const Vector start = result_.vectors.col(0);
     const ShiftInvertResult run =
-        side_.lanczos(pencil, side_.end, 1, {.maximum_steps = 2 * steps, .tolerance = relative}, start);
+        side_.lanczos(pencil, side_.end, 1, {.maximum_steps = 2 * options_.steps, .tolerance = relative}, start);
     if (run.values.size() > 0) take(run, 0, pencil);
   }
 
@@ -185,8 +183,7 @@ class EndSearch {
     sloped_ = true;
   }
 
-  // The next shift: a tenth of the tolerance beyond the value if the error is estimated to be smaller, or
-  // else beyond the proved bound of the error.
+  // The next shift: a tenth of the tolerance beyond the value, or if the error may be larger, beyond its proved bound.
   double closer_shift() const {
     const double beyond_value = margin(value());
     if (error_ + solution_error_ <= 2 * share_of_margin * beyond_value)

@@ -4,10 +4,6 @@
 #include "ddm/shifted_pencil.hpp"
 #include "linalg/krylov.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 namespace nscdd {
 
 /// A point of a sweep as the search for an end of the spectrum sees it.
@@ -31,6 +27,8 @@ struct EndOptions {
   double tolerance = 1e-8;  ///< of lambda, times max(1, |1 - lambda|)
   Index eigenvalues = 1;    ///< wanted, from the end inwards
   bool certify = false;
+  Index maximum_factorisations = 40;
+  Index steps = 24;  ///< of Lanczos from one shift; after more, a closer shift is worth its factorisation
 };
 
 /// One end of the spectrum of (S, P).

@@ -3,8 +3,6 @@
 
 #include "linalg/sparse_entries.hpp"
 
-#include <cmath>
-
 namespace nscdd {
 namespace {
 
@@ -94,8 +92,8 @@ struct SaddlePointFamily {
   Index grain_rows = 0;   // first contact impulse of S
   Index system_size = 0;  // first row of the block of P
   Index interface = 0;    // first interface row
-  // Lower triangles of one pattern: the coefficients of 1, and those of 1/epsilon or 1/eta (of epsilon in the
-  // rows of the contact impulses).
+  // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (in rows of contact impulses of
+  // epsilon).
   SparseMatrix inertia, stiffness;
 };
 

@@ -4,9 +4,6 @@
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
-#include <memory>
-#include <optional>
-
 namespace nscdd {
 
 /// How a ShiftedPencil holds the subdomains of S.

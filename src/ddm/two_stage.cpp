@@ -8,9 +8,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

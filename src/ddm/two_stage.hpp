@@ -6,8 +6,6 @@
 #include <nscdd/ddm/spectral_radius.hpp>
 
 #include <complex>
-#include <optional>
-#include <vector>
 
 namespace nscdd {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "ddm/granular_decomposition.hpp"
+#include "ddm/granular_two_stage.hpp"
 #include "formats/export.hpp"
 
 #include <fmt/ranges.h>

@@ -4,9 +4,6 @@
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
-
-#include <vector>
 
 namespace nscdd {
 
@@ -24,9 +21,9 @@ inline constexpr Index dense_impulse_limit = 4000;
 /// gradients from zero, which may stop short: see the residual.
 RigidImpulses rigid_impulses(const ReferenceProblem& problem);
 
-/// The active contacts by the paper's rule ([ADI12] section 4.3): those in compression, r > 0, as flags. An impulse of
-/// at most 1e-10 times the largest one counts as zero; if the velocities load no contact, none is active. Throws Error
-/// if no grain has an arriving velocity.
+/// The active contacts by the paper's rule ([ADI12] section 4.3), as flags: those in compression, r > 0. An impulse of
+/// at most 1e-10 times the largest counts as zero, so none may be active. Throws Error if no grain has an arriving
+/// velocity.
 std::vector<char> active_contacts(const ReferenceProblem& problem, const RigidImpulses& rigid);
 
 struct UnilateralOptions {

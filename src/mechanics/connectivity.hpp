@@ -4,8 +4,6 @@
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/disk_contacts.hpp"
 
-#include <array>
-
 namespace nscdd {
 
 /// Where a body stands in H.

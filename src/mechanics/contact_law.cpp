@@ -3,8 +3,6 @@
 
 #include "mechanics/disk_contacts.hpp"
 
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

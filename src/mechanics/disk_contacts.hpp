@@ -2,12 +2,6 @@
 #pragma once
 
 #include "mechanics/contact_law.hpp"
-#include <nscdd/core/types.hpp>
-
-#include <array>
-#include <cstdint>
-#include <span>
-#include <vector>
 
 namespace nscdd {
 

@@ -8,10 +8,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 namespace nscdd {
 namespace {
 

@@ -4,12 +4,7 @@
 #include "mechanics/gauss_seidel.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <map>
-#include <vector>
 
 namespace nscdd {
 namespace {

@@ -3,10 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 namespace nscdd {
 
 /// The local step of a Gauss-Seidel sweep (that over disks writes it out, for speed). The contact takes the part

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 namespace nscdd {
 
 RigidVelocity Motion::at(double t) const {

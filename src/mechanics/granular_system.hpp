@@ -3,13 +3,6 @@
 
 #include "mechanics/contact_law.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/types.hpp>
-
-#include <algorithm>
-#include <array>
-#include <string>
-#include <string_view>
-#include <vector>
 
 namespace nscdd {
 
@@ -47,8 +40,7 @@ struct Pose {
   double x = 0, y = 0, angle = 0;  ///< m, rad
 };
 
-/// A straight wall: grains stay in the half-plane that `normal` points to. It is given at time 0 and moves with its
-/// boundary.
+/// A straight wall at time 0: grains stay in the half-plane that `normal` points to. It moves with its boundary.
 struct Wall {
   std::array<double, 2> point{0, 0};
   std::array<double, 2> normal{0, 1};  ///< unit

@@ -3,7 +3,6 @@
 #include "mechanics/connectivity.hpp"
 #include <nscdd/mechanics/reference_problem.hpp>
 
-#include <cmath>
 #include <numeric>
 
 namespace nscdd {

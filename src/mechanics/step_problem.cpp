@@ -3,9 +3,6 @@
 #include "mechanics/time_stepping.hpp"
 #include "packing/disk_grid.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 
@@ -127,8 +124,8 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
   return sorted_by_bodies(found, system.disks());
 }
 
-// Adds one body per wall contact, which moves as the wall does at the foot of the grain. Returns the second body of
-// every contact.
+// Adds one body per wall contact, which moves as the wall does under the grain. Returns the second body of each
+// contact.
 std::vector<Index> add_wall_bodies(StepProblem& problem, const GranularSystem& system, const Configuration& where) {
   std::vector<Index> second;
   for (const StepContact& c : problem.geometry) {

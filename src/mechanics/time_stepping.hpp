@@ -5,8 +5,6 @@
 #include "mechanics/granular_system.hpp"
 #include <nscdd/core/fields.hpp>
 
-#include <vector>
-
 namespace nscdd {
 
 struct GlobalFrictionProblem;
@@ -55,8 +53,8 @@ struct TimeStepping {
   }
 };
 
-/// For a law that pulls, bodies touch whose gap at q_m is at most this part of the smaller radius: far more than
-/// rounding, unfinished iterations or a rolling contact leave, far less than the alert distance, which must not be
+/// Under a law that pulls, bodies touch if their gap at q_m is at most this part of the smaller radius: far more than
+/// rounding, unfinished iterations or a rolling contact leave, and far less than the alert distance, which must not be
 /// felt.
 inline constexpr double touching_gap = 1e-3;
 
@@ -68,8 +66,7 @@ struct StepContact {
   double gap = 0;                  ///< m, at q_m
 };
 
-/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall does
-/// there.
+/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall there.
 struct StepProblem {
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
   bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
@@ -101,8 +98,7 @@ std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
   return result;
 }
 
-/// Scale of flexibilities: the mean of W_nn over the contacts, 1/kg, to which driven bodies add nothing. 0 without
-/// contacts.
+/// Scale of flexibilities: the mean of W_nn over the contacts, 1/kg; driven bodies add nothing. 0 without contacts.
 double mean_normal_delassus(const StepProblem& problem);
 
 /// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
@@ -114,8 +110,7 @@ double mean_normal_delassus(const StepProblem& problem);
 double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed);
 inline constexpr double natural_push_speed = 0.02;
 
-/// Overlap that ends a run (beyond the radius, bodies would be pushed through each other), and one that deserves
-/// attention, times the smaller radius.
+/// Overlap that ends a run, as bodies would pass each other, and one that deserves attention, times the smaller radius.
 inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
 
 /// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.

@@ -7,8 +7,6 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/ddm/partitioner.hpp>
 
-#include <array>
-
 namespace nscdd {
 
 /// What a boundary of a case is made of.
@@ -42,8 +40,7 @@ struct Dynamics {
   std::vector<BoundarySpec> boundaries;
 };
 
-/// The sections as a case file has them, with a blank line before each. A parameter without effect is written
-/// with its default.
+/// The sections of a case file, with a blank line before each. A parameter without effect is written with its default.
 std::string to_toml(const Dynamics& dynamics);
 
 /// Whether a parameter such as "solver.eta" has an effect beside the others. A parameter of the enriched

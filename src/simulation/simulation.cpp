@@ -5,10 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <span>
 
 namespace nscdd {
 namespace {
@@ -50,8 +47,7 @@ bool energy_exploded(const StepProblem& problem, const std::vector<DiskContact>&
   return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
 }
 
-// Contacts whose status differs from `statuses`, which then become the present ones. Those that are not open
-// differ from no statuses at all.
+// Contacts whose status differs from `statuses`, which then become the present ones. Unknown statuses count as open.
 Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
   statuses.resize(now.size(), ContactStatus::open);
   Index changes = 0;
@@ -182,8 +178,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     report.residual = contact_residual(law, step.contacts, step.velocities);
     report.residual.impulses = scale;
   }
-  // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look
-  // well.
+  // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
   if (!std::ranges::all_of(step.velocities, is_finite))
     report.status = SolverStatus::no_number;
   else if ((step.energy_exploded = energy_exploded(step.problem, step.contacts, step.velocities)))
@@ -252,8 +247,7 @@ std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const I
   return std::nullopt;
 }
 
-// Whether grains have come to rest: they were slow for `rest_steps` steps, and not faster from each step to
-// the next, which is how a fall begins.
+// Whether grains rest: they were slow for `rest_steps` steps, and not faster at each step, which is how a fall begins.
 bool at_rest(const std::vector<double>& speeds, double rest_speed) {
   if (count(speeds) < rest_steps) return false;
   const auto last = std::span(speeds).last(at(rest_steps));

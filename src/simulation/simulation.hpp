@@ -6,9 +6,6 @@
 #include "simulation/dynamics.hpp"
 #include <nscdd/core/table.hpp>
 
-#include <functional>
-#include <optional>
-
 namespace nscdd {
 
 /// How the iterations of a step ended.
@@ -53,8 +50,8 @@ const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate
 /// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
 bool begins_interval(Index iteration, Index per_decade);
 
-/// Who looks at the iterations of a step. The indicators of an iteration cost several sweeps, so that looking
-/// at all of them multiplies the time of a run.
+/// Who looks at the iterations of a step. The indicators of one cost several sweeps, which multiplies the time of a
+/// run.
 struct IterationSink {
   std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
   Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
@@ -103,8 +100,7 @@ struct PreparedStep {
 };
 PreparedStep prepare_solution(const Simulation& simulation);
 
-/// Throws Error as prepare_solution does, without its cost: for the first step of a run, before anything is
-/// written.
+/// Throws Error as prepare_solution does, at less cost: for the first step of a run, before anything is written.
 void check_next_step(const Simulation& simulation);
 
 /// Prepares and solves the next step without taking it. The iterations that `sink` looks at go to it.
@@ -113,9 +109,8 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = 
 /// Takes a solved step, which moves the state on.
 StepReport take_step(Simulation& simulation, const SolvedStep& step);
 
-/// Where a solver broke down, by the names and places of bodies. That is the first contact with an impulse
-/// that is not finite, otherwise the first disk with such a velocity, otherwise the contact with the largest
-/// impulse. `before`: the simulation that the step was solved from.
+/// Where a solver broke down, by names and places: the first contact whose impulse is not finite, otherwise the first
+/// disk with such a velocity, otherwise the contact with the largest impulse. `before`: what the step was solved from.
 std::string describe_breakdown(const Simulation& before, const SolvedStep& step);
 
 /// Why a run of a simulation ended.
@@ -145,14 +140,12 @@ struct RunSinks {
   Monitor monitor;  ///< after each step, of steps done and asked for
 };
 
-/// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks
-/// down. In the end the simulation is as the last good step left it. `speeds`: mean_speed after each step of
-/// the run that this one goes on with. Throws Error if the very first step cannot be prepared, because that is
-/// bad input.
+/// Takes steps until TimeStepping::steps are done, the grains rest, the monitor asks to stop or a step breaks down. In
+/// the end the simulation is as the last good step left it. `speeds`: mean_speed after each step of the run that this
+/// one goes on with. Throws Error if the very first step cannot be prepared, because that is bad input.
 RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::vector<double> speeds = {});
 
-/// Root mean square velocity of the free grains, weighted by mass and with their spin, m/s: sqrt(2 E / m)
-/// with their kinetic energy E and their mass m.
+/// Root mean square velocity of the free grains, m/s: sqrt(2 E / m), their kinetic energy E with spin, their mass m.
 double mean_speed(const GranularSystem& system, double kinetic_energy);
 
 }  // namespace nscdd

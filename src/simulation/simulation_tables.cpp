@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/simulation.hpp"
 
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

@@ -4,13 +4,11 @@
 #include "ddm/granular_two_stage.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
-#include <algorithm>
-
 namespace nscdd {
 namespace {
 
-// The columns that the statuses of the contacts leave in the linear problem: both directions of those that stick, the
-// normal one of those that slide.
+// The columns that statuses leave in the linear problem: of contacts that stick both, of those that slide the normal
+// one.
 std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses) {
   std::vector<char> kept;
   for (const ContactStatus status : statuses)
@@ -18,9 +16,8 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses) {
   return kept;
 }
 
-// M, H and the partition of a step for the linear analysis, restricted to the columns that impulses may use: a
-// contact without friction has no tangential one. Columns that no impulse can use would make Stage 2 too stiff,
-// and the iterations diverge.
+// M, H and the partition of a step for the linear analysis, with the columns that impulses may use: a contact without
+// friction has no tangential one. Others would make Stage 2 too stiff, and the iterations diverge.
 Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
   const bool always = !opens(contact_law(simulation.dynamics.interaction, problem.h));

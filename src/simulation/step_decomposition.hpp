@@ -16,10 +16,10 @@ bool decomposes_afresh(const Simulation& simulation, Index step);
 /// The partition of the contacts of a step. Between two fresh ones, known contacts stay where they are.
 Partition partition_step(const Simulation& simulation, const StepProblem& problem);
 
-/// The flexibility with the smallest predicted radius (see optimal_eta) for the network that 100 sweeps of
-/// the undecomposed step find. It is sought anew with every decomposition and kept in between, but raised to
-/// stable_eta of the contacts of this step: networks change from iteration to iteration, and the best value
-/// for one may diverge on those before it.
+/// The flexibility with the smallest predicted radius (see optimal_eta) for the network that 100 sweeps of the
+/// undecomposed step find. It is sought anew with every decomposition and kept in between, but raised to stable_eta of
+/// the contacts of this step: networks change from iteration to iteration, and the best for one may diverge on those
+/// before.
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
 
 /// X_eta of the linear Stage 2 of a step. With `network` active, and always in the semi-implicit scheme, it

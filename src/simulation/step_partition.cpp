@@ -3,8 +3,6 @@
 #include "simulation/simulation.hpp"
 #include "simulation/step_decomposition.hpp"
 
-#include <algorithm>
-
 namespace nscdd {
 namespace {
 
@@ -48,8 +46,7 @@ Partition fresh_partition(const Simulation& simulation, const StepProblem& probl
       [&] { return normal_problem(problem, disks); });
 }
 
-// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free
-// disk.
+// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free disk.
 Partition kept_partition(const Simulation& simulation, const StepProblem& problem) {
   Partition partition = {.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};
   const auto& known = simulation.state.subdomains;

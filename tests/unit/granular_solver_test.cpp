@@ -2,7 +2,7 @@
 // Gauss-Seidel on the contact problem of a step against direct solutions of small complementarity problems:
 // every combination of statuses tried, matrices written down from the geometry alone.
 #include "../support/granular.hpp"
-#include "ddm/granular_decomposition.hpp"
+#include "ddm/granular_two_stage.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/disk_contacts.hpp"
 

@@ -5,9 +5,7 @@
 #include <nscdd/ddm/interface_operator.hpp>
 #include <nscdd/mechanics/law.hpp>
 
-#include <string_view>
 #include <variant>
-#include <vector>
 
 namespace nscdd {
 

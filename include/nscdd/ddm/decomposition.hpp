@@ -4,8 +4,6 @@
 #include <nscdd/ddm/interface.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
-#include <vector>
-
 namespace nscdd {
 
 /// Contacts distributed among subdomains 0 ... subdomains-1 ([ADI12] section 2); a subdomain may be empty.

@@ -3,9 +3,6 @@
 
 #include <nscdd/core/types.hpp>
 
-#include <span>
-#include <vector>
-
 namespace nscdd {
 
 /// The copy of a grain that a subdomain holds.

@@ -3,8 +3,6 @@
 
 #include <nscdd/ddm/decomposition.hpp>
 
-#include <memory>
-
 namespace nscdd {
 
 struct KernelSplit;  // linalg/pencil.hpp, beside its source

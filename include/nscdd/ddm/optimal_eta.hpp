@@ -5,8 +5,6 @@
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/ddm/spectral_radius.hpp>
 
-#include <string_view>
-
 namespace nscdd {
 
 /// Where a best value was found.

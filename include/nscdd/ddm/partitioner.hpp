@@ -4,8 +4,6 @@
 #include <nscdd/ddm/partitioners/grid.hpp>
 #include <nscdd/ddm/partitioners/metis.hpp>
 
-#include <string>
-#include <string_view>
 #include <variant>
 
 namespace nscdd {

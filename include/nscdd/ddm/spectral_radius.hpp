@@ -5,11 +5,6 @@
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
-#include <array>
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace nscdd {
 
 enum class SpectralSolver {

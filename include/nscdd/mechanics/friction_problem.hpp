@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/law.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
-
-#include <string>
 
 namespace nscdd {
 
 /// A plane frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities u = W r + q
 /// such that every contact obeys Signorini's and Coulomb's laws. Rows 2 c and 2 c + 1 are the normal and the tangential
-/// component of contact c; W is stored in full. Impulses are in N s, velocities in m/s; a file in forces and
-/// displacements reads just as well.
+/// component of contact c; W is stored in full. Impulses are in N s and velocities in m/s, or forces in N and
+/// displacements in m.
 struct LocalFrictionProblem {
   SparseMatrix w;   ///< W, 2c x 2c, symmetric, 1/kg
   Vector q;         ///< relative velocities without contact impulses, 2c entries
@@ -33,8 +30,7 @@ struct GlobalFrictionProblem {
   Index contacts() const { return friction.size(); }
 };
 
-/// By how much entries (i, j) and (j, i) of W or M may differ, relative to the largest entry. Text files of
-/// Siconos have six digits.
+/// Largest difference of entries (i, j) and (j, i) of W or M, relative to the largest entry. Siconos writes six digits.
 inline constexpr double symmetry_tolerance = 1e-5;
 
 /// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a

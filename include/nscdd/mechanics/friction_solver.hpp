@@ -2,11 +2,7 @@
 #pragma once
 
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
-
-#include <functional>
-#include <string_view>
 
 namespace nscdd {
 
@@ -62,15 +58,13 @@ struct FrictionSolution {
   FrictionStatus status = FrictionStatus::converged;
 };
 
-/// Called at every check of the residual, the one before the first sweep included, with what there is until then;
-/// returning false asks the solver to stop.
+/// Called with what there is at every check, also the one before the first sweep; returning false stops the solver.
 using FrictionObserver = std::function<bool(const FrictionSolution&)>;
 
 /// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2 problem
 /// exactly while the others keep theirs, relaxed by omega. `guess`: impulses to start from, 2c entries, or empty for
 /// zero. The problem must pass `check`. If friction is large, a solution need not exist nor be unique, and the sweeps
-/// need not converge; the status says how they ended. Throws Error for a guess of another length and options out of
-/// bounds.
+/// need not converge; the status says how they ended. Throws Error for a guess of another length and bad options.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
                                 const Vector& guess = {}, const FrictionObserver& observer = {});
 

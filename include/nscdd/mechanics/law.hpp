@@ -4,7 +4,6 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
-#include <string_view>
 #include <variant>
 
 namespace nscdd {

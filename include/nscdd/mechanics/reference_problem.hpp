@@ -2,16 +2,11 @@
 #pragma once
 
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/types.hpp>
 #include <nscdd/packing/packing.hpp>
-
-#include <array>
-#include <vector>
 
 namespace nscdd {
 
-/// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the centre of
-/// mass,
+/// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the mass centre,
 ///     V^-_i = D (x_i - x_c),   D = [ -compression_x  shear ; shear  -compression_y ],  1/s.
 /// D symmetric is no restriction: a rotation opens and closes no contact. Nor does a uniform velocity or acceleration
 /// (gravity): without walls the packing just moves. No net momentum is brought in.

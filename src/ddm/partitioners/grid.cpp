@@ -2,9 +2,6 @@
 #include "core/fail.hpp"
 #include <nscdd/ddm/partitioners/grid.hpp>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

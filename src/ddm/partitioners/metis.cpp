@@ -5,8 +5,6 @@
 
 #include <metis.h>
 
-#include <algorithm>
-
 namespace nscdd {
 namespace {
 

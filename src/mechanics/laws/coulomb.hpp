@@ -3,10 +3,6 @@
 
 #include <nscdd/mechanics/law.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <string_view>
-
 namespace nscdd {
 
 /// Unilateral contact with Coulomb friction at velocity level:  0 <= v_n, 0 <= r_n, v_n r_n = 0 and

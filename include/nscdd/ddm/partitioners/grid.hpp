@@ -5,11 +5,6 @@
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/packing/packing.hpp>
 
-#include <array>
-#include <optional>
-#include <string>
-#include <string_view>
-
 namespace nscdd {
 
 /// Regular grid of grid[0] x grid[1] cells over the bounding box of the grain centres. A contact goes to the

@@ -5,10 +5,6 @@
 #include <nscdd/ddm/decomposition.hpp>
 #include <nscdd/mechanics/reference_problem.hpp>
 
-#include <optional>
-#include <string>
-#include <string_view>
-
 namespace nscdd {
 
 /// METIS k-way partition of the contact graph: its vertices are the contacts, joined where they share a grain, so that
