@@ -4,7 +4,6 @@
 #include "core/fail.hpp"
 #include "simulation/simulation.hpp"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -71,6 +70,22 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
       throw Error(grain_key(k), fmt::format("expected each grain once, met grain {} again", velocity.grain));
   }
   return prescribed;
+}
+
+// What arrives in the linear study starts with that velocity here.
+void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
+  ContactNetwork none;
+  none.grains = packing.size();
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing.size());
+  for (std::size_t k = 0; k < prescribed.size(); ++k)
+    if (const Index grain = prescribed[k].grain; !start.system.free(grain))
+      throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
+  const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
+  for (Index i = 0; i < packing.size(); ++i) {
+    if (!start.system.free(i)) continue;
+    start.state.velocity_x[at(i)] = v[2 * i];
+    start.state.velocity_y[at(i)] = v[2 * i + 1];
+  }
 }
 
 }  // namespace
@@ -163,26 +178,6 @@ void require_geometry(const Model& model, std::string_view what) {
   if (!model.has_geometry())
     fail("{}: {}: expected a packing, met a contact problem, of which no geometry is known", model.name, what);
 }
-
-namespace {
-
-// What arrives in the linear study starts with that velocity here.
-void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
-  ContactNetwork none;
-  none.grains = packing.size();
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing.size());
-  for (std::size_t k = 0; k < prescribed.size(); ++k)
-    if (const Index grain = prescribed[k].grain; !start.system.free(grain))
-      throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
-  const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
-  for (Index i = 0; i < packing.size(); ++i) {
-    if (!start.system.free(i)) continue;
-    start.state.velocity_x[at(i)] = v[2 * i];
-    start.state.velocity_y[at(i)] = v[2 * i + 1];
-  }
-}
-
-}  // namespace
 
 void check_dynamics(const CaseSpec& spec) {
   if (!spec.dynamics) fail("case {}: expected a section [dynamics], met a case that is not made to move", spec.name);

@@ -77,6 +77,25 @@ LinearFit fitted(const std::vector<double>& y, std::size_t first, std::size_t la
   std::vector<double> x;
   for (std::size_t i = first; i < last; ++i) x.push_back(static_cast<double>(i));
   return linear_fit(x, std::span(y).subspan(first, last - first));
+// Described in docs/formats.md.
+ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters) {
+  using Result = ObservedResult;
+  static const auto columns = joined<Result>(
+      {columns_of(&Result::predicted, place_columns()),
+       {{"predicted_rate", "1", "subdominant spectral radius of the contraction operator",
+         [](const Result& r) { return r.predicted.radius.subdominant; }},
+        {"observed_rate", "1", "rate fitted to a run of the algorithm itself",
+         [](const Result& r) { return r.observed.value; }},
+        {"observed_rate_error", "1", "error of the fit", [](const Result& r) { return r.observed.error; }},
+        {"difference", "1", "observed minus predicted", &Result::difference},
+        {"agree", "1", "|difference| within the error of the fit and the residual of the prediction", &Result::agree},
+        {"iterations", "1", "iterations run", [](const Result& r) { return r.observed.iterations; }},
+        {"seed", "1", "seed of the random first F_Gamma", &Result::seed},
+        {"residual", "1", "residual of the prediction", [](const Result& r) { return r.predicted.radius.residual; }},
+        {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
+  return joined<Result>({columns, columns_of(&Result::predicted, relative_columns(parameters))});
+}
+
 }
 
 }  // namespace
@@ -115,24 +134,6 @@ double ObservedResult::difference() const { return observed.value - predicted.ra
 bool ObservedResult::agree() const {
   constexpr double rounding = 1e-12;  // of both
   return std::abs(difference()) <= observed.error + predicted.radius.residual + rounding;
-}
-
-ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters) {
-  using Result = ObservedResult;
-  static const auto columns = joined<Result>(
-      {columns_of(&Result::predicted, place_columns()),
-       {{"predicted_rate", "1", "subdominant spectral radius of the contraction operator",
-         [](const Result& r) { return r.predicted.radius.subdominant; }},
-        {"observed_rate", "1", "rate fitted to a run of the algorithm itself",
-         [](const Result& r) { return r.observed.value; }},
-        {"observed_rate_error", "1", "error of the fit", [](const Result& r) { return r.observed.error; }},
-        {"difference", "1", "observed minus predicted", &Result::difference},
-        {"agree", "1", "|difference| within the error of the fit and the residual of the prediction", &Result::agree},
-        {"iterations", "1", "iterations run", [](const Result& r) { return r.observed.iterations; }},
-        {"seed", "1", "seed of the random first F_Gamma", &Result::seed},
-        {"residual", "1", "residual of the prediction", [](const Result& r) { return r.predicted.radius.residual; }},
-        {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
-  return joined<Result>({columns, columns_of(&Result::predicted, relative_columns(parameters))});
 }
 
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,

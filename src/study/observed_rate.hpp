@@ -35,9 +35,6 @@ struct ObservedResult {
   bool converged() const { return observed.converged && predicted.radius.converged; }
 };
 
-/// Columns of these results, described in docs/formats.md.
-ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters = {});
-
 /// Observed and predicted rate at every point of a sweep from point `first` on (relaxation must be a number
 /// or optimal, Gauss-Seidel sweeps may be finite); returns how many did not converge.
 Index observe(const Model& model, const SweepParameters& parameters, std::uint64_t seed,
