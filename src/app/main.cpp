@@ -2,7 +2,6 @@
 #include "app/verbs.hpp"
 #include "files/hdf5.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/table.hpp>
 
 #include <CLI/CLI.hpp>
 #ifdef __GLIBC__
@@ -15,7 +14,6 @@
 #include <cstring>
 #include <map>
 #include <new>
-#include <span>
 #include <system_error>
 
 namespace nscdd::app {

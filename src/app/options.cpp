@@ -5,7 +5,6 @@
 #include "formats/case_file.hpp"
 #include "study/values.hpp"
 #include <nscdd/core/fields.hpp>
-#include <nscdd/core/table.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 

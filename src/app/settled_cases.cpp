@@ -2,11 +2,9 @@
 #include "app/options.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
-#include "files/output_file.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/core/choice.hpp>
-#include <nscdd/core/table.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #include <algorithm>

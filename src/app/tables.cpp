@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/tables.hpp"
-
+#include "app/options.hpp"
 #include "core/fail.hpp"
 #include "files/hdf5.hpp"
 #include "study/optimum.hpp"

@@ -7,7 +7,6 @@
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace nscdd::app {
 namespace {

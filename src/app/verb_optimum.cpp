@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
-#include "app/tables.hpp"
 #include "linalg/threads.hpp"
 #include "study/inspection.hpp"
 #include "study/optimum.hpp"
-#include "study/study.hpp"
 #include "study/values.hpp"
 
 namespace nscdd::app {

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
-#include "app/tables.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5.hpp"
-#include "files/output_file.hpp"
 #include "formats/case_file.hpp"
 #include "linalg/threads.hpp"
-#include "study/study.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 namespace nscdd::app {
 namespace {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/fail.hpp"
-#include <nscdd/core/types.hpp>
 
 #include <deque>
 #include <memory>

@@ -5,8 +5,6 @@
 #include "study/case.hpp"
 #include <nscdd/core/table.hpp>
 
-#include <map>
-
 namespace nscdd {
 
 /// Kinematics of one contact network, rank W = rank H. Rank and what follows from it are 0 if ranks were left

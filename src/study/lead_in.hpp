@@ -4,8 +4,6 @@
 #include "simulation/simulation.hpp"
 #include "study/case.hpp"
 
-#include <map>
-
 namespace nscdd {
 
 /// How the steps before those that a table looks at are solved.

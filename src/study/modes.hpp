@@ -5,8 +5,6 @@
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 
-#include <array>
-
 namespace nscdd {
 
 /// Which end of the spectrum of B, unit eigenvalues of the rigid limit apart.

@@ -2,7 +2,6 @@
 #include "study/predicted_observed.hpp"
 #include "study/study.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 

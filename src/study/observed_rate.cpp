@@ -5,9 +5,7 @@
 #include "linalg/scalar.hpp"
 #include "study/study.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <span>
 
 namespace nscdd {
 namespace {
@@ -77,6 +75,8 @@ LinearFit fitted(const std::vector<double>& y, std::size_t first, std::size_t la
   std::vector<double> x;
   for (std::size_t i = first; i < last; ++i) x.push_back(static_cast<double>(i));
   return linear_fit(x, std::span(y).subspan(first, last - first));
+}
+
 // Described in docs/formats.md.
 ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& parameters) {
   using Result = ObservedResult;
@@ -94,8 +94,6 @@ ResultColumns<ObservedResult> observed_rate_columns(const SweepParameters& param
         {"residual", "1", "residual of the prediction", [](const Result& r) { return r.predicted.radius.residual; }},
         {"converged", "1", "both the fit and the prediction converged", &Result::converged}}});
   return joined<Result>({columns, columns_of(&Result::predicted, relative_columns(parameters))});
-}
-
 }
 
 }  // namespace
