@@ -31,7 +31,8 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   const bool friction = model.problem.columns_per_contact > 1;
   if (friction) fmt::print("  links              {} (normal and tangent of each contact)\n", model.problem.contacts());
   fmt::print("coordination number  {:.6g}\n", found.coordination_number);
-  fmt::print("mean of W_nn         {:.6g} 1/kg (scale of eta and epsilon)\n", flexibility_scale(model));
+  const std::string scale = fmt::format("{:.6g} 1/kg (scale of eta and epsilon)", flexibility_scale(model));
+  fmt::print("mean of W_nn         {}\n", model.contacts() == 0 ? "- (no contact)" : scale);
   fmt::print("connected pieces     {}\n", found.components);
   fmt::print("subdomains           {} ({} without a contact)\n", model.partition.subdomains, found.empty_subdomains);
   fmt::print("interface unknowns   {}{}\n", found.interface_dofs,

@@ -47,7 +47,8 @@ void print_spectrum(const Model& model, const ModeParameters& parameters, const 
              model.parts.interface_size() == 0 ? fmt::format(" (empty interface: {})", why_empty(model)) : "");
   fmt::print("epsilon              {} 1/kg\n", field_text(parameters.epsilon));
   fmt::print("eta                  {} 1/kg\n", field_text(parameters.eta));
-  fmt::print("mean of W_nn         {} 1/kg\n", field_text(flexibility_scale(model)));
+  const std::string scale = field_text(flexibility_scale(model)) + " 1/kg";
+  fmt::print("mean of W_nn         {}\n", model.contacts() == 0 ? "- (no contact)" : scale);
   fmt::print("contacts of Stage 1  {}\n", to_string(parameters.contacts));
   fmt::print("spectral radius      {}\n", field_text(mode.spectrum.value));
   if (mode.spectrum.unit_multiplicity > 0)
