@@ -184,10 +184,9 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
 }
 
 SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& options) {
-  constexpr Index fallback_limit = 4000;
   const bool automatic = options.solver == SpectralSolver::automatic;
   if (size < arpack_smallest_size || (automatic && size <= options.dense_limit)) return {SpectralSolver::dense};
-  if (automatic) return {SpectralSolver::shift_invert, rigid && size <= fallback_limit};
+  if (automatic) return {SpectralSolver::shift_invert, rigid && size <= dense_kernel_limit};
   return {options.solver};
 }
 
