@@ -157,14 +157,14 @@ void Group::put(const std::string& name, std::span<const std::string> texts, con
 
 void Group::put_columns(const Table& table, ArrayForm form) const {
   for (std::size_t j = 0; j < table.columns.size(); ++j) {
-    const auto& [name, unit, description] = table.columns[j];
-    form.attributes = {{"unit", unit}, {"description", description}};
+    const auto& column = table.columns[j];
+    form.attributes = {{"unit", column.unit}, {"description", column.description}};
     const Cell first = table.rows.empty() ? Cell{0.0} : table.rows[0][j];
     std::visit(
         [&]<class Value>(const Value&) {
           std::vector<std::conditional_t<std::is_same_v<Value, bool>, std::int8_t, Value>> values;
           for (const Row& row : table.rows) values.push_back(std::get<Value>(row[j]));
-          put(name, std::span(std::as_const(values)), form);
+          put(column.name, std::span(std::as_const(values)), form);
         },
         first);
   }
