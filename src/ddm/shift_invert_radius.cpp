@@ -179,7 +179,7 @@ Decomposition without_dependent_contacts(const Decomposition& parts) {
   return restrict_contacts(parts, kept);
 }
 
-// The number of eigenvalues lambda below a shift next to 0; no number if no factorisation there can be relied on.
+// The number of eigenvalues lambda below a shift next to 0. It is unknown if no factorisation there is reliable.
 std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta, double zero, Index& factorisations) {
   for (const double shift : {zero, 2 * zero, 5 * zero}) {
     ++factorisations;
@@ -190,7 +190,7 @@ std::optional<Index> counted_below(const ShiftedPencilFamily& family, double eta
 }
 
 // The number of eigenvalues lambda of the rigid limit that are 0, by inertia. An eigenvalue may be as small as 1e-8
-// without being 0, so two shifts must count the same; no number if they do not, or if one cannot be relied on.
+// without being 0, so two shifts must count the same. The number is unknown if they do not, or if one is unreliable.
 std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double eta, Index& factorisations) {
   const std::optional<Index> count = counted_below(family, eta, rigid_zero, factorisations);
   const std::optional<Index> again = counted_below(family, eta, rigid_zero_again, factorisations);

@@ -187,7 +187,7 @@ std::vector<std::string> AlternatingFile::names_beside(const std::string& path) 
 }
 
 // A killed run leaves its lock. The other names are made after the lock and removed before it, so they belong
-// to a run only if a lock is beside them. An empty lock was cut off before it was marked, or is of no worth.
+// to a run only if a lock is beside them. A lock may be empty: its run was killed before it had marked the lock.
 AlternatingFile::AlternatingFile(const std::string& path)
     : path_(followed(path).string()),
       spare_(path_ + ".next"),
@@ -225,7 +225,7 @@ void AlternatingFile::create(const Change& make) {
 }
 
 void AlternatingFile::change(Change change) {
-  const Change missing = std::exchange(missing_, {});  // a change that fails leaves a spare of no worth
+  const Change missing = std::exchange(missing_, {});  // after a change that fails the spare must be copied
   if (!missing || copying_is_faster() || is_read(spare_)) {
     remove_file(spare_);
     std::error_code status;

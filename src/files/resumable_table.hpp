@@ -101,7 +101,7 @@ class ResumableTable {
   bool stream_;
   KeptRows found_;
   Index written_ = 0;
-  std::optional<CsvWriter> csv_;  ///< none where the table was finished before
+  std::optional<CsvWriter> csv_;  ///< absent if the table was finished before
   bool record_is_ours_ = false;   ///< written for rows of this run alone, which go with them
 };
 

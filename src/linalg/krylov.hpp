@@ -16,7 +16,7 @@ inline constexpr Index arpack_smallest_size = 5;
 /// One end of the spectrum of a symmetric definite pencil A x = lambda M x.
 struct LanczosResult {
   double value = 0;        ///< Ritz value at the end asked for
-  Vector vector;           ///< its Ritz vector; empty where the iteration produced none
+  Vector vector;           ///< its Ritz vector; empty if the iteration produced none
   Index applications = 0;  ///< products with A, one solve with M each
   bool converged = false;
 };

@@ -11,8 +11,8 @@ struct Disk {
 
 using Point = std::array<double, 2>;
 
-/// Height of the centre at which a disk of that radius, falling along x, meets `support`; empty where it
-/// passes by:  y = y_s + sqrt((R - d)(R + d)),  R = r + r_s,  d = |x - x_s|.
+/// Height of the centre at which a disk of that radius, falling along x, meets `support`, unless it passes by:
+///   y = y_s + sqrt((R - d)(R + d)),  R = r + r_s,  d = |x - x_s|.
 std::optional<double> fall_onto(const Disk& support, double x, double radius);
 
 /// Which way a disk rolls over another: to the right is clockwise.

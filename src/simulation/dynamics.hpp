@@ -43,8 +43,8 @@ struct Dynamics {
 /// The sections of a case file, with a blank line before each. A parameter without effect is written with its default.
 std::string to_toml(const Dynamics& dynamics);
 
-/// Whether a parameter such as "solver.eta" has an effect beside the others. A parameter of the enriched
-/// algorithm, of the interface, of a law or of random numbers has none where that is not in use.
+/// Whether a parameter such as "solver.eta" has an effect beside the others. Those of the enriched algorithm, of the
+/// interface, of a law or of random numbers have an effect only in runs that use these.
 bool has_effect(const Dynamics& dynamics, std::string_view path);
 
 /// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with.

@@ -28,7 +28,7 @@ std::vector<std::string> words(const std::string& line);
 
 bool contains(const std::string& text, const std::string& part);
 
-/// Output of a run that must do its job: exit code 0 and nothing on standard error. Fails the test where not.
+/// Output of a run that must do its job: exit code 0 and nothing on standard error. Fails the test otherwise.
 std::string answer(const Session& session, const std::vector<std::string>& arguments);
 std::string answer(const Session& session, const std::string& line);
 
@@ -36,7 +36,7 @@ std::string answer(const Session& session, const std::string& line);
 CsvTable table(const Session& session, const std::string& line);
 
 /// A run that must be refused: exit code 2, a line "nscdd: error: ..." on standard error with all of `parts`,
-/// nothing on standard output, and every file as it was before. Fails the test where not.
+/// nothing on standard output, and every file as it was before. Fails the test otherwise.
 void check_refused(const Session& session, const std::vector<std::string>& arguments,
                    std::initializer_list<std::string> parts, const RunOptions& options = {});
 void check_refused(const Session& session, const std::string& line, std::initializer_list<std::string> parts,

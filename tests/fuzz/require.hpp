@@ -6,8 +6,8 @@
 
 namespace nscdd::fuzzing {
 
-/// Ends the program, which the fuzzer takes for a crash and keeps the input of, where something promised does
-/// not hold. An exception would not do: the targets catch those of the parsers.
+/// Ends the program if a promise does not hold. The fuzzer takes that for a crash and keeps the input. An exception
+/// would not do, because the targets catch those of the parsers.
 inline void require(bool holds, const char* promise) {
   if (holds) return;
   std::fprintf(stderr, "broken promise: %s\n", promise);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How a step ends: every status, and nothing that is no number passes for converged.
+// How a step ends: every status. A result with infinite or undefined entries never passes for converged.
 #include "../support/granular.hpp"
 #include "simulation/simulation.hpp"
 
@@ -106,7 +106,7 @@ TEST_CASE("criterion interface_change of the semi-implicit scheme waits for the 
 }
 
 TEST_CASE("no number: velocities or interface impulses that are none are never called converged") {
-  // 1 / mass overflows: V_free + M^-1 H r is no number after the first sweep.
+  // 1 / mass overflows: V_free + M^-1 H r is infinite or undefined after the first sweep.
   for (const std::string law : {"coulomb", "frictionless", "cohesive", "linear_viscous"})
     for (const std::string criterion : {"zeta", "natural_map", "quad_dv", "interface_change"})
       for (const std::string algorithm : {"nlgs", "generic"}) {

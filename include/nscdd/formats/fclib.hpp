@@ -37,9 +37,9 @@ bool holds_fclib(std::string_view bytes, const std::string& name);
 /// Reads a plane problem, local or global, with matrices by columns, by rows or as triplets. Triplets are
 /// (row, column) = (p, i) as FCLIB documents them. If these do not fit the matrix but (i, p) do, they are
 /// those of CSparse, which Siconos writes. Numbers are as in the file, and `check` has been passed. Throws
-/// Error "name: group/dataset: expected ..., met ..." for bytes that are no HDF5 file or a damaged one, for
-/// no problem or several, for what is not supported (three dimensions, rolling friction, equality constraints
-/// G, couplings V and R), and for missing members, wrong lengths, indices out of range.
+/// Error "name: group/dataset: expected ..., met ..." if the bytes are not a whole HDF5 file with exactly one problem,
+/// if a member is missing, has a wrong length or an index out of range, and for what is not supported: three
+/// dimensions, rolling friction, equality constraints G, couplings V and R.
 FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
 
 /// Reads a file. Throws Error as `fclib_from_hdf5` does.
