@@ -8,7 +8,6 @@
 #include <malloc.h>
 #endif
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>

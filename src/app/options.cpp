@@ -4,11 +4,9 @@
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
 #include "study/values.hpp"
-#include <nscdd/core/fields.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
-#include <algorithm>
 #include <fstream>
 
 namespace nscdd::app {

@@ -7,7 +7,6 @@
 #include <nscdd/study/sweep.hpp>
 
 #include <filesystem>
-#include <string_view>
 
 namespace nscdd::app {
 

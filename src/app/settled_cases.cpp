@@ -4,10 +4,8 @@
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/simulation.hpp"
-#include <nscdd/core/choice.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
-#include <algorithm>
 #include <cstdlib>
 #include <set>
 #include <sstream>

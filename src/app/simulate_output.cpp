@@ -2,11 +2,7 @@
 #include "app/simulate_output.hpp"
 
 #include "core/fail.hpp"
-#include <nscdd/core/fields.hpp>
-#include <nscdd/core/table.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 

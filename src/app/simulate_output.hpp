@@ -5,8 +5,6 @@
 #include "formats/trajectory.hpp"
 #include "study/lead_in.hpp"
 
-#include <memory>
-
 namespace nscdd::app {
 
 /// A run that is continued: what its trajectory says of it and its table must agree with.

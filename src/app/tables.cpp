@@ -4,10 +4,7 @@
 #include "files/hdf5.hpp"
 #include "study/optimum.hpp"
 
-#include <algorithm>
 #include <filesystem>
-#include <utility>
-#include <vector>
 
 namespace nscdd::app {
 namespace {

@@ -3,10 +3,7 @@
 #include "files/output_file.hpp"
 #include "formats/export.hpp"
 #include "study/values.hpp"
-#include <nscdd/core/fields.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
-
-#include <algorithm>
 
 namespace nscdd::app {
 namespace {

@@ -3,8 +3,6 @@
 #include "files/output_file.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
-#include <algorithm>
-
 namespace nscdd::app {
 namespace {
 

@@ -3,10 +3,6 @@
 #include "files/csv.hpp"
 #include "study/inspection.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace nscdd::app {
 namespace {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "study/study.hpp"
-#include <nscdd/core/fields.hpp>
 
 namespace nscdd::app {
 namespace {

@@ -3,8 +3,6 @@
 #include "files/output_file.hpp"
 #include <nscdd/core/table.hpp>
 
-#include <algorithm>
-#include <array>
 #include <sstream>
 
 namespace nscdd::app {

@@ -5,10 +5,6 @@
 #include "study/inspection.hpp"
 #include "study/modes.hpp"
 #include "study/values.hpp"
-#include <nscdd/core/fields.hpp>
-
-#include <algorithm>
-#include <cmath>
 
 namespace nscdd::app {
 namespace {

@@ -5,8 +5,6 @@
 #include "formats/case_file.hpp"
 #include "linalg/threads.hpp"
 
-#include <algorithm>
-
 namespace nscdd::app {
 namespace {
 

@@ -3,7 +3,6 @@
 #include "app/simulate_output.hpp"
 #include "files/output_file.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/core/table.hpp>
 
 namespace nscdd::app {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "files/csv.hpp"
-#include <nscdd/core/fields.hpp>
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 

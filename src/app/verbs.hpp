@@ -4,12 +4,7 @@
 #include "core/fail.hpp"
 
 #include <deque>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
 #include <variant>
-#include <vector>
 
 namespace nscdd::app {
 

@@ -26,7 +26,8 @@ struct GranularDecomposition {
 };
 
 /// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
-/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, for `interleaved`.
+/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, all of them for
+/// `interleaved`.
 std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
                                  std::span<const DiskVelocity> bodies, std::uint64_t seed,
                                  std::span<const std::array<double, 2>> points);

@@ -11,7 +11,7 @@ struct CholmodFactor;
 /// every matrix of that pattern. Throws std::bad_alloc if CHOLMOD runs out of memory.
 class CholeskyAnalysis {
  public:
-  /// `pattern`: n x n symmetric, lower triangle read, values ignored.
+  /// `pattern`: n x n symmetric, n >= 1, lower triangle read, values ignored.
   explicit CholeskyAnalysis(const SparseMatrix& pattern);
 
  private:

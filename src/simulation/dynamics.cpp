@@ -120,9 +120,10 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
     const std::string value = value_of(dynamics, effect.with);
-    // No value of these parameters is a part of the name of another one.
-    const bool enough =
-        effect.values == above_zero ? value != "0" : effect.values.find(value) != std::string_view::npos;
+    const std::string allowed = fmt::format(" {},", effect.values);  // a word ends at a blank or a comma
+    const bool enough = effect.values == above_zero ? value != "0"
+                                                    : allowed.find(" " + value + " ") != std::string::npos ||
+                                                          allowed.find(" " + value + ",") != std::string::npos;
     return effect.path == path && !enough;
   });
   return missing == std::end(effects) ? nullptr : missing;

@@ -218,10 +218,10 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep& step)
   const auto impulse = [](const DiskContact& c) { return std::hypot(c.impulse.n, c.impulse.t); };
   const auto wrong = std::ranges::find_if_not(
       step.contacts, [](double size) { return std::isfinite(size); }, impulse);
-  if (wrong != step.contacts.end()) return name(wrong) + ": impulse is no number";
+  if (wrong != step.contacts.end()) return name(wrong) + ": the impulse is not finite";
   for (std::size_t i = 0; i < step.velocities.size(); ++i)
     if (!is_finite(step.velocities[i]))
-      return fmt::format("{} at ({:.6g}, {:.6g}) m: velocity is no number",
+      return fmt::format("{} at ({:.6g}, {:.6g}) m: the velocity is not finite",
                          body_name(before.system, static_cast<Index>(i)), before.state.x[i], before.state.y[i]);
   if (step.contacts.empty()) return "no contact";
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);

@@ -6,9 +6,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <span>
-
 namespace nscdd {
 namespace {
 

@@ -7,7 +7,6 @@
 #include <nscdd/study/model.hpp>
 
 #include <map>
-#include <optional>
 
 namespace nscdd {
 

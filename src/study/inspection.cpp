@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <set>
-#include <utility>
 
 namespace nscdd {
 namespace {
@@ -195,8 +194,8 @@ const ResultColumns<Grain>& grain_columns() {
       {"contacts", "1", "contacts of the grain", &Grain::contacts},
       {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
        [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }},
-      {"velocity_x", "m/s", "prescribed velocity, 0 where none is", velocity(0)},
-      {"velocity_y", "m/s", "prescribed velocity, 0 where none is", velocity(1)}};
+      {"velocity_x", "m/s", "prescribed velocity, 0 if the grain has none", velocity(0)},
+      {"velocity_y", "m/s", "prescribed velocity, 0 if the grain has none", velocity(1)}};
   return columns;
 }
 

@@ -4,8 +4,6 @@
 #include "core/fail.hpp"
 #include "simulation/step_decomposition.hpp"
 
-#include <algorithm>
-
 namespace nscdd {
 namespace {
 

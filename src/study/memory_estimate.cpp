@@ -5,9 +5,6 @@
 #include "ddm/enriched_inertia.hpp"
 #include "mechanics/active_set.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

@@ -5,8 +5,6 @@
 #include "linalg/threads.hpp"
 #include <nscdd/study/sweep.hpp>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace nscdd {

@@ -2,7 +2,6 @@
 #include "study/predicted_observed.hpp"
 #include "study/study.hpp"
 
-#include <cmath>
 #include <set>
 
 namespace nscdd {
@@ -33,9 +32,6 @@ constexpr Observable at_steps(Observable record) {
 Simulation simulation_at(const ObservedCase& work, Index steps) {
   return work.lead_in.at(work.one, steps, work.table.lead_in).simulation;
 }
-
-// Disks after some steps, and the contacts that carry an impulse in the step after them: Figures 8 and 10 of
-// [ADI12].
 
 // Subdomains that hold each disk after a fresh decomposition of the present step.
 std::vector<std::set<Index>> memberships(const SolvedStep& step, Index disks) {
@@ -240,7 +236,7 @@ const ResultColumns<ComparedStep>& rate_columns() {
        &Rates::observed},
       {"observed_error", "1", "standard error of the fit, and what the rate drifts by along it",
        &Rates::observed_error},
-      {"relative_gap", "1", "|observed - predicted| / (1 - predicted)", &Rates::relative_gap},
+      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|", &Rates::relative_gap},
       {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors of the fit",
        &Rates::agree},
       {"rate_z", "1", "rate fitted to Z itself over the same iterations", &Rates::rate_z},

@@ -5,8 +5,6 @@
 #include "linalg/scalar.hpp"
 #include "study/study.hpp"
 
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

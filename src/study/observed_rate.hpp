@@ -4,8 +4,6 @@
 #include "ddm/two_stage.hpp"
 #include <nscdd/study/sweep.hpp>
 
-#include <cstdint>
-
 namespace nscdd {
 
 /// Convergence rate of a run of the algorithm itself.

@@ -5,9 +5,6 @@
 #include "ddm/frozen_iteration.hpp"
 #include "linalg/scalar.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

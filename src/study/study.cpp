@@ -3,7 +3,6 @@
 
 #include "core/fail.hpp"
 #include "core/text.hpp"
-#include <nscdd/core/table.hpp>
 
 #include <fmt/ranges.h>
 

@@ -5,9 +5,6 @@
 #include "study/lead_in.hpp"
 #include <nscdd/study/sweep.hpp>
 
-#include <algorithm>
-#include <cstdint>
-
 namespace nscdd {
 
 struct StudyTable;

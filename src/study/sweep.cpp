@@ -7,9 +7,6 @@
 #include "mechanics/active_set.hpp"
 #include <nscdd/study/sweep.hpp>
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

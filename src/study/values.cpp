@@ -3,9 +3,6 @@
 
 #include "core/fail.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace nscdd {
 namespace {
 

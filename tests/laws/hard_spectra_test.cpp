@@ -239,7 +239,7 @@ TEST_CASE("certified intervals of the dense solver hold the eigenvalues of the e
   CHECK(inside(certified(1e-5, 1e-3).interval_max, 0.98999391928763780));
 }
 
-TEST_CASE("backward error: a solution that is no number is not exact") {
+TEST_CASE("backward error: a solution that is not finite is not exact") {
   const SymmetricProblem problem = saddle_point(10, 0.5, 0.7, 1);
   const Vector b = Vector::Ones(problem.lower.rows());
   CHECK_FALSE(backward_error(problem.lower, Vector::Constant(b.size(), not_a_number), b) < 1);

@@ -129,7 +129,7 @@ TEST_CASE("no number: velocities or interface impulses that are none are never c
       }
 }
 
-TEST_CASE("describe_breakdown names what is no number") {
+TEST_CASE("describe_breakdown names what is not finite") {
   Dynamics dynamics;
   Simulation s = shaken_lattice(3, 2, dynamics);
   SolvedStep step = solve_step(s);
@@ -138,12 +138,12 @@ TEST_CASE("describe_breakdown names what is no number") {
   const StepContact& c = step.problem.geometry[2];
   CHECK(describe_breakdown(s, broken).starts_with("contact of disk " + std::to_string(c.a) + " and disk " +
                                                   std::to_string(c.b) + " at ("));
-  CHECK(describe_breakdown(s, broken).ends_with(") m: impulse is no number"));
+  CHECK(describe_breakdown(s, broken).ends_with(") m: the impulse is not finite"));
   broken = step;
   broken.velocities[4].rim = infinity;
   s.state.x[4] = 1.5;
   s.state.y[4] = -2;
-  CHECK(describe_breakdown(s, broken) == "disk 4 at (1.5, -2) m: velocity is no number");
+  CHECK(describe_breakdown(s, broken) == "disk 4 at (1.5, -2) m: the velocity is not finite");
   s.system.boundaries.push_back({.name = "drum", .motion = {}});
   s.system.driven_by[4] = 0;
   CHECK(describe_breakdown(s, broken).starts_with("disk 4 of boundary 'drum' at ("));
@@ -151,7 +151,7 @@ TEST_CASE("describe_breakdown names what is no number") {
   CHECK(describe_breakdown(s, empty) == "no contact");
 }
 
-TEST_CASE("a case that asks for an eta that is no number is refused") {
+TEST_CASE("a case that asks for an eta that is not a number is refused") {
   Dynamics dynamics;
   for (const std::string eta : {"fast", "0", "-1", "nan", "", "W", "0 W", "1 w", "optimal W"}) {
     CAPTURE(eta);

@@ -293,7 +293,7 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
                   "interface/subdomain: expected");
 }
 
-TEST_CASE("trajectory: a state that is no number is refused with the file it is in") {
+TEST_CASE("trajectory: a state that is not finite is refused with the file it is in") {
   Simulation simulation = small(1);
   simulation.state.velocity_x[3] = infinity;
   CHECK_THROWS_WITH_AS(require_fit("run.h5", simulation), doctest::Contains("run.h5: disk 3: expected finite"), Error);
