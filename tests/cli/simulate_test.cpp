@@ -250,7 +250,7 @@ TEST_CASE("simulate: a step that explodes in few iterations, or has no numbers, 
   session.file("light.toml", "[packing]\nfile = \"light.csv\"\n[dynamics]\nsteps = 3\n[partition]\ngrid = [1, 1]\n");
   const Outcome none = session.run(words("simulate light.toml -o light.h5"));
   CHECK(none.exit_code == 1);
-  CHECK(contains(none.standard_error, "no number"));
+  CHECK(contains(none.standard_error, "not finite"));
   CHECK(nscdd::read_last_step(path_of(session, "light.h5")).state.step == 0);
 }
 
