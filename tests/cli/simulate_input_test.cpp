@@ -135,7 +135,8 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
   };
   refused("simulate test.toml -o run.h5 --criterion speed", {"--criterion: expected one of zeta", "met 'speed'"});
   refused("simulate test.toml -o run.h5 --criterion gluing --algorithm nlgs", {"solver.criterion"});
-  refused("simulate test.toml -o run.h5 --algorithm enriched --eta 10X", {"--eta: expected \"optimal\"", "30 W", "met \"10X\""});
+  refused("simulate test.toml -o run.h5 --algorithm enriched --eta 10X",
+          {"--eta: expected \"optimal\"", "30 W", "met \"10X\""});
   refused("simulate test.toml -o run.h5 --set solver.eta=2", {"--set solver.eta"});
   refused("simulate test.toml -o run.h5 --set solver.speed=2", {"solver.speed"});
   refused("simulate test.toml -o run.h5 --subdomains 100000x100000", {"partition.grid", "100000"});
