@@ -6,8 +6,6 @@
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 
-#include <Eigen/Eigenvalues>
-
 namespace nscdd {
 namespace {
 
@@ -88,13 +86,13 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
   MapRadius result;
   result.solver = "dense";
   result.applications = map.cols();
-  const Eigen::EigenSolver<Matrix> solver(map);
-  if (solver.info() != Eigen::Success) {
+  const GeneralEigen eigen = general_eigen(map);
+  const Eigen::VectorXcd& values = eigen.values;
+  if (values.size() == 0) {
     result.converged = false;
     result.value = result.subdominant = result.residual = not_a_number;
     return result;
   }
-  const Eigen::VectorXcd& values = solver.eigenvalues();
   Index best = -1;
   for (Index k = 0; k < values.size(); ++k) {
     const bool unit = units != UnitEigenvalues::none && is_unit(values[k]);
@@ -104,7 +102,7 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
     if (best < 0 || std::abs(values[k]) > std::abs(values[best])) best = k;
   }
   if (best < 0) return result;  // the identity
-  const Eigen::VectorXcd x = solver.eigenvectors().col(best);
+  const Eigen::VectorXcd x = eigen.vector(best);
   result.dominant = {values[best].real(), std::abs(values[best].imag())};
   result.value = std::abs(values[best]);
   result.residual = (map * x - values[best] * x).norm() / x.norm();

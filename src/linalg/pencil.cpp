@@ -102,6 +102,26 @@ SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
+GeneralEigen general_eigen(Matrix a) {
+  const auto n = static_cast<lapack_int>(a.rows());
+  Vector real(n), imaginary(n), scale(n);
+  GeneralEigen result{{}, Matrix(n, n)};
+  lapack_int low = 0, high = 0;
+  double norm = 0;
+  // Not balanced ('N' first): where entries are next to 0, balancing costs eigenvectors half of their digits.
+  if (LAPACKE_dgeevx(LAPACK_COL_MAJOR, 'N', 'N', 'V', 'N', n, a.data(), n, real.data(), imaginary.data(), nullptr, 1,
+                     result.packed.data(), n, &low, &high, scale.data(), &norm, nullptr, nullptr) == 0)
+    result.values = real + std::complex<double>(0, 1) * imaginary;
+  return result;
+}
+
+Eigen::VectorXcd GeneralEigen::vector(Index k) const {
+  const double part = values[k].imag();
+  if (part == 0) return packed.col(k);
+  const Index first = part > 0 ? k : k - 1;
+  return packed.col(first) + std::complex<double>(0, part > 0 ? 1 : -1) * packed.col(first + 1);
+}
+
 std::function<Matrix(const Matrix&)> minimum_norm_map(const Matrix& a, double threshold) {
   Eigen::CompleteOrthogonalDecomposition<Matrix> decomposition;
   decomposition.setThreshold(threshold);
