@@ -150,6 +150,12 @@ std::vector<std::string> split(const std::string& line) {
   return values;
 }
 
+// What is loaded before the program already, such as a library broken on purpose.
+std::string also_loaded() {
+  const char* others = std::getenv("LD_PRELOAD");
+  return others == nullptr ? "" : std::string(":") + others;
+}
+
 // As the kernel takes arguments and settings.
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
@@ -207,7 +213,7 @@ Outcome run_program(const fs::path& folder, const std::vector<std::string>& argu
   ::setenv("NSCDD_DATA", source_folder().c_str(), 1);
   std::vector<std::string> settings;
   if (const auto& at = options.signal_at)
-    settings = {"LD_PRELOAD=" + environment("NSCDD_SIGNAL_MODULE"), "NSCDD_SIGNAL_FILES=" + at->files,
+    settings = {"LD_PRELOAD=" + environment("NSCDD_SIGNAL_MODULE") + also_loaded(), "NSCDD_SIGNAL_FILES=" + at->files,
                 "NSCDD_SIGNAL_BYTES=" + std::to_string(at->bytes), "NSCDD_SIGNAL=" + std::to_string(at->signal)};
   for (char** setting = environ; *setting != nullptr; ++setting) settings.emplace_back(*setting);
   const std::vector<char*> argument_pointers = pointers_to(words), setting_pointers = pointers_to(settings);
