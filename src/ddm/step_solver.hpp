@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "mechanics/flexibility.hpp"
 #include <nscdd/core/fields.hpp>
 
 namespace nscdd {
@@ -53,44 +54,32 @@ constexpr auto names_of(InterfaceMethod) {
   return std::to_array<std::string_view>({"richardson", "conjugate_gradient"});
 }
 
-/// The flexibility eta of an enriched Stage 2 as a case has it: "optimal", a number > 0 in 1/kg ("0.5"), or a
-/// multiple of the scale W of the packing ("0.5 W"), the mean of the W_nn of its contacts. With masses m_i, m_j
-/// of the two grains of a contact, W_nn = 1/m_i + 1/m_j, in 1/kg.
-class EtaChoice {
- public:
+/// The flexibility eta of an enriched Stage 2 as a case has it: a Flexibility > 0, or "optimal" for the best one.
+struct EtaChoice {
   static constexpr std::string_view expected =
-      "\"optimal\", a number > 0 in 1/kg such as \"0.5\", or a multiple of the mean of W_nn such as \"30 W\"";
+      "\"optimal\", a number > 0 in 1/kg such as 0.5, or a multiple of the mean of W_nn such as \"30 W\"";
 
   EtaChoice() = default;
   EtaChoice(const char* text) : EtaChoice(std::string(text)) {}
   /// Throws Error naming `what` for any other text.
-  EtaChoice(const std::string& text, std::string_view what = "eta") : optimal_(text == "optimal") {
-    if (optimal_) return;
-    relative_ = text.ends_with('W');
-    try {
-      value_ = parse_number(std::string_view(text).substr(0, text.size() - (relative_ ? 1 : 0)), what);
-      check_bounds(value_, Field{.description = "", .minimum = 0, .minimum_excluded = true}, what);
-    } catch (const Error&) {
-      throw Error(std::string(what) + ": expected " + std::string(expected) + ", met \"" + text + "\"");
-    }
+  EtaChoice(const std::string& text, std::string_view what = "eta") : optimal(text == "optimal") {
+    if (!optimal)
+      value = parse_flexibility(text, {.description = "", .minimum = 0, .minimum_excluded = true}, what, expected);
   }
 
-  bool optimal() const { return optimal_; }
-  /// In 1/kg, of one that is not optimal.
-  double at_scale(double scale) const { return relative_ ? value_ * scale : value_; }
-  std::string text() const { return optimal_ ? "optimal" : field_text(value_) + (relative_ ? " W" : ""); }
-  bool operator==(const EtaChoice&) const = default;
-
- private:
   // Safe: see "Flexibilities relative to the packing" in docs/cases.md for what was measured.
-  double value_ = 30;
-  bool relative_ = true, optimal_ = false;
+  Flexibility value{30, true};
+  bool optimal = false;
+
+  bool operator==(const EtaChoice&) const = default;
 };
 
-inline void parse_value(std::string_view text, EtaChoice& value, std::string_view key) {
-  value = EtaChoice(std::string(text), key);
+inline void parse_value(std::string_view text, EtaChoice& choice, std::string_view key) {
+  choice = {std::string(text), key};
 }
-inline std::string field_text(const EtaChoice& value) { return field_text(value.text()); }
+inline std::string field_text(const EtaChoice& choice) {
+  return choice.optimal ? field_text(std::string("optimal")) : field_text(choice.value);
+}
 inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
 /// How the contact problem of a step is solved.
@@ -136,7 +125,8 @@ struct StepSolver {
     visit("warm_start", self.warm_start,
           Field{.description = "start from the impulses of the last step, not from zero"});
     visit("eta", self.eta,
-          Field{.description = "flexibility of the enriched Stage 2: a number, or optimal", .unit = "1/kg"});
+          Field{.description = "flexibility of the enriched Stage 2: a number, a multiple of W, or optimal",
+                .unit = "1/kg"});
     visit("network", self.network,
           Field{.description = "contacts Stage 2 sees: all considered, or those that carried an impulse in the "
                                "last step"});

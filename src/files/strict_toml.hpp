@@ -165,9 +165,15 @@ class StrictTable {
       get(found, key, choice);
       value = choice;
     } else {
-      if constexpr (requires { Value::expected; }) require(found.is_string(), Value::expected);
       std::string text;
-      get(found, key, text);
+      double number = 0;
+      if constexpr (requires { Value::expected; }) require(found.is_string() || found.is_number(), Value::expected);
+      if (found.is_number() && requires { Value::expected; }) {
+        get(found, key, number);
+        text = field_text(number);
+      } else {
+        get(found, key, text);
+      }
       parse_value(text, value, where(key));
     }
   }

@@ -110,12 +110,11 @@ AlternatingFile::Change changing(Change change) {
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved) {
   TrajectoryStep step;
   step.state = after.state;
-  const ContactLaw law = contact_law(after.dynamics.interaction, solved.problem.h);
   step.contacts.reserve(solved.contacts.size());
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const DiskContact& c = solved.contacts[k];
-    step.contacts.push_back(
-        {solved.problem.geometry[k], c.impulse, status_of(law, c), solved.partition.subdomain_of_contact[k]});
+    step.contacts.push_back({solved.problem.geometry[k], c.impulse, status_of(solved.problem.law, c),
+                             solved.partition.subdomain_of_contact[k]});
   }
   return step;
 }

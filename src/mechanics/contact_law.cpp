@@ -52,9 +52,9 @@ ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, std::span<
 
 }  // namespace
 
-ContactLaw contact_law(const Interaction& interaction, double h) {
+ContactLaw contact_law(const Interaction& interaction, double h, double scale) {
   ContactLaw law = Alternatives<ContactLaw>::at(static_cast<std::size_t>(LawName{interaction.law}));
-  std::visit([&](auto& one) { one = one.of(interaction, h); }, law);
+  std::visit([&](auto& one) { one = one.of(interaction, h, scale); }, law);
   return law;
 }
 

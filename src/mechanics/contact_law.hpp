@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "mechanics/flexibility.hpp"
 #include "mechanics/laws/cohesive.hpp"
 #include "mechanics/laws/coulomb.hpp"
 #include "mechanics/laws/frictionless.hpp"
@@ -15,7 +16,7 @@ namespace nscdd {
 /// Laws between two bodies with a normal and a tangential component: one file and one word here per law. A law has
 ///   name
 ///   impulse(stop, w, friction)  the impulse of one contact, solved together with v = W (r - stop); all a sweep needs
-///   of(interaction, h)          the law with its parameters, at a time step of h seconds
+///   of(interaction, h, scale)   the law with its parameters, see contact_law
 ///   opens                       whether a contact may part: it then obeys Coulomb's law once `pull` is added to its
 ///                               normal impulse, and statuses and residuals are those of this shifted law
 ///   rubs                        whether a contact has a tangential impulse
@@ -46,7 +47,7 @@ struct Interaction {
   double friction = 0.3, boundary_friction = -1;
   double restitution = 0, tangential_restitution = 0;
   double cohesion = 0;  ///< N
-  double epsilon = 0;   ///< 1/kg
+  Flexibility epsilon;
 
   double friction_at_boundaries() const { return boundary_friction < 0 ? friction : boundary_friction; }
 
@@ -70,12 +71,15 @@ struct Interaction {
                 .minimum = 0,
                 .maximum = 1e100});
     visit("epsilon", self.epsilon,
-          Field{.description = "flexibility of law linear_viscous", .unit = "1/kg", .minimum = 0});
+          Field{.description = "flexibility of law linear_viscous: a number, or a multiple of W",
+                .unit = "1/kg",
+                .minimum = 0});
   }
 };
 
-/// The law with its parameters; `h`: time step, s (a cohesive force acts through its impulse).
-ContactLaw contact_law(const Interaction& interaction, double h);
+/// The law with its parameters; `h`: time step, s (a cohesive force acts through its impulse); `scale`: W, 1/kg, of
+/// which its flexibility may be a multiple.
+ContactLaw contact_law(const Interaction& interaction, double h, double scale);
 
 /// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact slides if its
 /// impulse is within `tolerance` x friction r_n of the edge of the cone.

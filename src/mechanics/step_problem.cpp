@@ -177,12 +177,6 @@ DiskContact solver_contact(const StepContact& c, Index second, const StepProblem
 
 }  // namespace
 
-double mean_normal_delassus(const StepProblem& problem) {
-  double sum = 0;
-  for (const DiskContact& c : problem.contacts) sum += 1 / c.inverse_w.inverse_n;
-  return problem.contacts.empty() ? 0 : sum / static_cast<double>(problem.contacts.size());
-}
-
 double push_speed(const TimeStepping& scheme, double smaller_radius, double boundary_speed) {
   if (scheme.maximum_push_speed >= 0) return scheme.maximum_push_speed;
   const double gravity = std::hypot(scheme.gravity[0], scheme.gravity[1]);
@@ -209,7 +203,7 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
     problem.pulls = law.pulls;
     pull = law.pull();
   };
-  std::visit(take_from, contact_law(interaction, h));
+  std::visit(take_from, contact_law(interaction, h, 1));  // the scale, yet unknown, matters to none of these
   problem.tangential_bias = interaction.tangential_restitution > 0;
   problem.start = start_velocities(system, state, motions);
   problem.free = problem.start;
@@ -235,7 +229,10 @@ StepProblem prepare_step(const GranularSystem& system, const GranularState& stat
     problem.contacts.push_back(solver_contact(c, second[k], problem, interaction, scheme.penetration_correction,
                                               push_speed(scheme, smaller_radius(system, c), boundary_speed)));
     if (problem.pulls && touches(system, c)) problem.contacts.back().pull = pull;
+    problem.scale += 1 / problem.contacts.back().inverse_w.inverse_n;
   }
+  problem.scale /= std::max(1.0, static_cast<double>(problem.contacts.size()));
+  problem.law = contact_law(interaction, h, problem.scale);
   if (!warm_start) return problem;
   const auto last = remembered(state.impulses, problem.geometry);
   for (std::size_t k = 0; k < last.size(); ++k)

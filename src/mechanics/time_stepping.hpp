@@ -68,6 +68,8 @@ struct StepContact {
 
 /// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall there.
 struct StepProblem {
+  ContactLaw law;                              ///< of all contacts
+  double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
   double friction = 0, boundary_friction = 0;  ///< between free disks; between a free and a driven one
   bool tangential_bias = false;                ///< whether contacts have a bias_t (tangential restitution)
   bool pulls = false;                          ///< whether the law pulls; then contacts that touch have a pull
@@ -97,9 +99,6 @@ std::vector<const Remembered*> remembered(const std::vector<Remembered>& last,
   }
   return result;
 }
-
-/// Scale of flexibilities: the mean of W_nn over the contacts, 1/kg; driven bodies add nothing. 0 without contacts.
-double mean_normal_delassus(const StepProblem& problem);
 
 /// Speed at which two bodies that overlap are pushed apart at the most, m/s: `maximum_push_speed`, or where that is
 /// negative c (sqrt(g r) + w), c = natural_push_speed, with the smaller radius r, g = |gravity| and the speed w of the

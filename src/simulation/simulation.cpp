@@ -75,6 +75,31 @@ double criterion_value(Criterion criterion, const IterationRecord& record, const
   return values[static_cast<std::size_t>(criterion)];
 }
 
+// The next step; if there is none, `reason` says why.
+std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const IterationSink& sink,
+                                           std::string& reason) {
+  try {
+    SolvedStep step = solve_step(simulation, sink);
+    if (!step.report.broke_down()) return step;
+    const auto ended = step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
+                                            : to_string(step.report.status);
+    reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, ended, step.report.last.iteration,
+                         describe_breakdown(simulation, step));
+  } catch (const Error& error) {
+    if (simulation.state.step == 0) throw;
+    reason = fmt::format("step {}: {}", simulation.state.step + 1, error.what());
+  }
+  return std::nullopt;
+}
+
+// Whether grains rest: they were slow for `rest_steps` steps, and not faster at each step, which is how a fall begins.
+bool at_rest(const std::vector<double>& speeds, double rest_speed) {
+  if (count(speeds) < rest_steps) return false;
+  const auto last = std::span(speeds).last(at(rest_steps));
+  return std::ranges::all_of(last, [&](double speed) { return speed < rest_speed; }) &&
+         std::ranges::adjacent_find(last, std::ranges::greater_equal()) != last.end();
+}
+
 }  // namespace
 
 bool needs_residual(Criterion criterion) {
@@ -122,16 +147,16 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   Partition partition = partition_step(simulation, problem);
   const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
   GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
-  double eta = not_a_number;
+  StepReport report{.interface_size = parts.interface_size(), .scale = problem.scale};
   std::optional<InterfaceOperator> enriched;
   if (solver.algorithm == StepAlgorithm::enriched && parts.interface_size() > 0) {
-    eta = solver.eta.optimal() ? best_eta(simulation, problem, partition)
-                               : solver.eta.at_scale(mean_normal_delassus(problem));
-    enriched = enriched_operator(simulation, problem, partition, eta);
+    report.eta =
+        solver.eta.optimal ? best_eta(simulation, problem, partition) : solver.eta.value.at_scale(problem.scale);
+    enriched = enriched_operator(simulation, problem, partition, report.eta);
   }
-  GranularTwoStage iteration(std::move(parts), contact_law(dynamics.interaction, problem.h), solver, enriched);
+  GranularTwoStage iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
-  return {std::move(problem), std::move(partition), std::move(enriched), eta, std::move(iteration)};
+  return {std::move(problem), std::move(partition), std::move(enriched), report, std::move(iteration)};
 }
 
 SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
@@ -143,10 +168,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   SolvedStep step;
   step.problem = std::move(prepared.problem);
   step.partition = std::move(prepared.partition);
-  const ContactLaw law = contact_law(dynamics.interaction, step.problem.h);
-  StepReport& report = step.report;
-  report.interface_size = iteration.parts().interface_size();
-  report.eta = prepared.eta;
+  StepReport& report = step.report = prepared.report;
   report.setup_seconds = seconds_since(begin);
   IterationWatch watch(solver);
   std::vector<ContactStatus> statuses;
@@ -175,7 +197,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   step.velocities = iteration.velocities(step.problem);
   if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
     const double scale = report.residual.impulses;
-    report.residual = contact_residual(law, step.contacts, step.velocities);
+    report.residual = contact_residual(step.problem.law, step.contacts, step.velocities);
     report.residual.impulses = scale;
   }
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
@@ -227,35 +249,6 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep& step)
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
   return fmt::format("{}: largest impulse, {:.6g} N s", name(largest), impulse(*largest));
 }
-
-namespace {
-
-// The next step; if there is none, `reason` says why.
-std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const IterationSink& sink,
-                                           std::string& reason) {
-  try {
-    SolvedStep step = solve_step(simulation, sink);
-    if (!step.report.broke_down()) return step;
-    const auto ended = step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
-                                            : to_string(step.report.status);
-    reason = fmt::format("step {}: {} after {} iterations, {}", step.report.step, ended, step.report.last.iteration,
-                         describe_breakdown(simulation, step));
-  } catch (const Error& error) {
-    if (simulation.state.step == 0) throw;
-    reason = fmt::format("step {}: {}", simulation.state.step + 1, error.what());
-  }
-  return std::nullopt;
-}
-
-// Whether grains rest: they were slow for `rest_steps` steps, and not faster at each step, which is how a fall begins.
-bool at_rest(const std::vector<double>& speeds, double rest_speed) {
-  if (count(speeds) < rest_steps) return false;
-  const auto last = std::span(speeds).last(at(rest_steps));
-  return std::ranges::all_of(last, [&](double speed) { return speed < rest_speed; }) &&
-         std::ranges::adjacent_find(last, std::ranges::greater_equal()) != last.end();
-}
-
-}  // namespace
 
 double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;

@@ -40,7 +40,7 @@ class IterationWatch {
 struct IterationRow {
   Index step = 0;  ///< from 1
   IterationRecord record;
-  ContactResidual residual;
+  ContactResidual residual = {};
   Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the row before
   double seconds = 0;        ///< of the iterations of the step so far, without the indicators
 };
@@ -64,13 +64,14 @@ struct StepReport {
   Index step = 0;   ///< from 1
   double time = 0;  ///< at its end, s
   SolverStatus status = SolverStatus::converged;
-  IterationRecord last;
-  ContactResidual residual;
+  IterationRecord last = {};
+  ContactResidual residual = {};
   Index contacts = 0;  ///< contacts considered
   Index interface_size = 0;
-  Interpenetration overlap;
-  StepEnergy energy;
+  Interpenetration overlap = {};
+  StepEnergy energy = {};
   double eta = not_a_number;  ///< of the enriched algorithm, 1/kg
+  double scale = 0;           ///< W of the contacts considered, 1/kg
   double setup_seconds = 0, solve_seconds = 0;
 
   bool broke_down() const { return status == SolverStatus::diverged || status == SolverStatus::no_number; }
@@ -95,7 +96,7 @@ struct PreparedStep {
   StepProblem problem;
   Partition partition;                        ///< of its contacts
   std::optional<InterfaceOperator> enriched;  ///< X_eta of the enriched algorithm
-  double eta = not_a_number;                  ///< its flexibility, 1/kg
+  StepReport report;                          ///< what is known by now
   GranularTwoStage iteration;
 };
 PreparedStep prepare_solution(const Simulation& simulation);

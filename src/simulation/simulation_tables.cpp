@@ -64,6 +64,8 @@ const ResultColumns<StepReport>& step_columns() {
          [](const Step& step) { return step.overlap.mean; }}},
        columns_of(&Step::energy, energy),
        {{"eta", "1/kg", "flexibility of the enriched Stage 2; nan for the other algorithms", &Step::eta},
+        {"eta_relative", "1", "eta in multiples of mean_w_nn", [](const Step& step) { return step.eta / step.scale; }},
+        {"mean_w_nn", "1/kg", "W, mean of W_nn over the contacts considered; 0 without contacts", &Step::scale},
         {"setup_seconds", "s", "finding contacts, decomposing, factorising", &Step::setup_seconds},
         {"solve_seconds", "s", "iterations, without the indicators", &Step::solve_seconds}}});
   return columns;

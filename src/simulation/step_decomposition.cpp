@@ -20,7 +20,7 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses) {
 // friction has no tangential one. Others would make Stage 2 too stiff, and the iterations diverge.
 Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
-  const bool always = !opens(contact_law(simulation.dynamics.interaction, problem.h));
+  const bool always = !opens(problem.law);
   std::vector<char> usable(2 * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
     usable[2 * k + 1] = always || problem.contacts[k].friction > 0;
@@ -31,23 +31,22 @@ Decomposition linear_parts(const Simulation& simulation, const StepProblem& prob
 std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
   if (simulation.state.impulses.empty()) return std::vector<char>(2 * problem.contacts.size(), 1);
   const auto last = remembered(simulation.state.impulses, problem.geometry);
-  const ContactLaw law = contact_law(simulation.dynamics.interaction, problem.h);
   std::vector<ContactStatus> statuses(last.size(), ContactStatus::open);
   for (std::size_t k = 0; k < last.size(); ++k) {
     if (last[k] == nullptr) continue;
     DiskContact contact = problem.contacts[k];
     contact.impulse = last[k]->impulse;
-    statuses[k] = status_of(law, contact);
+    statuses[k] = status_of(problem.law, contact);
   }
   return columns_left_by(statuses);
 }
 
 // The network that some undecomposed sweeps find for this step. It is near enough to the one at its end to
 // choose a flexibility by, and it is known for the first step too.
-std::vector<char> expected_columns(const Simulation& simulation, const StepProblem& problem) {
+std::vector<char> expected_columns(const StepProblem& problem) {
   const Partition whole{.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  GranularTwoStage iteration(decompose(problem, whole, ContactOrder::natural, 0),
-                             contact_law(simulation.dynamics.interaction, problem.h), {.gauss_seidel_sweeps = 100}, {});
+  GranularTwoStage iteration(decompose(problem, whole, ContactOrder::natural, 0), problem.law,
+                             {.gauss_seidel_sweeps = 100}, {});
   iteration.start({});
   iteration.iterate();
   return columns_left_by(iteration.statuses());
@@ -71,7 +70,7 @@ double best_eta(const Simulation& simulation, const StepProblem& problem, const 
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found
-  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(simulation, problem))), stable);
+  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(problem))), stable);
 }
 
 }  // namespace nscdd

@@ -105,7 +105,6 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
   const Simulation simulation = simulation_at(work, steps);
   const GranularState& state = simulation.state;
   const SolvedStep step = next_step(simulation, work.table.lead_in);
-  const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
   const auto centre = [&](Index disk) { return std::array{state.x[at(disk)], state.y[at(disk)]}; };
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const DiskContact& c = step.contacts[k];
@@ -113,7 +112,7 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
     if (c.impulse.n == 0 && c.impulse.t == 0) continue;
     const bool wall = g.b >= simulation.system.disks();
     sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b), c.impulse.n,
-          c.impulse.t, status_of(law, c), step.partition.subdomain_of_contact[k]});
+          c.impulse.t, status_of(step.problem.law, c), step.partition.subdomain_of_contact[k]});
   }
   return 0;
 }
@@ -122,10 +121,10 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
 struct SolvedCase {
   const std::string& name;
   const Simulation& simulation;
-  double eta = infinity;  // of the enriched Stage 2, 1/kg
-  Index interface_size = 0;
+  StepReport report;  // of its last step
 
   const StepSolver& solver() const { return simulation.dynamics.solver; }
+  double flexibility() const { return solver().algorithm == StepAlgorithm::enriched ? report.eta : infinity; }
 };
 
 const ResultColumns<SolvedCase>& solver_columns() {
@@ -136,9 +135,10 @@ const ResultColumns<SolvedCase>& solver_columns() {
       {"algorithm", "", "nlgs, generic or enriched", [](const One& one) { return to_string(one.solver().algorithm); }},
       {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
        [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
-      {"eta", "1/kg", "flexibility of the enriched Stage 2; inf for the generic one",
-       [](const One& one) { return one.solver().algorithm == StepAlgorithm::enriched ? one.eta : infinity; }},
-      {"interface_dofs", "1", "interface unknowns n_Gamma", &One::interface_size}};
+      {"eta", "1/kg", "flexibility of the enriched Stage 2; inf for the generic one", &One::flexibility},
+      {"eta_relative", "1", "the same in multiples of the mean of W_nn over the contacts considered",
+       [](const One& one) { return one.flexibility() / one.report.scale; }},
+      {"interface_dofs", "1", "interface unknowns n_Gamma", [](const One& one) { return one.report.interface_size; }}};
   return columns;
 }
 
@@ -161,7 +161,7 @@ Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& si
   const Simulation simulation = simulation_at(work, step - 1);
   std::vector<IterationRow> rows;
   const SolvedStep solved = solve_step(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
-  const SolvedCase solver{work.one.spec.name, simulation, solved.report.eta, solved.report.interface_size};
+  const SolvedCase solver{work.one.spec.name, simulation, solved.report};
   // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
   for (const IterationRow& row : rows)
     if (const Index i = row.record.iteration; i <= 20 || begins_interval(i, 40) || &row == &rows.back())
@@ -201,8 +201,7 @@ Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sin
   const GranularState plain = work.lead_in.at(work.one, steps, LeadInSolver::plain).simulation.state;
   const GranularSystem& system = own.simulation.system;
   const GranularState& state = own.simulation.state;
-  const StepReport& last = own.totals.last;
-  WholeRun run{{work.one.spec.name, own.simulation, last.eta, last.interface_size}, steps, own.totals};
+  WholeRun run{{work.one.spec.name, own.simulation, own.totals.last}, steps, own.totals};
   for (Index i = 0; i < system.disks(); ++i) {
     if (!system.free(i)) continue;
     const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)]);
@@ -242,8 +241,8 @@ const ResultColumns<ComparedStep>& rate_columns() {
       {"rate_z", "1", "rate fitted to Z itself over the same iterations", &Rates::rate_z},
       {"first_iteration", "1", "first iteration fitted", &Rates::first},
       {"last_iteration", "1", "last iteration fitted", &Rates::last},
-      {"iterations", "1", "iterations run", &Rates::iterations},
-      {"status", "", "how the run ended", &Rates::status}};
+      {"iterations", "1", "iterations run", [](const Rates& r) { return r.report.last.iteration; }},
+      {"status", "", "how the run ended", [](const Rates& r) { return r.report.status; }}};
   static const auto columns = joined<ComparedStep>(
       {columns_of(&ComparedStep::solver, solver_columns()),
        {{"step", "1", "step examined, from 1", &ComparedStep::step}},
@@ -255,7 +254,7 @@ const ResultColumns<ComparedStep>& rate_columns() {
 Index compared_rates(const ObservedCase& work, Index step, const Sink<ComparedStep>& sink) {
   const Simulation simulation = simulation_at(work, step - 1);
   const PredictedObserved rates = predicted_observed(simulation);
-  const ComparedStep result{{work.one.spec.name, simulation, rates.eta, rates.interface_size}, step, rates};
+  const ComparedStep result{{work.one.spec.name, simulation, rates.report}, step, rates};
   sink(result);
   return Index{!result.known()};
 }

@@ -100,7 +100,7 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
   expect(solver.enrichment == Enrichment::every_iteration, "solver.enrichment", "every_iteration",
          to_string(solver.enrichment));
   expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1", field_text(solver.contact_relaxation));
-  expect(opens(contact_law(dynamics.interaction, dynamics.time.step)), "interaction.law", "a law with open contacts",
+  expect(opens(contact_law(dynamics.interaction, dynamics.time.step, 1)), "interaction.law", "a law with open contacts",
          to_string(dynamics.interaction.law));
 }
 
@@ -111,17 +111,15 @@ PredictedObserved predicted_observed(const Simulation& simulation) {
   const GranularDecomposition parts = step.iteration.parts();
   Stretches stretches;
   IterationWatch watch(solver);
-  PredictedObserved result;
-  result.eta = step.eta;
-  result.interface_size = parts.interface_size();
+  PredictedObserved result{.report = step.report};
   std::optional<SolverStatus> status;
   while (!status) {
     const IterationRecord record = step.iteration.iterate();
     stretches.record(record, step.iteration.statuses());
-    result.iterations = record.iteration;
+    result.report.last = record;
     status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
   }
-  result.status = *status;
+  result.report.status = *status;
   const Stretch best = stretches.best();
   if (best.statuses.empty()) return result;
   result.active = count(best.statuses) - std::ranges::count(best.statuses, ContactStatus::open);

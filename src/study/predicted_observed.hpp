@@ -7,18 +7,16 @@ namespace nscdd {
 
 /// A run of a step beside the local theory of its convergence.
 struct PredictedObserved {
-  double eta = not_a_number;                                   ///< of the enriched algorithm, 1/kg
-  Index interface_size = 0, active = 0, stick = 0, slide = 0;  ///< at the statuses compared
-  double predicted = not_a_number;                             ///< radius of the frozen iteration with n_GS sweeps
-  double predicted_exact = not_a_number;  ///< the same with an exact Stage 1; NaN above 1 500 disks
-  bool complex_pair = false;              ///< the dominant eigenvalue of `predicted` is one of a pair
-  bool converged = false;                 ///< of the prediction
-  double observed = not_a_number;         ///< factor per iteration; NaN where no stretch shows one
-  double observed_error = not_a_number;   ///< standard error of the fit plus drift along it
-  double rate_z = not_a_number;           ///< factor per iteration of Z itself over the stretch fitted
-  Index first = 0, last = 0;              ///< iterations of the stretch fitted
-  Index iterations = 0;                   ///< run in all
-  SolverStatus status = SolverStatus::maximum_reached;
+  StepReport report;                       ///< of the run, without what its end adds
+  Index active = 0, stick = 0, slide = 0;  ///< at the statuses compared
+  double predicted = not_a_number;         ///< radius of the frozen iteration with n_GS sweeps
+  double predicted_exact = not_a_number;   ///< the same with an exact Stage 1; NaN above 1 500 disks
+  bool complex_pair = false;               ///< the dominant eigenvalue of `predicted` is one of a pair
+  bool converged = false;                  ///< of the prediction
+  double observed = not_a_number;          ///< factor per iteration; NaN where no stretch shows one
+  double observed_error = not_a_number;    ///< standard error of the fit plus drift along it
+  double rate_z = not_a_number;            ///< factor per iteration of Z itself over the stretch fitted
+  Index first = 0, last = 0;               ///< iterations of the stretch fitted
 
   /// |observed - predicted| / (1 - predicted), the relative error of the number of iterations to come. NaN if
   /// either rate is not known.

@@ -120,7 +120,7 @@ TEST_CASE("frozen iteration: with sliding contacts, changes of the velocities of
     Simulation simulation = sheared_box(60, {2, 1});
     simulation.dynamics.solver.gauss_seidel_sweeps = sweeps;
     PreparedStep step = prepare_solution(simulation);
-    const ContactLaw law = contact_law(simulation.dynamics.interaction, step.problem.h);
+    const ContactLaw law = step.problem.law;
     const GranularDecomposition parts = step.iteration.parts();
     const std::size_t n = step.problem.contacts.size();
     int compared = 0, sliding = 0;

@@ -272,7 +272,8 @@ TEST_CASE("linear viscous law: a disk sinks into the floor at the speed epsilon 
   const double epsilon = 0.7, mass = 2, h = 0.001;
   Dynamics dynamics = tight();
   dynamics.interaction.law = "linear_viscous";
-  dynamics.interaction.epsilon = epsilon;
+  SUBCASE("epsilon in 1/kg") { dynamics.interaction.epsilon = epsilon; }
+  SUBCASE("epsilon as a multiple of W = 1/m") { dynamics.interaction.epsilon = {epsilon * mass, true}; }
   dynamics.time.step = h;
   dynamics.time.penetration_correction = 0;
   dynamics.boundaries = {floor_wall()};
@@ -290,4 +291,5 @@ TEST_CASE("linear viscous law: a disk sinks into the floor at the speed epsilon 
     CHECK(simulation.state.spin[0] == doctest::Approx(rim / 0.5).epsilon(1e-11));
   }
   CHECK(simulation.state.velocity_y[0] == doctest::Approx(-epsilon * mass * g * h).epsilon(1e-9));
+  CHECK(solve_step(simulation).report.scale == doctest::Approx(1 / mass).epsilon(1e-15));
 }

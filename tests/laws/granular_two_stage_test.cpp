@@ -118,7 +118,7 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskCon
 // A step swept by hand, without any decomposition.
 SolvedStep swept_by_hand(const SolvedStep& step, const Dynamics& dynamics, int sweeps) {
   const StepProblem& problem = step.problem;
-  const ContactLaw law = contact_law(dynamics.interaction, problem.h);
+  const ContactLaw law = problem.law;
   std::vector<std::array<double, 2>> points;
   for (const StepContact& c : problem.geometry) points.push_back(c.point);
   const std::vector<Index> visit = contact_order(dynamics.solver.order, problem.contacts, problem.free, 1, points);
@@ -307,8 +307,8 @@ TEST_CASE("a step that starts from the impulses and the gluing of another is whe
   const GranularTwoStage& met = step.iteration;
   StepProblem problem = step.problem;
   problem.contacts = met.contacts(step.problem);
-  GranularTwoStage started(decompose(problem, step.partition, dynamics.solver.order, 1),
-                           contact_law(dynamics.interaction, problem.h), dynamics.solver, {});
+  GranularTwoStage started(decompose(problem, step.partition, dynamics.solver.order, 1), problem.law, dynamics.solver,
+                           {});
   started.start(met.gluing());
   CHECK((started.interface_impulses() - met.interface_impulses()).norm() < 1e-12 * met.interface_impulses().norm());
   for (std::size_t e = 0; e < met.parts().subdomains.size(); ++e) {

@@ -72,12 +72,17 @@ TEST_CASE("moving case: every error names file, line and key") {
   require_error(replaced(good, "step = 0.005", "theta = 0.4"), "c.toml:14: dynamics.theta");
   require_error(replaced(good, "\"generic\"", "\"gauss\""), "c.toml:17: solver.algorithm: expected one of");
   require_error(replaced(good, "warm_start = true", "warm_start = 1"), "c.toml:18: solver.warm_start");
-  require_error(
-      replaced(good, "warm_start = true", "eta = \"best\""),
-      "c.toml:18: solver.eta: expected \"optimal\", a number > 0 in 1/kg such as \"0.5\", or a multiple of the "
-      "mean of W_nn such as \"30 W\", met \"best\"");
-  require_error(replaced(good, "warm_start = true", "eta = 10"), "such as \"30 W\", met the integer '10'");
+  require_error(replaced(good, "warm_start = true", "eta = \"best\""),
+                "c.toml:18: solver.eta: expected \"optimal\", a number > 0 in 1/kg such as 0.5, or a multiple of the "
+                "mean of W_nn such as \"30 W\", met \"best\"");
+  require_error(replaced(good, "warm_start = true", "eta = true"), "such as \"30 W\", met the boolean 'true'");
   require_error(replaced(good, "warm_start = true", "eta = \"0\""), "c.toml:18: solver.eta");
+  require_error(replaced(good, "warm_start = true", "eta = 0"), "c.toml:18: solver.eta");
+  require_error(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"-1 W\""),
+                "c.toml:13: interaction.epsilon: expected a finite number >= 0, met -1");
+  require_error(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"2 V\""),
+                "c.toml:13: interaction.epsilon: expected a number in 1/kg such as 0.5, or a multiple of the mean of "
+                "W_nn such as \"30 W\", met \"2 V\"");
   require_error(replaced(good, "[dynamics]\nstep = 0.005\nsteps = 20\n", ""),
                 "c.toml:11: interaction: expected a section [dynamics] with it, met none");
   require_error(replaced(good, "[dynamics]", "[dynamic]"), "unknown key 'dynamic'");
@@ -178,17 +183,25 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   CHECK_NOTHROW(simulation_of({one_subdomain}));
 }
 
-TEST_CASE("moving case: eta in 1/kg, relative to the masses, or optimal") {
+TEST_CASE("moving case: flexibilities are numbers, multiples of W or optimal, and are written as they were read") {
   const std::string enriched = replaced(moving_case(), "\"generic\"", "\"enriched\"");
-  const auto eta_of = [&](const std::string& text) {
-    return parse(replaced(enriched, "warm_start = true", "eta = \"" + text + "\"")).dynamics->solver.eta;
+  const auto with_eta = [&](const std::string& value) {
+    return parse(replaced(enriched, "warm_start = true", "eta = " + value));
   };
-  CHECK(parse(enriched).dynamics->solver.eta.text() == "30 W");
-  CHECK(eta_of("0.5W").text() == "0.5 W");
-  CHECK(eta_of("0.5 W").at_scale(4) == 2);
-  CHECK(eta_of("0.5").at_scale(4) == 0.5);
-  CHECK(eta_of("optimal").optimal());
-  CaseSpec spec = parse(enriched);
+  CHECK(parse(enriched).dynamics->solver.eta == EtaChoice("30 W"));
+  for (const std::string eta : {"10.0", "10", "\"10\"", "\"1e1\""}) {
+    CAPTURE(eta);
+    CHECK(with_eta(eta).dynamics->solver.eta.value == Flexibility{10, false});
+    CHECK(to_toml(with_eta(eta)).find("\neta = 10\n") != std::string::npos);
+  }
+  CHECK(with_eta("\"0.5W\"").dynamics->solver.eta.value == Flexibility{0.5, true});
+  CHECK(Flexibility{0.5, true}.at_scale(4) == 2);
+  CHECK(Flexibility{0.5, false}.at_scale(4) == 0.5);
+  CHECK(with_eta("\"optimal\"").dynamics->solver.eta.optimal);
+  CaseSpec spec = parse(replaced(enriched, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = \"0.25W\""));
+  CHECK(spec.dynamics->interaction.epsilon == Flexibility{0.25, true});
   override_case(spec, "solver.eta", "3W");
-  CHECK(parse(to_toml(spec)).dynamics->solver.eta == spec.dynamics->solver.eta);
+  const CaseSpec back = parse(to_toml(spec));
+  CHECK(back.dynamics->solver.eta == EtaChoice("3 W"));
+  CHECK(back.dynamics->interaction.epsilon == spec.dynamics->interaction.epsilon);
 }

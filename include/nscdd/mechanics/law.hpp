@@ -63,7 +63,9 @@ struct LinearViscous {
   static constexpr bool opens = false, rubs = true, pulls = false;
   double epsilon = 1.0;
 
-  static LinearViscous of(const auto& interaction, double /*h*/) { return {interaction.epsilon}; }
+  static LinearViscous of(const auto& interaction, double /*h*/, double scale) {
+    return {interaction.epsilon.at_scale(scale)};
+  }
   double pull() const { return 0; }
 
   double flexibility() const { return epsilon; }

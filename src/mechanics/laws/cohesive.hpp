@@ -14,7 +14,7 @@ struct Cohesive {
   static constexpr bool opens = true, rubs = true, pulls = true;
   double cohesion = 0;  ///< largest pulling impulse, N s: the force times the time step
 
-  static Cohesive of(const auto& interaction, double h) { return {h * interaction.cohesion}; }
+  static Cohesive of(const auto& interaction, double h, double /*scale*/) { return {h * interaction.cohesion}; }
   double pull() const { return cohesion; }
 
   /// As Coulomb::impulse.

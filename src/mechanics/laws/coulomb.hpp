@@ -11,7 +11,7 @@ struct Coulomb {
   static constexpr std::string_view name = "coulomb";
   static constexpr bool opens = true, rubs = true, pulls = false;
 
-  static Coulomb of(const auto& /*interaction*/, double /*h*/) { return {}; }
+  static Coulomb of(const auto& /*interaction*/, double /*h*/, double /*scale*/) { return {}; }
   double pull() const { return 0; }
 
   /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the

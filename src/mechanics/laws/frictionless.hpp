@@ -10,7 +10,7 @@ struct Frictionless {
   static constexpr std::string_view name = "frictionless";
   static constexpr bool opens = true, rubs = false, pulls = false;
 
-  static Frictionless of(const auto& /*interaction*/, double /*h*/) { return {}; }
+  static Frictionless of(const auto& /*interaction*/, double /*h*/, double /*scale*/) { return {}; }
   double pull() const { return 0; }
 
   /// As Coulomb::impulse.
