@@ -29,11 +29,6 @@ ResultColumns<FrictionSolution> check_columns() {
                                    columns_of(&FrictionSolution::state, of_state)});
 }
 
-LocalFrictionProblem local_problem(const FclibFile& file, const std::string& name) {
-  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, name);
-  return std::get<LocalFrictionProblem>(file.problem);
-}
-
 Vector starting_impulses(const FclibFile& file, const Options& options) {
   if (options.guess == 0) return {};
   if (options.guess < 0 || options.guess > count(file.guesses))
@@ -100,7 +95,9 @@ void check_options(const Options& options) {
 int run(const Options& options, const Context& context) {
   check_options(options);
   const FclibFile file = read_fclib(options.file);
-  const LocalFrictionProblem local = local_problem(file, options.file);
+  const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
+  const LocalFrictionProblem local =
+      global != nullptr ? reduce(*global, options.file) : std::get<LocalFrictionProblem>(file.problem);
   const Vector guess = starting_impulses(file, options);
   FrictionSolverOptions solver = options.solver;
   solver.order = options.order == "natural" ? SweepOrder::natural : SweepOrder::reverse;

@@ -132,7 +132,8 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
                                  std::span<const std::array<double, 2>> points) {
   std::vector<Index> result(contacts.size());
   std::iota(result.begin(), result.end(), Index{0});
-  if (order == ContactOrder::coloured) return by_colour(result, contacts, bodies, std::max<Index>(1, count(result)));
+  if (order == ContactOrder::coloured)
+    return by_colour(std::move(result), contacts, bodies, std::max<Index>(1, count(contacts)));
   if (order == ContactOrder::interleaved) return by_colour(along_curve(points), contacts, bodies, interleaved_block);
   if (order == ContactOrder::random) {
     RandomStream stream(seed);

@@ -40,12 +40,6 @@ void read_packing_section(StrictTable section, CaseSpec& spec) {
   section.finish();
 }
 
-void read_problem_section(StrictTable section, CaseSpec& spec) {
-  if (!section.has("file")) section.fail("file", "the name of a contact problem", "none");
-  section.read("file", spec.packing.emplace<ContactProblemFile>().path);
-  section.finish();
-}
-
 void read_masses_section(StrictTable section, Masses& masses) {
   const bool dense = section.has("density");
   Choice<MassModel> model = dense ? MassModel::density : MassModel::given;
@@ -229,7 +223,10 @@ void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec)
 void read_sections(StrictTable& root, CaseSpec& spec) {
   root.read("title", spec.title);
   if (root.has("problem")) {
-    read_problem_section(root.section("problem", true), spec);
+    StrictTable section = root.section("problem", true);
+    if (!section.has("file")) section.fail("file", "the name of a contact problem", "none");
+    section.read("file", spec.packing.emplace<ContactProblemFile>().path);
+    section.finish();
     read_partition_section(root.section("partition", true), spec.partition);
     return;
   }

@@ -119,12 +119,12 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
 // The first entry of the list that keeps the parameter from having an effect; null if it has one.
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
+    if (effect.path != path) return false;
     const std::string value = value_of(dynamics, effect.with);
-    const std::string allowed = fmt::format(" {},", effect.values);  // a word ends at a blank or a comma
-    const bool enough = effect.values == above_zero ? value != "0"
-                                                    : allowed.find(" " + value + " ") != std::string::npos ||
-                                                          allowed.find(" " + value + ",") != std::string::npos;
-    return effect.path == path && !enough;
+    if (effect.values == above_zero) return value == "0";
+    std::string allowed = fmt::format(" {} ", effect.values);
+    std::ranges::replace(allowed, ',', ' ');
+    return allowed.find(" " + value + " ") == std::string::npos;
   });
   return missing == std::end(effects) ? nullptr : missing;
 }

@@ -56,12 +56,6 @@ Combination combination_of(const StudyTable& table, Index number) {
 
 constexpr Index shown_values = 64;  // longer lists are told apart by their fingerprint
 
-std::string version_text() {
-  std::string text = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint());
-  for (const auto& [name, number] : dependency_versions()) text += fmt::format("{} {}\n", name, number);
-  return text;
-}
-
 std::string content(const Packing& packing) {
   std::vector<double> all;
   for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass})
@@ -210,9 +204,10 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
 }
 
 WorkIdentity work_identity(const StudyTable& table) {
-  std::string cases;
+  std::string versions = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint()), cases;
+  for (const auto& [name, number] : dependency_versions()) versions += fmt::format("{} {}\n", name, number);
   for (const Case& one : table.cases) cases += case_text(one);
-  return {version_text(), cases, options_text(table), effort_text(table.sweep.spectral)};
+  return {versions, cases, options_text(table), effort_text(table.sweep.spectral)};
 }
 
 TableWork table_work(const StudyTable& table) {

@@ -10,11 +10,6 @@
 namespace nscdd {
 namespace {
 
-double optimal_relaxation(const SpectralRadius& plain) {
-  // omega = 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
-  return 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max);
-}
-
 // Operators of one family. The last one is kept, because the inner loop of a sweep asks for it again.
 struct OperatorStore {
   InterfaceFamily family;
@@ -59,7 +54,9 @@ class Spectra {
 
 void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance) {
   const bool computed = plain.solver != "none";
-  if (!result.point.relaxation) result.point.relaxation = computed ? optimal_relaxation(plain) : 1.0;
+  if (!result.point
+           .relaxation)  // 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
+    result.point.relaxation = computed ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max) : 1.0;
   result.radius = relaxed(plain, *result.point.relaxation, tolerance);
   const SpectralRadius& radius = result.radius;
   // With the optimal relaxation both ends are equal and opposite. Rounding must not choose between them.
