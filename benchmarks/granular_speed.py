@@ -175,7 +175,8 @@ def reading(text, label):
 
 
 def solve(program, path, tolerance):
-    ours = subprocess.run([program, "solve", path + ".hdf5", "--tolerance", repr(tolerance), "--maximum-sweeps", "1000000"],
+    ours = subprocess.run([program, "solve", path + ".hdf5", "--solver", "nlgs", "--tolerance", repr(tolerance),
+                           "--maximum-sweeps", "1000000"],
                           check=False, capture_output=True, text=True)
     if ours.returncode not in (0, 1):
         raise SystemExit(ours.stderr)

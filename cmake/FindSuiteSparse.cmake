@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# CHOLMOD as the target SuiteSparse::cholmod.
+# CHOLMOD and UMFPACK as the targets SuiteSparse::cholmod and SuiteSparse::umfpack.
 find_path(SuiteSparse_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(SuiteSparse_CHOLMOD_LIBRARY cholmod)
+find_library(SuiteSparse_UMFPACK_LIBRARY umfpack)
 include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD_LIBRARY SuiteSparse_INCLUDE_DIR)
-if(SuiteSparse_FOUND AND NOT TARGET SuiteSparse::cholmod)
-  add_library(SuiteSparse::cholmod UNKNOWN IMPORTED)
-  set_target_properties(SuiteSparse::cholmod PROPERTIES IMPORTED_LOCATION ${SuiteSparse_CHOLMOD_LIBRARY}
-                        INTERFACE_INCLUDE_DIRECTORIES ${SuiteSparse_INCLUDE_DIR})
-endif()
-mark_as_advanced(SuiteSparse_INCLUDE_DIR SuiteSparse_CHOLMOD_LIBRARY)
+find_package_handle_standard_args(
+  SuiteSparse REQUIRED_VARS SuiteSparse_CHOLMOD_LIBRARY SuiteSparse_UMFPACK_LIBRARY SuiteSparse_INCLUDE_DIR)
+foreach(part cholmod umfpack)
+  string(TOUPPER ${part} name)
+  if(SuiteSparse_FOUND AND NOT TARGET SuiteSparse::${part})
+    add_library(SuiteSparse::${part} UNKNOWN IMPORTED)
+    set_target_properties(SuiteSparse::${part} PROPERTIES IMPORTED_LOCATION ${SuiteSparse_${name}_LIBRARY}
+                          INTERFACE_INCLUDE_DIRECTORIES ${SuiteSparse_INCLUDE_DIR})
+  endif()
+endforeach()
+mark_as_advanced(SuiteSparse_INCLUDE_DIR SuiteSparse_CHOLMOD_LIBRARY SuiteSparse_UMFPACK_LIBRARY)

@@ -8,7 +8,7 @@ namespace nscdd::app {
 namespace {
 
 struct Options {
-  std::string file, order = "natural", convergence, output;
+  std::string file, algorithm = "auto", order = "natural", convergence, output;
   FrictionSolverOptions solver;
   Index guess = 0;
   bool force = false;
@@ -25,8 +25,10 @@ ResultColumns<FrictionSolution> check_columns() {
       {"open", "1", "contacts without an impulse", &FrictionState::open},
       {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionState::stick},
       {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionState::slide}};
-  return joined<FrictionSolution>({{{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionSolution::sweeps}},
-                                   columns_of(&FrictionSolution::state, of_state)});
+  return joined<FrictionSolution>(
+      {{{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionSolution::sweeps}},
+       columns_of(&FrictionSolution::state, of_state),
+       {{"factorisations", "1", "sparse matrices factorised", &FrictionSolution::factorisations}}});
 }
 
 Vector starting_impulses(const FclibFile& file, const Options& options) {
@@ -54,11 +56,14 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   const FrictionState& state = solution.state;
   fmt::print("status               {}\n", to_string(solution.status));
   fmt::print("sweeps               {}\n", solution.sweeps);
+  fmt::print("factorisations       {}\n", solution.factorisations);
   fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
              state.residual, field_text(tolerance));
   fmt::print(
       "residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
       state.siconos_relative ? "relative to the largest of r, u and q" : "absolute: r, u and q are at most 2.2e-16");
+  if (solution.status != FrictionStatus::converged && state.worst >= 0)
+    fmt::print("largest residual     contact {}, from 0\n", state.worst);
   fmt::print("open contacts        {}\n", state.open);
   fmt::print("sticking contacts    {}\n", state.stick);
   fmt::print("sliding contacts     {}\n", state.slide);
@@ -100,6 +105,7 @@ int run(const Options& options, const Context& context) {
       global != nullptr ? reduce(*global, options.file) : std::get<LocalFrictionProblem>(file.problem);
   const Vector guess = starting_impulses(file, options);
   FrictionSolverOptions solver = options.solver;
+  solver.algorithm = options.algorithm;
   solver.order = options.order == "natural" ? SweepOrder::natural : SweepOrder::reverse;
   // Both are opened before the work, and named after it: a run that fails leaves neither.
   const ResultColumns<FrictionSolution> columns = check_columns();
@@ -135,8 +141,11 @@ int run(const Options& options, const Context& context) {
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB");
+  command.preset("--solver", options->algorithm, "auto: sweeps, then interior point; or one of them alone").words =
+      all_names<FrictionAlgorithm>();
   command.preset("--tolerance", options->solver.tolerance, "on the residual");
   command.preset("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
+  command.preset("--maximum-factorisations", options->solver.maximum_factorisations, "of the interior point method");
   command.preset("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2");
   command.preset("--order", options->order, "of the contacts in a sweep").words = {"natural", "reverse"};
   command.preset("--check-every", options->solver.check_every, "sweeps from one residual to the next");
@@ -147,7 +156,7 @@ Action declare_solve(Command& command) {
               "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");
   command.add("--force", options->force, "replace existing outputs");
   command.footer =
-      R"(Nonlinear Gauss-Seidel with exact local solutions. Exit code 0: converged, 1: not (the status says why).
+      R"(Exit code 0: converged, 1: not (the status says why).
 Examples:
   nscdd solve problem.hdf5
   nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5)";

@@ -71,10 +71,12 @@ TEST_CASE("solve: a report, the convergence and the solution, of a global and a 
 TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
   const Session session;
   session.file("p.hdf5", raw_global(box()).bytes());
-  const Outcome short_run = session.run(words("solve p.hdf5 --maximum-sweeps 3 -o some.hdf5 --tolerance 1e-12"));
+  const Outcome short_run =
+      session.run(words("solve p.hdf5 --solver nlgs --maximum-sweeps 3 -o some.hdf5 --tolerance 1e-12"));
   CHECK(short_run.exit_code == 1);
   CHECK(value(short_run.standard_output, "status") == "maximum_reached");
   CHECK(value(short_run.standard_output, "sweeps") == "3");
+  CHECK(value(short_run.standard_output, "largest") == "residual");
   CHECK(short_run.standard_error.find("written as guess 1, not as the solution") != std::string::npos);
   const FclibFile some = fclib_from_hdf5(session.read("some.hdf5"), "some.hdf5");
   CHECK_FALSE(some.solution);
@@ -84,6 +86,13 @@ TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
                                   "--relaxation 0.9");
   CHECK(value(rest, "status") == "converged");
   CHECK(value(answer(session, "solve some.hdf5 --guess 1 --tolerance 1"), "sweeps") == "0");
+  const std::string path =
+      answer(session, "solve p.hdf5 --solver interior_point --tolerance 1e-10 --convergence p.csv");
+  CHECK(value(path, "status") == "converged");
+  CHECK(value(path, "sweeps") == "0");
+  const CsvTable checks = read_table(session.read("p.csv"));
+  CHECK(checks.text(checks.rows.size() - 1, "factorisations") == value(path, "factorisations"));
+  check_refused(session, "solve p.hdf5 --solver lemke", {"--solver", "interior_point"});
   check_refused(session, "solve some.hdf5 --guess 2", {"--guess", "expected one of the 1 guesses", "met 2"});
   check_refused(session, "solve some.hdf5 --guess -1", {"--guess", "or 0 for none, met -1\n"});
   RawFclib raw = raw_global(box());

@@ -75,35 +75,142 @@ std::vector<Vector> every_solution(const LocalFrictionProblem& problem) {
 
 }  // namespace
 
-TEST_CASE("Gauss-Seidel finds the solution that enumeration of all statuses finds") {
-  Index unique = 0, sliding = 0, sticking = 0, open = 0;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const Index contacts = 1 + static_cast<Index>(seed % 4);
-    const LocalFrictionProblem problem = random_problem(seed, contacts, 0.5);
-    check(problem, "problem");
-    const std::vector<Vector> solutions = every_solution(problem);
-    REQUIRE_FALSE(solutions.empty());
-    FrictionSolverOptions options;
-    options.tolerance = 1e-12;
-    const FrictionSolution found = solve_friction(problem, options);
-    CAPTURE(seed);
-    REQUIRE(found.status == FrictionStatus::converged);
-    double nearest = infinity;
-    for (const Vector& solution : solutions) {
-      nearest = std::min(nearest, (solution - found.impulses).norm());
-      CHECK(friction_state(problem, solution).residual < 1e-11);
-    }
-    CHECK(nearest < 1e-9);
-    CHECK(found.state.open + found.state.stick + found.state.slide == contacts);
-    unique += solutions.size() == 1;
-    open += found.state.open;
-    sticking += found.state.stick;
-    sliding += found.state.slide;
+constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point, FrictionAlgorithm::nlgs};
+
+// A problem with a solution that is made first. W has rank `rank`: below 2 x contacts it is hyperstatic. Half of the
+// contacts are without friction where `frictionless`.
+LocalFrictionProblem solvable_problem(std::uint64_t seed, Index contacts, Index rank, bool frictionless) {
+  RandomStream random(seed);
+  const Dense a = random_matrix(2 * contacts, rank, random);
+  Vector r = Vector::Zero(2 * contacts), u = r;
+  LocalFrictionProblem problem{sparse(a * a.transpose() / static_cast<double>(rank)), {}, Vector::Zero(contacts)};
+  for (Index c = 0; c < contacts; ++c) {
+    const double mu = problem.friction[c] = frictionless && c % 2 == 0 ? 0.0 : 0.1 + 0.5 * random.uniform();
+    const double side = random.uniform() < 0.5 ? -1 : 1;
+    const Index status = random.below(3);
+    if (status > 0) r[2 * c] = 0.1 + random.uniform();
+    if (status == 0) u[2 * c] = 0.1 + random.uniform();
+    if (status == 1) r[2 * c + 1] = 0.8 * side * mu * r[2 * c];  // sticks, or slides at no speed without friction
+    if (status == 2) r[2 * c + 1] = -side * mu * r[2 * c];
+    if (status != 1) u[2 * c + 1] = side * (0.1 + random.uniform());
   }
-  CHECK(unique > 50);
-  CHECK(open > 10);
-  CHECK(sticking > 5);
-  CHECK(sliding > 10);
+  problem.q = u - problem.w * r;
+  return problem;
+}
+
+TEST_CASE("every solver finds a solution that enumeration of all statuses finds") {
+  for (const FrictionAlgorithm algorithm : algorithms) {
+    Index unique = 0, sliding = 0, sticking = 0, open = 0;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+      const Index contacts = 1 + static_cast<Index>(seed % 4);
+      const LocalFrictionProblem problem = random_problem(seed, contacts, 0.5);
+      check(problem, "problem");
+      const std::vector<Vector> solutions = every_solution(problem);
+      REQUIRE_FALSE(solutions.empty());
+      const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-12});
+      CAPTURE(seed);
+      CAPTURE(to_string(algorithm));
+      REQUIRE(found.status == FrictionStatus::converged);
+      double nearest = infinity;
+      for (const Vector& solution : solutions) {
+        nearest = std::min(nearest, (solution - found.impulses).norm());
+        CHECK(friction_state(problem, solution).residual < 1e-11);
+      }
+      CHECK(nearest < 1e-9);
+      CHECK(found.state.open + found.state.stick + found.state.slide == contacts);
+      unique += solutions.size() == 1;
+      open += found.state.open;
+      sticking += found.state.stick;
+      sliding += found.state.slide;
+    }
+    CHECK(unique > 50);
+    CHECK(open > 10);
+    CHECK(sticking > 5);
+    CHECK(sliding > 10);
+  }
+}
+
+TEST_CASE("the path and Newton's steps solve hyperstatic problems, and contacts without friction among others") {
+  for (const FrictionAlgorithm algorithm : {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point})
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      const Index contacts = 2 + static_cast<Index>(seed);
+      const LocalFrictionProblem problem =
+          solvable_problem(seed, contacts, seed % 2 == 0 ? 2 * contacts : contacts + 1, seed % 3 == 0);
+      CAPTURE(seed);
+      CAPTURE(to_string(algorithm));
+      const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-10});
+      CHECK(found.status == FrictionStatus::converged);
+      CHECK(obeys(problem, found.impulses, problem.w * found.impulses + problem.q, 1e-7));
+      const FrictionSolution again = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-10});
+      CHECK(again.impulses == found.impulses);  // bit for bit
+      CHECK(again.factorisations == found.factorisations);
+    }
+}
+
+TEST_CASE("a W of six digits, which is not symmetric, is solved as it was given") {
+  LocalFrictionProblem problem = solvable_problem(9, 25, 60, false);
+  for (int j = 0; j < problem.w.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(problem.w, j); e; ++e) e.valueRef() *= 1 + 1e-6 * std::sin(3 * e.row() + 7 * j);
+  check(problem, "problem");
+  for (const FrictionAlgorithm algorithm : {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point}) {
+    CAPTURE(to_string(algorithm));
+    const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-11});
+    CHECK(found.status == FrictionStatus::converged);
+    CHECK(found.sweeps <= 2000);
+    CHECK(found.factorisations <= 60);
+  }
+}
+
+TEST_CASE("the path needs no sweeps, and nothing but a judgement where the guess solves") {
+  const LocalFrictionProblem problem = solvable_problem(3, 30, 40, false);
+  const FrictionSolverOptions path{.algorithm = FrictionAlgorithm::interior_point, .tolerance = 1e-10};
+  const FrictionSolution found = solve_friction(problem, path);
+  REQUIRE(found.status == FrictionStatus::converged);
+  CHECK(found.sweeps == 0);
+  CHECK(found.factorisations > 3);
+  CHECK(found.factorisations < 60);
+  const FrictionSolution again = solve_friction(problem, path, found.impulses);
+  CHECK(again.factorisations == 0);
+  CHECK(again.impulses == found.impulses);
+  LocalFrictionProblem parting = problem;  // all contacts part
+  for (Index c = 0; c < 30; ++c) parting.q[2 * c] = 1;
+  CHECK(solve_friction(parting, path).impulses == Vector::Zero(60));
+}
+
+TEST_CASE("what a solver without a solution ends with is its best and a status, within its limits") {
+  // A grain is driven into a wall: both contacts ask for impulses that cancel.
+  LocalFrictionProblem squeezed;
+  squeezed.w = sparse((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished());
+  squeezed.q = (Vector(4) << -1, 0, -1, 0).finished();
+  squeezed.friction = Vector::Constant(2, 0.3);
+  for (const FrictionAlgorithm algorithm : algorithms) {
+    CAPTURE(to_string(algorithm));
+    FrictionSolverOptions options{.algorithm = algorithm, .maximum_sweeps = 5000};
+    options.maximum_factorisations = 50;
+    const FrictionSolution found = solve_friction(squeezed, options);
+    CHECK(found.status != FrictionStatus::converged);
+    CHECK(found.impulses.allFinite());
+    CHECK(found.sweeps <= 5000);
+    CHECK(found.factorisations <= 50);
+    CHECK(found.state.worst >= 0);
+  }
+}
+
+TEST_CASE("an observer stops every solver, and the best impulses remain") {
+  const LocalFrictionProblem problem = solvable_problem(5, 40, 50, false);
+  for (const FrictionAlgorithm algorithm : algorithms) {
+    CAPTURE(to_string(algorithm));
+    Index checks = 0;
+    double least = infinity;
+    const FrictionSolution found =
+        solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-14}, {}, [&](const FrictionSolution& check) {
+          least = std::min(least, check.state.residual);
+          return ++checks < 6;
+        });
+    CHECK(found.status == FrictionStatus::stopped);
+    CHECK(checks == 6);
+    if (algorithm != FrictionAlgorithm::nlgs) CHECK(found.state.residual == least);
+  }
 }
 
 TEST_CASE("one contact: the local solution obeys the law for any friction, on the edge of the cone too") {
@@ -219,7 +326,7 @@ TEST_CASE("Siconos' residual: rho = 1, relative to the largest of r, u and q") {
 TEST_CASE("what came of the sweeps is said") {
   const LocalFrictionProblem problem = random_problem(7, 20, 0.4);
   SUBCASE("maximum") {
-    FrictionSolverOptions options;
+    FrictionSolverOptions options{.algorithm = FrictionAlgorithm::nlgs};
     options.maximum_sweeps = 3;
     options.tolerance = 1e-15;
     const FrictionSolution found = solve_friction(problem, options);
@@ -251,6 +358,7 @@ TEST_CASE("what came of the sweeps is said") {
     wild.q = (Vector(4) << -1, 0, -1, 0).finished();
     wild.friction = Vector::Zero(2);
     CHECK(solve_friction(wild).status == FrictionStatus::diverged);
+    CHECK(solve_friction(wild, {.algorithm = FrictionAlgorithm::nlgs}).status == FrictionStatus::diverged);
   }
   SUBCASE("not a number") {
     CHECK(solve_friction(problem, {}, Vector::Constant(40, not_a_number)).status == FrictionStatus::not_finite);

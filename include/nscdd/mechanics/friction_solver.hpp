@@ -6,12 +6,24 @@
 
 namespace nscdd {
 
+/// How a contact problem is solved.
+enum class FrictionAlgorithm {
+  automatic,       ///< sweeps, which settle easy problems; then `interior_point` from where they came to
+  interior_point,  ///< central path of the problem as a linear complementarity problem, then Newton on the statuses
+  nlgs,            ///< nonlinear Gauss-Seidel alone
+};
+constexpr auto names_of(FrictionAlgorithm) {
+  return std::to_array<std::string_view>({"auto", "interior_point", "nlgs"});
+}
+
 /// The order in which a sweep goes through the contacts: as numbered, or from the last to the first.
 enum class SweepOrder { natural, reverse };
 
 struct FrictionSolverOptions {
+  Choice<FrictionAlgorithm> algorithm = FrictionAlgorithm::automatic;
   double tolerance = 1e-8;  ///< on FrictionState::residual
   Index maximum_sweeps = 100'000;
+  Index maximum_factorisations = 1000;
   double relaxation = 1;  ///< omega in r_c <- r_c + omega (r_c' - r_c), in (0, 2)
   SweepOrder order = SweepOrder::natural;
   Index check_every = 10;  ///< sweeps between evaluations of the residual
@@ -32,13 +44,14 @@ struct FrictionState {
   double siconos_residual = 0;
   bool siconos_relative = true;          ///< whether it was divided
   Index open = 0, stick = 0, slide = 0;  ///< contacts by status; a contact without friction slides
+  Index worst = -1;                      ///< the contact with the largest || m_c ||; -1 if all vanish
 };
 
 /// Evaluates impulses r, 2c entries. Sums in a fixed order: equal input gives equal bits.
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses);
 
 enum class FrictionStatus {
-  converged,        ///< residual <= tolerance
+  converged,        ///< residual <= tolerance, and || m || <= 10^-3 || r^1 || (or the tolerance, if that is larger)
   stalled,          ///< the smallest residual has not fallen by 1 % over `patience` checks
   maximum_reached,  ///< of the sweeps
   diverged,         ///< impulses grew to 10^12 times those that contacts or the guess began with
@@ -52,19 +65,22 @@ constexpr auto names_of(FrictionStatus) {
 }
 
 struct FrictionSolution {
-  Vector impulses;      ///< r, 2c entries: those of the last sweep
-  FrictionState state;  ///< of these impulses
-  Index sweeps = 0;
+  Vector impulses;           ///< r, 2c entries: of `nlgs` those of the last sweep, else the best that were met
+  FrictionState state;       ///< of these impulses
+  Index sweeps = 0;          ///< Gauss-Seidel sweeps done in all
+  Index factorisations = 0;  ///< sparse matrices factorised in all
   FrictionStatus status = FrictionStatus::converged;
 };
 
 /// Called with what there is at every check, also the one before the first sweep; returning false stops the solver.
 using FrictionObserver = std::function<bool(const FrictionSolution&)>;
 
-/// Nonlinear Gauss-Seidel (Jean and Moreau): each contact in turn takes the impulse that solves its own 2 x 2 problem
-/// exactly while the others keep theirs, relaxed by omega. `guess`: impulses to start from, 2c entries, or empty for
-/// zero. The problem must pass `check`. If friction is large, a solution need not exist nor be unique, and the sweeps
-/// need not converge; the status says how they ended. Throws Error for a guess of another length and bad options.
+/// Solves a contact problem by one of the algorithms (see docs/algorithms.md).
+/// In a Gauss-Seidel sweep (Jean and Moreau) each contact in turn takes the impulse that solves its own 2 x 2 problem
+/// exactly while the others keep theirs, relaxed by omega.
+/// `guess`: impulses to start from, 2c entries, or empty for zero. The problem must pass `check`. If friction is large,
+/// a solution need not exist nor be unique, and no algorithm need converge; the status says how it ended. Throws Error
+/// for a guess of another length and bad options.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
                                 const Vector& guess = {}, const FrictionObserver& observer = {});
 

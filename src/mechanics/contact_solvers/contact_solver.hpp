@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/contact_law.hpp"
+#include <nscdd/mechanics/friction_solver.hpp>
+
+namespace nscdd {
+
+inline LocalVector component(const Vector& values, Index contact) {
+  return {values[2 * contact], values[2 * contact + 1]};
+}
+
+/// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
+inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) { return impulse - w.solve(u); }
+
+/// The run of a contact solver: what it solves, from where, and what it has found so far. A contact solver is one file
+/// in this folder, a function of a run, and one word in the list of friction_solver.cpp.
+class SolverRun {
+ public:
+  SolverRun(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess,
+            const FrictionObserver& observer);
+
+  const LocalFrictionProblem& problem;
+  const FrictionSolverOptions& options;
+  FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
+  double alone = 0;      ///< || r^1 ||, the impulses of the contacts each alone, N s
+
+  /// Evaluates impulses and shows them to the observer. Returns whether the run is over: converged, stopped by the
+  /// observer, or without finite impulses.
+  bool judge(const Vector& impulses);
+  /// Whether impulses are finite and not beyond all measure, as a matrix next to singular makes them.
+  bool plausible(const Vector& impulses) const;
+  /// The best of all impulses judged, with the status and the counts of the end.
+  FrictionSolution best() const;
+  bool spent() const { return now.factorisations >= options.maximum_factorisations; }
+
+ private:
+  const FrictionObserver& observer_;
+  FrictionSolution best_;
+};
+
+/// W as W_s + W_a with a symmetric W_s, as files of six digits need it, and W_nn of its contact at each component.
+struct Couplings {
+  SparseMatrix symmetric, rest;
+  Vector normal;  ///< 2c entries, 1/kg
+};
+Couplings couplings(const LocalFrictionProblem& problem);
+
+/// Sweeps until the run is over or `most` more are done. Returns whether it is over. See nlgs.cpp.
+bool sweep(SolverRun& run, Index most);
+
+/// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
+bool finish_by_newton(SolverRun& run, const Couplings& w);
+
+/// Follows the central path from next to the present impulses (if they vanish: unit ones), where the gap is so many
+/// times their mean square. Returns whether the run is over. See interior_point.cpp.
+bool follow_path(SolverRun& run, const Couplings& w, double relative_gap);
+
+/// The solvers.
+void nlgs(SolverRun& run);
+void interior_point(SolverRun& run);
+void automatic(SolverRun& run);
+
+}  // namespace nscdd
