@@ -146,10 +146,11 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         totals.relative_overlap);
   const Index open = totals.steps - totals.converged;
   if (open > 0 && solver.criterion != Criterion::none)
-    text += fmt::format("attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n",
-                        open, totals.steps, to_string(solver.criterion), solver.tolerance,
-                        totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
-                        solver.maximum_iterations);
+    text += fmt::format(
+        "attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n", open,
+        totals.steps, to_string(solves_undivided(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),
+        solver.tolerance, totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
+        solver.maximum_iterations);
   if (totals.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
@@ -220,7 +221,8 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
       totals.last.energy.kinetic, totals.boundary_work, totals.dissipation, totals.numerical);
   text +=
       fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", totals.solve_seconds, totals.setup_seconds);
-  if (totals.visits > 0 && simulation.dynamics.solver.algorithm != StepAlgorithm::enriched)
+  const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
+  if (totals.visits > 0 && (algorithm == StepAlgorithm::nlgs || algorithm == StepAlgorithm::generic))
     text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * totals.solve_seconds / totals.visits);
   return text + "\n" + warnings(totals, simulation.dynamics);
 }

@@ -6,9 +6,15 @@
 
 namespace nscdd {
 
-/// Plain nonlinear Gauss-Seidel, or Algorithm 1 of [ADI12] in its generic or enriched form.
-enum class StepAlgorithm { nlgs, generic, enriched };
-constexpr auto names_of(StepAlgorithm) { return std::to_array<std::string_view>({"nlgs", "generic", "enriched"}); }
+/// Plain nonlinear Gauss-Seidel; Algorithm 1 of [ADI12] in its generic or enriched form; or a contact solver on the
+/// contact problem of the whole packing (see FrictionAlgorithm).
+enum class StepAlgorithm { nlgs, generic, enriched, automatic, interior_point };
+constexpr auto names_of(StepAlgorithm) {
+  return std::to_array<std::string_view>({"nlgs", "generic", "enriched", "auto", "interior_point"});
+}
+/// Whether an algorithm cuts a step into subdomains, and whether it goes beyond Gauss-Seidel without cutting.
+constexpr bool decomposes(StepAlgorithm one) { return one == StepAlgorithm::generic || one == StepAlgorithm::enriched; }
+constexpr bool solves_undivided(StepAlgorithm one) { return !decomposes(one) && one != StepAlgorithm::nlgs; }
 
 /// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
 enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r, none };

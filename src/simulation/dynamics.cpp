@@ -81,6 +81,7 @@ struct Effect {
 };
 
 constexpr std::string_view with_friction = "coulomb or cohesive", divided = "generic or enriched",
+                           iterated = "nlgs, generic or enriched",
                            criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
 
 constexpr Effect effects[] = {
@@ -93,6 +94,9 @@ constexpr Effect effects[] = {
     {"dynamics.maximum_push_speed", "interaction.restitution", "0"},
     {"dynamics.maximum_push_speed", "dynamics.penetration_correction", above_zero},
     {"solver.tolerance", "solver.criterion", criteria},
+    {"solver.gauss_seidel_sweeps", "solver.algorithm", iterated},
+    {"solver.criterion", "solver.algorithm", iterated},
+    {"solver.order", "solver.algorithm", iterated},
     {"solver.gluing_tolerance", "solver.algorithm", divided},
     {"solver.gluing_tolerance", "solver.criterion", criteria},
     {"solver.seed", "solver.order", "random"},

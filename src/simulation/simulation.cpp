@@ -2,6 +2,7 @@
 #include "simulation/simulation.hpp"
 
 #include "simulation/step_decomposition.hpp"
+#include "simulation/undivided_step.hpp"
 
 #include <fmt/format.h>
 
@@ -159,17 +160,12 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   return {std::move(problem), std::move(partition), std::move(enriched), report, std::move(iteration)};
 }
 
-SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
-  const Dynamics& dynamics = simulation.dynamics;
-  const StepSolver& solver = dynamics.solver;
-  const auto begin = Clock::now();
-  PreparedStep prepared = prepare_solution(simulation);
-  GranularTwoStage& iteration = prepared.iteration;
-  SolvedStep step;
-  step.problem = std::move(prepared.problem);
-  step.partition = std::move(prepared.partition);
-  StepReport& report = step.report = prepared.report;
-  report.setup_seconds = seconds_since(begin);
+namespace {
+
+// The iterations of a prepared step, until they end.
+void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& simulation, const IterationSink& sink) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  StepReport& report = step.report;
   IterationWatch watch(solver);
   std::vector<ContactStatus> statuses;
   std::optional<SolverStatus> status;
@@ -200,13 +196,29 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     report.residual = contact_residual(step.problem.law, step.contacts, step.velocities);
     report.residual.impulses = scale;
   }
+  step.gluing = iteration.gluing();
+  step.interface_impulses = iteration.interface_impulses();
+}
+
+}  // namespace
+
+SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
+  const auto begin = Clock::now();
+  PreparedStep prepared = prepare_solution(simulation);
+  SolvedStep step;
+  step.problem = std::move(prepared.problem);
+  step.partition = std::move(prepared.partition);
+  StepReport& report = step.report = prepared.report;
+  report.setup_seconds = seconds_since(begin);
+  if (solves_undivided(simulation.dynamics.solver.algorithm))
+    solve_undivided(step, simulation, sink);
+  else
+    iterate(step, prepared.iteration, simulation, sink);
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
   if (!std::ranges::all_of(step.velocities, is_finite))
     report.status = SolverStatus::no_number;
   else if ((step.energy_exploded = energy_exploded(step.problem, step.contacts, step.velocities)))
     report.status = SolverStatus::diverged;
-  step.gluing = iteration.gluing();
-  step.interface_impulses = iteration.interface_impulses();
   report.step = simulation.state.step + 1;
   report.contacts = count(step.contacts);
   report.overlap = interpenetration(simulation.system, step.problem);

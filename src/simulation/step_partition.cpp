@@ -82,8 +82,7 @@ void check_next_step(const Simulation& simulation) { partition_step(simulation, 
 
 Partition partition_step(const Simulation& simulation, const StepProblem& problem) {
   const StepSolver& solver = simulation.dynamics.solver;
-  if (solver.algorithm == StepAlgorithm::nlgs)
-    return {.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
+  if (!decomposes(solver.algorithm)) return {.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
   return decomposes_afresh(simulation, simulation.state.step) ? fresh_partition(simulation, problem)
                                                               : kept_partition(simulation, problem);
 }

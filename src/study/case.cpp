@@ -180,12 +180,17 @@ void check_dynamics(const CaseSpec& spec) {
   if (!spec.dynamics) fail("case {}: expected a section [dynamics], met a case that is not made to move", spec.name);
   subdomains(spec.partition);
   const StepSolver& solver = spec.dynamics->solver;
+  const Interaction& interaction = spec.dynamics->interaction;
+  if (solves_undivided(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
+    throw Error("solver.algorithm", fmt::format("expected nlgs, generic or enriched with law {}, met {}",
+                                                to_string(interaction.law), to_string(solver.algorithm)));
   if (solver.criterion != Criterion::gluing) return;
   const auto refuse = [](std::string_view expected, std::string_view met) {
     throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
   };
-  if (solver.algorithm == StepAlgorithm::nlgs)
-    refuse("solver.algorithm generic or enriched", "nlgs, which has no interface");
+  if (!decomposes(solver.algorithm))
+    refuse("solver.algorithm generic or enriched",
+           fmt::format("{}, which has no interface", to_string(solver.algorithm)));
   if (solver.algorithm == StepAlgorithm::enriched && solver.enrichment == Enrichment::semi_implicit)
     refuse("another solver.enrichment", "semi_implicit, which does not iterate on the jumps");
 }

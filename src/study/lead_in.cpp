@@ -68,7 +68,7 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
 
 SolvedStep next_step(Simulation simulation, LeadInSolver solver) {
   StepSolver decomposing = simulation.dynamics.solver;
-  if (decomposing.algorithm == StepAlgorithm::nlgs) decomposing.algorithm = StepAlgorithm::generic;
+  if (!decomposes(decomposing.algorithm)) decomposing.algorithm = StepAlgorithm::generic;
   if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
   SolvedStep step = solve_step(simulation);
   simulation.dynamics.solver = std::move(decomposing);

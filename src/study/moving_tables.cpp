@@ -132,7 +132,7 @@ const ResultColumns<SolvedCase>& solver_columns() {
   static const ResultColumns<One> columns{
       {"case", "", "name of the case", [](const One& one) { return one.name; }},
       {"grains", "1", "free disks", [](const One& one) { return one.simulation.system.free_disks(); }},
-      {"algorithm", "", "nlgs, generic or enriched", [](const One& one) { return to_string(one.solver().algorithm); }},
+      {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
       {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
        [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
       {"eta", "1/kg", "flexibility of the enriched Stage 2; inf for the generic one", &One::flexibility},

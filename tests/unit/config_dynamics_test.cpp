@@ -177,6 +177,11 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
           "c.toml:45: boundary[3].first: expected grains first <= last in 0..119");
   const std::string plain = replaced(good, "\"generic\"\nwarm_start = true", "\"nlgs\"\ncriterion = \"gluing\"");
   refused(plain, "c.toml:18: solver.criterion: expected solver.algorithm generic or enriched");
+  const std::string undivided = replaced(good, "\"generic\"\nwarm_start = true", "\"auto\"");
+  require_error(undivided, "solver.order: expected solver.algorithm nlgs, generic or enriched with it, met auto");
+  refused(replaced(replaced(undivided, "order = \"natural\"\n", ""), "friction = 0.3",
+                   "law = \"linear_viscous\"\nepsilon = 1"),
+          "c.toml:18: solver.algorithm: expected nlgs, generic or enriched with law linear_viscous, met auto");
   CaseSpec one_subdomain = parse(good);  // where a loop over their numbers begins
   override_case(one_subdomain, "solver.criterion", "gluing");
   override_case(one_subdomain, "partition.grid", "1,1");

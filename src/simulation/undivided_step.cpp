@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/undivided_step.hpp"
+
+#include <nscdd/mechanics/friction_solver.hpp>
+
+#include <chrono>
+
+namespace nscdd {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Impulses of the contacts with the pull of each, which obey Coulomb's law.
+Vector shifted_impulses(const StepProblem& problem) {
+  Vector r(2 * count(problem.contacts));
+  for (Index c = 0; c < count(problem.contacts); ++c) {
+    const DiskContact& contact = problem.contacts[at(c)];
+    r.segment<2>(2 * c) << contact.impulse.n + contact.pull, contact.impulse.t;
+  }
+  return r;
+}
+
+std::vector<DiskContact> with_impulses(std::vector<DiskContact> contacts, const Vector& shifted) {
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    contacts[c].impulse = {shifted[static_cast<Index>(2 * c)] - contacts[c].pull,
+                           shifted[static_cast<Index>(2 * c + 1)]};
+  return contacts;
+}
+
+LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system) {
+  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
+  Vector pull = Vector::Zero(2 * problem.contacts());
+  for (Index c = 0; c < problem.contacts(); ++c) pull[2 * c] = step.contacts[at(c)].pull;
+  problem.q -= problem.w * pull;
+  return problem;
+}
+
+SolverStatus status_of_step(FrictionStatus status) {
+  switch (status) {
+    case FrictionStatus::converged:
+      return SolverStatus::converged;
+    case FrictionStatus::stalled:
+      return SolverStatus::stalled;
+    case FrictionStatus::diverged:
+      return SolverStatus::diverged;
+    case FrictionStatus::not_finite:
+      return SolverStatus::no_number;
+    default:
+      return SolverStatus::maximum_reached;
+  }
+}
+
+Index changes(std::vector<ContactStatus>& before, const ContactLaw& law, const std::vector<DiskContact>& contacts) {
+  before.resize(contacts.size(), ContactStatus::open);
+  Index number = 0;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const ContactStatus now = status_of(law, contacts[c]);
+    number += now != std::exchange(before[c], now);
+  }
+  return number;
+}
+
+}  // namespace
+
+void solve_undivided(SolvedStep& step, const Simulation& simulation, const IterationSink& sink) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  const StepProblem& problem = step.problem;
+  StepReport& report = step.report;
+  const auto start = Clock::now();
+  const LocalFrictionProblem contacts = contact_problem(problem, simulation.system);
+  FrictionSolverOptions options{.tolerance = solver.tolerance,
+                                .maximum_sweeps = 100 * solver.maximum_iterations,
+                                .maximum_factorisations = solver.maximum_iterations,
+                                .relaxation = std::min(solver.contact_relaxation, 1.99)};
+  if (solver.algorithm == StepAlgorithm::interior_point) options.algorithm = FrictionAlgorithm::interior_point;
+  std::vector<ContactStatus> statuses;
+  double looking = 0;  // s, for the indicators alone
+  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
+  const auto look = [&](const Vector& shifted) {
+    const double before = seconds();
+    const std::vector<DiskContact> found = with_impulses(problem.contacts, shifted);
+    report.residual = contact_residual(problem.law, found, velocities_of(problem, found));
+    sink.row({.step = simulation.state.step + 1,
+              .record = report.last,
+              .residual = report.residual,
+              .status_changes = changes(statuses, problem.law, found),
+              .seconds = before});
+    looking += seconds() - before;
+  };
+  const FrictionSolution solution =
+      solve_friction(contacts, options, shifted_impulses(problem), [&](const FrictionSolution& check) {
+        report.last = {.iteration = report.last.iteration + 1,
+                       .sweeps = check.sweeps,
+                       .zeta = not_a_number,
+                       .impulses = check.impulses.squaredNorm()};
+        if (sink.looks_at(report.last.iteration)) look(check.impulses);
+        return true;
+      });
+  report.solve_seconds = seconds();
+  if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
+  report.status = status_of_step(solution.status);
+  step.contacts = with_impulses(problem.contacts, solution.impulses);
+  step.velocities = velocities_of(problem, step.contacts);
+  report.residual = contact_residual(problem.law, step.contacts, step.velocities);
+}
+
+}  // namespace nscdd
