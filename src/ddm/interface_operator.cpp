@@ -4,6 +4,8 @@
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
+#include <numeric>
+
 namespace nscdd {
 
 // Subdomain families and what else does not depend on eta.
@@ -96,6 +98,18 @@ Vector InterfaceOperator::apply(const Vector& f) const {
   for_each_in_parallel(count(locals),
                        [&](Index e) { velocities[at(e)] = locals[at(e)]->solve(parts().interface.distribute(e, f)); });
   return parts().interface.exchange(velocities);
+}
+
+double InterfaceOperator::slope(const Vector& f) const {
+  if (eta() == 0 || std::isinf(eta())) return 0;
+  const auto& locals = implementation_->locals;
+  std::vector<double> terms(locals.size());
+  for_each_in_parallel(count(locals), [&](Index e) {
+    const Vector v = locals[at(e)]->solve(parts().interface.distribute(e, f));
+    const Vector links = parts().subdomains[at(e)].h.transpose() * v;
+    terms[at(e)] = links.squaredNorm() / eta();
+  });
+  return std::accumulate(terms.begin(), terms.end(), 0.0);
 }
 
 const Matrix& InterfaceOperator::dense() const {

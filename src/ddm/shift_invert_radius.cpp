@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/continuation.hpp"
+#include "ddm/stiffest.hpp"
 #include "linalg/range_projector.hpp"
-#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {
@@ -61,18 +61,6 @@ struct Ends {
   bool converged() const { return smallest.converged && largest.converged; }
   bool certified() const { return smallest.certified && largest.certified; }
 };
-
-// An upper bound of the eigenvalues of all M_E^-1 K_E: with A = M^-1/2 H, ||A^T A||_2 <= || |A|^T |A| ||_infinity.
-double stiffest(const Decomposition& parts) {
-  double bound = 0;
-  for (const Subdomain& subdomain : parts.subdomains) {
-    if (subdomain.h.cols() == 0) continue;
-    const SparseMatrix a = over_rows(subdomain.h.cwiseAbs(), subdomain.inertia.cwiseSqrt());
-    const Vector rows = a * Vector::Ones(a.cols());
-    bound = std::max(bound, (a.transpose() * rows).maxCoeff());
-  }
-  return bound;
-}
 
 bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
   for (std::size_t e = 0; e < all.subdomains.size(); ++e)

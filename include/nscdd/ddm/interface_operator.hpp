@@ -20,7 +20,10 @@ class InterfaceOperator {
   Index cols() const { return rows(); }
 
   Vector apply(const Vector& f) const;  ///< X_eta F by one local solve per subdomain
-  const Matrix& dense() const;          ///< X_eta, symmetric to the last bit; assembled once, then kept
+  /// d f^T X_eta f / d log eta = sum_E V_E^T K_E V_E / eta with V_E = M_{E,eta}^-1 A_E^T f, one local solve per
+  /// subdomain (Hellmann and Feynman). 0 for eta = infinity and in the rigid limit.
+  double slope(const Vector& f) const;
+  const Matrix& dense() const;  ///< X_eta, symmetric to the last bit; assembled once, then kept
 
   /// dim ker X_eta: 0 for eta > 0; in the rigid limit sum_E rank H_E - rank H, the self-stresses across the interface.
   Index nullity() const;
