@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/sweep_curve.hpp"
 #include "files/hdf5.hpp"
 #include "linalg/threads.hpp"
 #include "study/inspection.hpp"
@@ -14,14 +14,14 @@ struct Options {
   std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
   Reopening how;
   bool redo = false;
+  std::optional<double> curve;
   Index threads = 0;
   MemoryLimit memory;
 };
 
+// All but the flexibilities, which are a range where a curve is asked for.
 SweepParameters parameters(const Options& options) {
   SweepParameters result;
-  std::tie(result.epsilon, result.relative_epsilon) = parse_epsilon(options.epsilon);
-  std::tie(result.eta, result.relative_eta) = parse_eta(options.eta);
   result.relaxation = parse_relaxation(options.relaxation);
   result.gauss_seidel_sweeps = parse_sweeps(options.sweeps);
   result.contacts = options.spectral.contact_set();
@@ -71,6 +71,17 @@ int run(const Options& options, const Context& context) {
   StudyTable work;
   work.name = "sweep";
   work.sweep = parameters(options);
+  std::optional<CurveParameters> curve;
+  if (options.curve) {
+    if (options.how.resume || options.redo)
+      fail("{}: expected a sweep of points given, met --curve, which places them itself",
+           options.redo ? "--redo" : "--resume");
+    curve = curve_parameters(*options.curve, options.epsilon, options.eta, work.sweep);
+    work.sweep = curve->sweep;
+  } else {
+    std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
+    std::tie(work.sweep.eta, work.sweep.relative_eta) = parse_eta(options.eta);
+  }
   work.cases = {options.one.resolve({options.csv, options.hdf5})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.how.resume))
@@ -84,19 +95,27 @@ int run(const Options& options, const Context& context) {
   if (options.redo) return redo_table(work, options.csv);
   Interruption interruption;  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
-  ResumableTable csv(options.csv, table_work(work), options.how);
+  ResumableTable csv(options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
   std::optional<OutputFile> hdf5;
   if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.how.force, kept_of_whole(options.how));
-  Table table{headings(sweep_columns(work.sweep)), {}};
-  work_through(model, work, csv, interruption, [&](const Row& row) {
+  Table table{curve ? headings(curve_columns(work.sweep)) : headings(sweep_columns(work.sweep)), {}};
+  const RowSink keep = [&](const Row& row) {
     if (hdf5) table.rows.push_back(row);
-  });
+  };
+  int code = 0;
+  if (curve)
+    code = trace(model, *curve, interruption, [&](const Row& row) {
+      csv.write(row);
+      keep(row);
+    });
+  else
+    work_through(model, work, csv, interruption, keep);
   if (interruption.stopped()) return leave(csv, options.csv);
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
   csv.finish();
   if (hdf5) hdf5->finish();
   remove_record(options.csv);
-  return 0;
+  return code;
 }
 
 }  // namespace
@@ -116,6 +135,10 @@ Action declare_sweep(Command& command) {
       "eigenvalues at each end; more than one adds columns: their values, and for each end the multiplicity of its "
       "first value alone (how many of those found agree with it within --residual-tolerance; with --certify how many "
       "lie in its interval)");
+  command.add(
+      "--curve TOLERANCE", options->curve,
+      "place the points of a range FROM:TO until the radius between them is proved; one of --epsilon and --eta is "
+      "the range, and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide");
   declare_threads(command, options->threads);
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");
@@ -131,6 +154,7 @@ Examples:
   nscdd sweep disks4 --epsilon 0,1 --csv -                            rho(B_0), rho(B_1)
   nscdd sweep disks12 --epsilon 1e-3:1e3:121 --csv figure5.csv        a curve of Figure 5
   nscdd sweep disks8 --epsilon 1 --eta 1e-2:1e2:81 --csv -            rho(B_eps,eta)
+  nscdd sweep disks12 --epsilon 1e-3:1e3 --curve 1e-3 --csv -         the same, proved between its points
   nscdd sweep disks8 --epsilon 0 --eta 0.1,inf --contacts active --csv -   the nonsmooth B-bar
   nscdd sweep mine.csv --subdomains 3x2 --epsilon 1e-3,1 --eta 0.3,inf --csv -   your own packing)";
   return [options](const Context& context) { return run(*options, context); };

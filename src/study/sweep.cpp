@@ -5,6 +5,7 @@
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/active_set.hpp"
+#include "study/sweep_points.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd {
@@ -52,18 +53,6 @@ class Spectra {
   Index number_ = -1;
 };
 
-void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance) {
-  const bool computed = plain.solver != "none";
-  if (!result.point
-           .relaxation)  // 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
-    result.point.relaxation = computed ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max) : 1.0;
-  result.radius = relaxed(plain, *result.point.relaxation, tolerance);
-  const SpectralRadius& radius = result.radius;
-  // With the optimal relaxation both ends are equal and opposite. Rounding must not choose between them.
-  const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
-  result.dominant = {low_end ? radius.eigenvalue_min : radius.eigenvalue_max, computed ? 0.0 : not_a_number};
-}
-
 void set_inexact(SweepResult& result, const Decomposition& stage_one, const InterfaceOperator& preconditioner,
                  const SpectralOptions& options) {
   const SweepPoint& point = result.point;
@@ -99,14 +88,25 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
   return sparse_rank(selected_columns(problem.h, closed)) == count(closed);
 }
 
-// The point with its flexibilities in 1/kg.
+}  // namespace
+
+void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance) {
+  const bool computed = plain.solver != "none";
+  if (!result.point
+           .relaxation)  // 2 / (lambda_min + lambda_max) over the eigenvalues lambda = 1 - mu outside the kernel
+    result.point.relaxation = computed ? 2.0 / (2.0 - plain.subdominant_min - plain.subdominant_max) : 1.0;
+  result.radius = relaxed(plain, *result.point.relaxation, tolerance);
+  const SpectralRadius& radius = result.radius;
+  // With the optimal relaxation both ends are equal and opposite. Rounding must not choose between them.
+  const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
+  result.dominant = {low_end ? radius.eigenvalue_min : radius.eigenvalue_max, computed ? 0.0 : not_a_number};
+}
+
 SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double scale) {
   if (parameters.relative_epsilon) point.epsilon *= scale;
   if (parameters.relative_eta) point.eta *= scale;
   return point;
 }
-
-}  // namespace
 
 double flexibility_scale(const Model& model) {
   return model.problem.contacts() == 0 ? 1 : mean_normal_delassus(model.problem);

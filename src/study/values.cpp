@@ -91,6 +91,19 @@ FlexibilityValues parse_eta(std::string_view spec) {
   return flexibilities(spec, "eta", "a number > 0 (or inf for the generic algorithm)", [](double v) { return v > 0; });
 }
 
+std::optional<FlexibilityRange> parse_range(std::string_view spec, std::string_view name) {
+  std::string_view text = spec;
+  const bool relative = text.ends_with('W');
+  if (relative) text.remove_suffix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  const auto parts = split(text, ':');
+  if (parts.size() != 2 || text.find(',') != std::string_view::npos) return std::nullopt;
+  const FlexibilityRange range{parse_number(parts[0], name), parse_number(parts[1], name), relative};
+  if (!(range.from > 0 && range.from < range.to && std::isfinite(range.to)))
+    fail("{}: expected finite ends 0 < FROM < TO of a range FROM:TO, met '{}'", name, spec);
+  return range;
+}
+
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec) {
   std::vector<std::optional<double>> all;
   for (const std::string_view item : split(spec, ',')) {

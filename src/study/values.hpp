@@ -22,6 +22,13 @@ using FlexibilityValues = std::pair<std::vector<double>, bool>;
 /// The same for each quantity of a sweep, with its bounds checked.
 FlexibilityValues parse_epsilon(std::string_view spec);  ///< finite, >= 0
 FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
+/// A range FROM:TO without a count, whose points the program places; W as above. None where the text is none.
+struct FlexibilityRange {
+  double from = 0, to = 0;  ///< 0 < from < to, finite
+  bool relative = false;
+};
+/// Throws Error naming `name` where the ends of a range are others.
+std::optional<FlexibilityRange> parse_range(std::string_view spec, std::string_view name);
 /// Relaxation: finite, > 0; the word "optimal" (an empty value here) asks for 2 / (lambda_min + lambda_max).
 std::vector<std::optional<double>> parse_relaxation(std::string_view spec);
 /// Gauss-Seidel sweeps of Stage 1: integers >= 1; "inf" (an empty value here) is an exact Stage 1.

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "app/options.hpp"
+#include "study/curve.hpp"
+
+namespace nscdd::app {
+
+/// `nscdd sweep --curve TOLERANCE`: which range the points are placed in. `rest` has everything but the flexibilities,
+/// whose texts are those of the options. Throws Error for what no curve can be proved of.
+CurveParameters curve_parameters(double tolerance, const std::string& epsilon, const std::string& eta,
+                                 SweepParameters rest);
+
+/// The table of curves: as that of a sweep, but the number of its rows is not known beforehand.
+TableWork curve_work(const StudyTable& work, const CurveParameters& parameters);
+
+/// Traces the curves and hands on their rows. Tells the user of curves that are not proved to the tolerance; the exit
+/// code is then 1.
+int trace(const Model& model, const CurveParameters& parameters, Interruption& interruption, const RowSink& sink);
+
+}  // namespace nscdd::app
