@@ -12,6 +12,7 @@ def draw(results, output, formats):
     limit = style.log_axis(axes.xaxis, *span, "0", "low", every=2)
     for disks, own in style.by_case(rows):
         axes.plot(*style.curve(own, "epsilon"), **style.case_style(disks))
+        style.band(axes, own, "epsilon", disks)
         style.limit_points(axes, limit, style.radii(own, epsilon=0), disks)
         style.points(axes, *style.curve(style.where(own, epsilon=1), "epsilon"), disks)
     handles, labels = axes.get_legend_handles_labels()

@@ -17,6 +17,7 @@ def draw_panel(axes, rows, eta_range, floor=None):
         eta, radius = style.curve(own, "eta")
         # rho = 0 is infinitely far down a log axis: let the curve leave the panel there
         axes.plot(eta, np.maximum(radius, floor / 3) if floor else radius, **style.case_style(disks))
+        style.band(axes, own, "eta", disks, floor / 3 if floor else -np.inf)
         style.limit_points(axes, limit, style.radii(own, eta=np.inf), disks)
 
 

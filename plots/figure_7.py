@@ -19,6 +19,7 @@ def draw(results, output, formats):
     for disks, own in style.by_case(rows):
         look = style.case_style(disks)
         axes.plot(*style.curve(own, "eta"), **look)
+        style.band(axes, own, "eta", disks)
         best = min(style.finite(own, "eta"), key=lambda row: row["spectral_radius"])
         style.points(axes, best["eta"], best["spectral_radius"], disks)
         for generic in style.radii(own, eta=np.inf):

@@ -28,6 +28,7 @@ STYLES = {
 }
 OTHER_STYLE = {"color": "#3d7a3d", "linestyle": (0, (5, 1.5, 1, 1.5))}
 FORMATS = ("svg", "png", "pdf")
+BAND = "curve_low curve_high"  # columns of `nscdd sweep --curve`
 
 plt.rcParams.update({
     "font.family": "STIXGeneral",  # shipped with matplotlib, so the same on every machine
@@ -79,8 +80,9 @@ def _flag(text):
     return {"true": True, "false": False}[text]
 
 
-def read_table(results, name, numbers="", flags="", texts=""):
-    """Rows of RESULTS/NAME as dictionaries of the named columns (space-separated lists)."""
+def read_table(results, name, numbers="", flags="", texts="", if_there=""):
+    """Rows of RESULTS/NAME as dictionaries of the named columns (space-separated lists). IF_THERE: columns of numbers
+    that a table may lack."""
     path = os.path.join(results, name)
     wanted = {c: _number for c in numbers.split()}
     wanted.update({c: _flag for c in flags.split()})
@@ -89,6 +91,7 @@ def read_table(results, name, numbers="", flags="", texts=""):
     try:
         with open(path, newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file, strict=True)
+            wanted.update({c: _number for c in if_there.split() if c in (reader.fieldnames or [])})
             missing = [c for c in wanted if c not in (reader.fieldnames or [])]
             if missing:
                 raise DataError(f"{path}: no column '{missing[0]}'")
@@ -125,7 +128,7 @@ def read_table(results, name, numbers="", flags="", texts=""):
 def read_radii(results, name, swept, others=""):
     """A table of spectral radii: its rows, and the smallest and largest positive finite value of the column
     SWEPT. OTHERS: further columns of numbers."""
-    rows = read_table(results, name, texts="case", numbers=f"grains spectral_radius {swept} {others}")
+    rows = read_table(results, name, texts="case", numbers=f"grains spectral_radius {swept} {others}", if_there=BAND)
     values = column(finite(rows, swept), swept)
     if not len(values):
         raise DataError(f"{os.path.join(results, name)}: column '{swept}' has no positive finite value")
@@ -166,6 +169,18 @@ def curve(rows, parameter, value="spectral_radius"):
     """Abscissae and ordinates of a sweep at positive finite values of PARAMETER."""
     some = finite(rows, parameter)
     return column(some, parameter), column(some, value)
+
+
+def band(axes, rows, parameter, disks, floor=-np.inf):
+    """Fills the band that a table of `nscdd sweep --curve` proves the curve to lie in; draws nothing where the table has
+    no such columns. Its edges are straight over the logarithm of PARAMETER from row to row."""
+    some = finite(rows, parameter)
+    if not some or any(name not in row for row in some for name in BAND.split()):
+        return
+    x = np.log(column(some, parameter))
+    between = np.union1d(x, np.linspace(x[0], x[-1], 2000))  # on a log axis of the radius the edges are curved
+    low, high = (np.maximum(np.interp(between, x, column(some, name)), floor) for name in BAND.split())
+    axes.fill_between(np.exp(between), low, high, color=colour(disks), alpha=0.35, linewidth=0, zorder=1.5)
 
 
 def radii(rows, **values):
