@@ -44,15 +44,16 @@ struct Concave {
   }
 
   Moebius chord(const CurvePoint& from, const CurvePoint& to) const {
-    const double first = least((*from.ends)[side]), last = least((*to.ends)[side]);
-    return part(line(from.x, first, (last - first) / (u(to.x) - u(from.x))));
+    const double first = least((*from.ends)[side]), last = least((*to.ends)[side]), step = u(to.x) - u(from.x);
+    if (step == 0) return part(line(from.x, std::min(first, last), 0));  // F is monotone
+    return part(line(from.x, first, (last - first) / step));
   }
 
   // The tangent at one point, with its slope on the safe side towards the other point.
   std::optional<Moebius> tangent(const CurvePoint& at, const CurvePoint& other) const {
     const CurveEnd& end = (*at.ends)[side];
     const double value = most(end), towards = u(other.x) > u(at.x) ? 1 : -1;
-    if (!std::isfinite(end.slope) || !std::isfinite(value)) return std::nullopt;
+    if (!std::isfinite(end.slope) || !std::isfinite(end.slope_error) || !std::isfinite(value)) return std::nullopt;
     const double factor = df(end.lambda) / du(at.x);
     return part(line(at.x, value, end.slope * factor + towards * end.slope_error * std::abs(factor)));
   }
@@ -93,6 +94,7 @@ struct Extreme {
   double value = -infinity, x = 1;
 
   void include(double other, double at) {
+    if (std::isnan(other)) other = infinity;  // nothing is proved by what cannot be computed
     if (other > value) *this = {other, at};
   }
 };
@@ -142,14 +144,19 @@ CurveEnd end_of(const Contraction& b, double mu, const std::array<double, 2>& in
   return {.lambda = lambda, .error = error + rounding * std::max(1.0, lambda)};
 }
 
-// The slope is that of the quotient of the vector found, whatever its residual. What is left is rounding.
+// The slope of a quotient that belongs to the vector f found. With the residual r = |S f - lambda P f| in the norm of
+// P^-1, over |f| in that of P, this slope is exact up to r^2 / lambda^2 of itself; but for the low end along eta. There
+// the quotient is that of S f for P^-1, whose slope differs by at most 2 r + r^2 / lambda, because d P / d log eta <=
+// P.
 void set_slope(CurveEnd& end, const Contraction& b, const Vector& mode, CurveAxis axis) {
   if (mode.size() == 0) return;
-  const double norm = mode.dot(b.preconditioner.apply(mode));
+  const Vector pf = b.preconditioner.apply(mode), residual = b.system.apply(mode) - end.lambda * pf;
+  const double norm = mode.dot(pf), lambda = end.lambda;
+  const double r = std::sqrt(std::max(0.0, residual.dot(b.preconditioner.solve(residual))) / norm);
   const double slope =
-      axis == CurveAxis::epsilon ? b.system.slope(mode) / norm : -end.lambda * b.preconditioner.slope(mode) / norm;
+      axis == CurveAxis::epsilon ? b.system.slope(mode) / norm : -lambda * b.preconditioner.slope(mode) / norm;
   end.slope = slope;
-  end.slope_error = 1e-12 * std::abs(slope) + 10 * end.error;
+  end.slope_error = (1e-12 + 2 * r * r / (lambda * lambda)) * std::abs(slope) + 2 * r + r * r / lambda + 10 * end.error;
 }
 
 }  // namespace

@@ -30,7 +30,8 @@ struct CurveLaw {
 };
 
 /// The ends at x for a contraction operator with omega = 1 and its converged spectrum: the intervals of its certificate
-/// or, without one, its residual; the slopes by one product with P and one local solve per subdomain for each end.
+/// or, without one, its residual; the slopes for each end by a product with S and P, a solve with P for the residual of
+/// the vector, and one local solve per subdomain.
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis);
 
 /// How far the radius may lie from the straight line, over log x, between two neighbouring points.

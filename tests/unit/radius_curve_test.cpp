@@ -146,6 +146,24 @@ TEST_CASE("curve: an uncertain end widens both bounds by its error") {
   CHECK(std::abs(wide.above - sharp.above - 1e-3) < 5e-5);
 }
 
+TEST_CASE("curve: what is not known makes the band wider, never narrower") {
+  const CurveLaw law{.axis = CurveAxis::epsilon, .stiffest = 2};
+  CurvePoint first = single_mode(1, 2), last = single_mode(1.2, 2);
+  const Deviation sharp = deviation(law, first, last);
+  for (CurvePoint* point : {&first, &last})
+    for (CurveEnd& end : *point->ends) end.slope = not_a_number;
+  const Deviation without_slopes = deviation(law, first, last);
+  CHECK(without_slopes.above == sharp.above);
+  CHECK(without_slopes.below == doctest::Approx(first.radius).epsilon(1e-12));  // no bound but 0
+  (*last.ends)[1].lambda = not_a_number;
+  CHECK(deviation(law, first, last).above == infinity);
+  // Coordinates that are equal in double precision: both ends of the chord are then its lower one.
+  const CurveLaw soft{.axis = CurveAxis::epsilon, .stiffest = 1e-20};
+  const Deviation constant = deviation(soft, single_mode(1, 0), single_mode(2, 0));
+  CHECK(constant.above < 1e-13);
+  CHECK(constant.below < 1e-13);
+}
+
 TEST_CASE("values: a range without a count") {
   const auto range = parse_range("1e-3:2", "epsilon");
   REQUIRE(range);
