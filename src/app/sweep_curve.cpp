@@ -50,9 +50,14 @@ TableWork curve_work(const StudyTable& work, const CurveParameters& parameters) 
   return table;
 }
 
-int trace(const Model& model, const CurveParameters& parameters, Interruption& interruption, const RowSink& sink) {
+int trace(const Model& model, const CurveParameters& parameters, ResumableTable& csv, Interruption& interruption,
+          const RowSink& sink) {
+  const RowSink write = [&](const Row& row) {
+    csv.write(row);
+    sink(row);
+  };
   const std::vector<CurveReport> reports =
-      trace_curves(model, parameters, as_rows(curve_columns(parameters.sweep), sink), interruption.watch("curve"));
+      trace_curves(model, parameters, as_rows(curve_columns(parameters.sweep), write), interruption.watch("curve"));
   Index wide = 0, open = 0;
   for (const CurveReport& report : reports) {
     wide += report.status == CurveStatus::most_points;

@@ -14,8 +14,9 @@ CurveParameters curve_parameters(double tolerance, const std::string& epsilon, c
 /// The table of curves: as that of a sweep, but the number of its rows is not known beforehand.
 TableWork curve_work(const StudyTable& work, const CurveParameters& parameters);
 
-/// Traces the curves and hands on their rows. Tells the user of curves that are not proved to the tolerance; the exit
-/// code is then 1.
-int trace(const Model& model, const CurveParameters& parameters, Interruption& interruption, const RowSink& sink);
+/// Traces the curves and writes their rows, which `sink` takes too. Tells the user of curves that are not proved to the
+/// tolerance; the exit code is then 1.
+int trace(const Model& model, const CurveParameters& parameters, ResumableTable& csv, Interruption& interruption,
+          const RowSink& sink);
 
 }  // namespace nscdd::app

@@ -67,25 +67,35 @@ void work_through(const Model& model, const StudyTable& work, ResumableTable& cs
         rigid);
 }
 
-int run(const Options& options, const Context& context) {
+// What is asked for: points, or curves whose points are placed.
+struct Asked {
   StudyTable work;
-  work.name = "sweep";
-  work.sweep = parameters(options);
   std::optional<CurveParameters> curve;
+};
+
+Asked asked(const Options& options) {
+  Asked asked;
+  asked.work.name = "sweep";
+  SweepParameters& sweep = asked.work.sweep = parameters(options);
   if (options.curve) {
     if (options.how.resume || options.redo)
       fail("{}: expected a sweep of points given, met --curve, which places them itself",
            options.redo ? "--redo" : "--resume");
-    curve = curve_parameters(*options.curve, options.epsilon, options.eta, work.sweep);
-    work.sweep = curve->sweep;
+    asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep);
+    sweep = asked.curve->sweep;
   } else {
-    std::tie(work.sweep.epsilon, work.sweep.relative_epsilon) = parse_epsilon(options.epsilon);
-    std::tie(work.sweep.eta, work.sweep.relative_eta) = parse_eta(options.eta);
+    std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
+    std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   }
-  work.cases = {options.one.resolve({options.csv, options.hdf5})};
+  asked.work.cases = {options.one.resolve({options.csv, options.hdf5})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
   if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.how.resume))
     fail("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
+  return asked;
+}
+
+int run(const Options& options, const Context& context) {
+  const auto [work, curve] = asked(options);
   if (!options.redo && nothing_to_resume(options.csv, options.hdf5, options.how)) return 0;
   const ThreadLimit limit(options.threads);
   const Model model = build(work.cases.front());
@@ -99,15 +109,12 @@ int run(const Options& options, const Context& context) {
   std::optional<OutputFile> hdf5;
   if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.how.force, kept_of_whole(options.how));
   Table table{curve ? headings(curve_columns(work.sweep)) : headings(sweep_columns(work.sweep)), {}};
-  const RowSink keep = [&](const Row& row) {
-    if (hdf5) table.rows.push_back(row);
+  const RowSink keep = [&table, wanted = hdf5.has_value()](const Row& row) {
+    if (wanted) table.rows.push_back(row);
   };
   int code = 0;
   if (curve)
-    code = trace(model, *curve, interruption, [&](const Row& row) {
-      csv.write(row);
-      keep(row);
-    });
+    code = trace(model, *curve, csv, interruption, keep);
   else
     work_through(model, work, csv, interruption, keep);
   if (interruption.stopped()) return leave(csv, options.csv);
@@ -137,8 +144,8 @@ Action declare_sweep(Command& command) {
       "lie in its interval)");
   command.add(
       "--curve TOLERANCE", options->curve,
-      "place the points of a range FROM:TO until the radius between them is proved; one of --epsilon and --eta is "
-      "the range, and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide");
+      "prove the curve over a range FROM:TO, whose points are placed for it; one of --epsilon and --eta is the range, "
+      "and the band curve_low to curve_high is at most TOLERANCE x max(1, radius) wide");
   declare_threads(command, options->threads);
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");
@@ -153,8 +160,8 @@ One row per (epsilon, eta, relaxation, sweeps); columns are described in docs/fo
 Examples:
   nscdd sweep disks4 --epsilon 0,1 --csv -                            rho(B_0), rho(B_1)
   nscdd sweep disks12 --epsilon 1e-3:1e3:121 --csv figure5.csv        a curve of Figure 5
-  nscdd sweep disks8 --epsilon 1 --eta 1e-2:1e2:81 --csv -            rho(B_eps,eta)
   nscdd sweep disks12 --epsilon 1e-3:1e3 --curve 1e-3 --csv -         the same, proved between its points
+  nscdd sweep disks8 --epsilon 1 --eta 1e-2:1e2:81 --csv -            rho(B_eps,eta)
   nscdd sweep disks8 --epsilon 0 --eta 0.1,inf --contacts active --csv -   the nonsmooth B-bar
   nscdd sweep mine.csv --subdomains 3x2 --epsilon 1e-3,1 --eta 0.3,inf --csv -   your own packing)";
   return [options](const Context& context) { return run(*options, context); };
