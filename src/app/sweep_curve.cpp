@@ -72,4 +72,10 @@ int trace(const Model& model, const CurveParameters& parameters, ResumableTable&
   return wide + open > 0 ? 1 : 0;
 }
 
+int leave_nothing(const std::string& path) {
+  note("{}: interrupted: a table of curves is not resumed{}", path == "-" ? "standard output" : path,
+       is_stream(path) ? "" : ", and nothing is left of it");
+  return interrupted_exit_code;
+}
+
 }  // namespace nscdd::app

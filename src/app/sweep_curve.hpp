@@ -19,4 +19,8 @@ TableWork curve_work(const StudyTable& work, const CurveParameters& parameters);
 int trace(const Model& model, const CurveParameters& parameters, ResumableTable& csv, Interruption& interruption,
           const RowSink& sink);
 
+/// Tells the user that an interrupted table of curves is given up, because it cannot be resumed; returns the exit code.
+/// The table removes its files when it goes.
+int leave_nothing(const std::string& path);
+
 }  // namespace nscdd::app

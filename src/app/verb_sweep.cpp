@@ -117,7 +117,7 @@ int run(const Options& options, const Context& context) {
     code = trace(model, *curve, csv, interruption, keep);
   else
     work_through(model, work, csv, interruption, keep);
-  if (interruption.stopped()) return leave(csv, options.csv);
+  if (interruption.stopped()) return curve ? leave_nothing(options.csv) : leave(csv, options.csv);
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
   csv.finish();
   if (hdf5) hdf5->finish();

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 
 using namespace nscdd::testing;
 
@@ -101,4 +102,15 @@ TEST_CASE("curve: one that is not proved tells so, with exit code 1") {
   CHECK(contains(outcome.standard_error, "1 of 1 curves"));
   CHECK(contains(outcome.standard_error, "did not converge"));
   CHECK(contains(outcome.standard_output, ",nan,nan"));
+}
+
+TEST_CASE("curve: an interrupted run leaves no file, because it is not resumed") {
+  const Session session;
+  // The signal comes while the first curve is written, so the second one is not begun.
+  const Outcome outcome = session.run(words("sweep disks8 --epsilon 1e-4:1e4 --eta inf,0.3 --curve 1e-5 --csv x.csv"),
+                                      {.signal_at = SignalAt{"x.csv.partial", 8000, SIGINT}});
+  CHECK(outcome.exit_code == 130);
+  CHECK(contains(outcome.standard_error, "x.csv: interrupted"));
+  CHECK(contains(outcome.standard_error, "not resumed"));
+  for (const std::string name : {"x.csv", "x.csv.partial", "x.csv.record"}) CHECK(!session.has(name));
 }
