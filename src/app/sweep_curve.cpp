@@ -60,12 +60,14 @@ int trace(const Model& model, const CurveParameters& parameters, ResumableTable&
       trace_curves(model, parameters, as_rows(curve_columns(parameters.sweep), write), interruption.watch("curve"));
   Index wide = 0, open = 0;
   for (const CurveReport& report : reports) {
-    wide += report.status == CurveStatus::most_points;
+    wide += report.status == CurveStatus::wide;
     open += report.status == CurveStatus::not_converged;
   }
   if (wide > 0)
-    note("{} of {} curves took {} points without a band within the tolerance: see curve_low and curve_high", wide,
-         reports.size(), parameters.most_points);
+    note(
+        "{} of {} curves have a band wider than the tolerance: {} points, or the digits of the spectra, do not do; see "
+        "curve_low and curve_high",
+        wide, reports.size(), parameters.most_points);
   if (open > 0)
     note("{} of {} curves have a point that did not converge, and no band: see the column 'converged'", open,
          reports.size());

@@ -173,6 +173,16 @@ CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveA
   return point;
 }
 
+double uncertainty(const CurveLaw& law, const CurvePoint& point) {
+  if (!point.ends) return 0;
+  const auto radius = [&](double sign) {
+    const auto& [smallest, largest] = *point.ends;
+    return std::max(1 - law.relaxation * (smallest.lambda - sign * smallest.error),
+                    law.relaxation * (largest.lambda + sign * largest.error) - 1);
+  };
+  return radius(1) - std::max(0.0, radius(-1));
+}
+
 Deviation deviation(const CurveLaw& law, const CurvePoint& from, const CurvePoint& to) {
   if (!from.ends || !to.ends) return {};
   const Bounds bounds = bounds_between(law, from, to);

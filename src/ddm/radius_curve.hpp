@@ -34,6 +34,9 @@ struct CurveLaw {
 /// the vector, and one local solve per subdomain.
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis);
 
+/// By how much the radius at a point is uncertain, because its ends are. No band is narrower there.
+double uncertainty(const CurveLaw& law, const CurvePoint& point);
+
 /// How far the radius may lie from the straight line, over log x, between two neighbouring points.
 struct Deviation {
   double below = 0, above = 0;  ///< line - below <= radius <= line + above, all along

@@ -63,15 +63,14 @@ class Curve {
   CurveReport trace(const Monitor& monitor, Index before) {
     while (true) {
       if (!converged_) return report_as(CurveStatus::not_converged);
-      const Index row = worst_row();
-      const bool done = excess(row) <= 1;
+      const std::optional<Index> worst = worst_row();
+      const bool done = !worst || count(points_) >= work_.parameters.most_points;
       if (!report(monitor, before + count(points_), before + count(points_) + (done ? 0 : expected())))
         return report_as(CurveStatus::stopped);
-      if (done) return report_as(CurveStatus::proved);
-      if (count(points_) >= work_.parameters.most_points) return report_as(CurveStatus::most_points);
-      const Index k = widest_beside(row);
-      const double x = place(k, row);
-      if (!(x > asked(k) && x < asked(k + 1))) return report_as(CurveStatus::most_points);  // neighbours of doubles
+      if (done) return report_as(proved() ? CurveStatus::proved : CurveStatus::wide);
+      const Index k = widest_beside(*worst);
+      const double x = place(k, *worst);
+      if (!(x > asked(k) && x < asked(k + 1))) return report_as(CurveStatus::wide);  // neighbours of doubles
       add(x, k + 1);
     }
   }
@@ -151,10 +150,20 @@ class Curve {
   double excess(Index row) const { return (below(row) + above(row)) / allowed(row); }
   double width(Index k) const { return deviations_[at(k)].below + deviations_[at(k)].above; }
 
-  Index worst_row() const {
-    Index worst = 0;
-    for (Index row = 1; row < count(points_); ++row)
-      if (excess(row) > excess(worst)) worst = row;
+  // Whether a row says no more however near its neighbours are: digits are lost there, next to epsilon or eta = 0.
+  bool uncertain(Index row) const { return uncertainty(law_, points_[at(row)].point) > 0.5 * allowed(row); }
+
+  bool proved() const {
+    for (Index row = 0; row < count(points_); ++row)
+      if (excess(row) > 1) return false;
+    return true;
+  }
+
+  // The row whose band is too wide by the largest factor, of those that more points can help.
+  std::optional<Index> worst_row() const {
+    std::optional<Index> worst;
+    for (Index row = 0; row < count(points_); ++row)
+      if (excess(row) > (worst ? excess(*worst) : 1) && !uncertain(row)) worst = row;
     return worst;
   }
   Index widest_beside(Index row) const {

@@ -28,13 +28,13 @@ ResultColumns<CurveResult> curve_columns(const SweepParameters& parameters);
 
 enum class CurveStatus {
   proved,         ///< the band is within the tolerance everywhere
-  most_points,    ///< the band is proved but wider: the points allowed did not do
+  wide,           ///< the band is proved but wider: the points allowed, or the digits of the spectra, did not do
   not_converged,  ///< a point did not converge: nothing is proved
   stopped,        ///< by the monitor; nothing of this curve was handed over
 };
 
 constexpr auto names_of(CurveStatus) {
-  return std::to_array<std::string_view>({"proved", "most_points", "not_converged", "stopped"});
+  return std::to_array<std::string_view>({"proved", "wide", "not_converged", "stopped"});
 }
 
 /// What became of one curve.

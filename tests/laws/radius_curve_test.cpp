@@ -171,8 +171,19 @@ TEST_CASE("curves: too few points give a band that is wide but holds") {
   curve.most_points = 5;
   const Model model = build(strip(12));
   const Traced found = traced(model, curve);
-  CHECK(found.reports[0].status == CurveStatus::most_points);
+  CHECK(found.reports[0].status == CurveStatus::wide);
   CHECK(found.rows.size() == 5);
+  check_held(curve, found.rows, samples(model, curve), 1e-12);
+}
+
+TEST_CASE("curves: where spectra have lost their digits the band is as wide as what is lost") {
+  const Model model = build(strip(8));
+  const CurveParameters curve = along_epsilon(1e-13, 1e2, infinity);
+  const Traced found = traced(model, curve);
+  CHECK(found.reports[0].status == CurveStatus::wide);
+  CHECK(found.rows.size() < 60);
+  CHECK(found.rows.front().high - found.rows.front().low > curve.tolerance);
+  CHECK(found.rows.back().high - found.rows.back().low <= curve.tolerance);
   check_held(curve, found.rows, samples(model, curve), 1e-12);
 }
 
