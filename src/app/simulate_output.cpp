@@ -145,7 +145,7 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "boundaries that leave no room, or a step or tolerance too coarse\n",
         totals.relative_overlap);
   const Index open = totals.steps - totals.converged;
-  if (open > 0 && solver.criterion != Criterion::none)
+  if (open > 0 && (solver.criterion != Criterion::none || solves_undivided(solver.algorithm)))
     text += fmt::format(
         "attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n", open,
         totals.steps, to_string(solves_undivided(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),

@@ -63,7 +63,7 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
       "residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
       state.siconos_relative ? "relative to the largest of r, u and q" : "absolute: r, u and q are at most 2.2e-16");
   if (solution.status != FrictionStatus::converged && state.worst >= 0)
-    fmt::print("largest residual     contact {}, from 0\n", state.worst);
+    fmt::print("largest residual     contact {} (numbered from 0)\n", state.worst);
   fmt::print("open contacts        {}\n", state.open);
   fmt::print("sticking contacts    {}\n", state.stick);
   fmt::print("sliding contacts     {}\n", state.slide);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double largest_natural_maps = 1e-3;  // of a solution, relative to the impulses of the contacts each alone
 
-constexpr double largest_impulses = 1e12;  // relative to these impulses or the present ones
+constexpr double largest_impulses = 1e8;  // over those that are to be expected
 
 // The solvers by the places of FrictionAlgorithm.
 constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, nlgs};
@@ -70,22 +70,31 @@ FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& 
 SolverRun::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
                      const FrictionObserver& observer)
     : problem(given), options(chosen), alone(lone_impulses(given)), observer_(observer) {
-  now.impulses = guess.size() == 0 ? Vector::Zero(2 * given.contacts()) : guess;
+  const Index contacts = given.contacts();
+  now.impulses = guess.size() == 0 ? Vector::Zero(2 * contacts) : guess;
   now.status = FrictionStatus::maximum_reached;
-  best_.state.residual = infinity;
+  scale_ = std::max(alone, now.impulses.norm());
+  if (contacts > 0)
+    scale_ = std::max(scale_, given.q.norm() * static_cast<double>(2 * contacts) / given.w.diagonal().sum());
 }
+
+double SolverRun::natural_maps() const { return now.state.residual * std::max(now.impulses.norm(), alone); }
+
+bool SolverRun::plausible(const Vector& impulses) const { return impulses.norm() <= largest_impulses * scale_; }
 
 bool SolverRun::judge(const Vector& impulses) {
   now.impulses = impulses;
   now.state = state_of(problem, impulses, alone);
-  if (now.state.residual < best_.state.residual) best_ = now;
+  if (plausible(impulses) && natural_maps() < best_maps_) {
+    best_ = now;
+    best_maps_ = natural_maps();
+  }
   const bool go_on = !observer_ || observer_(now);
   // Where there is no solution impulses may grow without end, and next to them every residual looks small.
-  const double natural_maps = now.state.residual * std::max(impulses.norm(), alone);
-  const bool small = alone == 0 || natural_maps <= std::max(largest_natural_maps, options.tolerance) * alone;
+  const bool small = alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * alone;
   if (!std::isfinite(now.state.residual))
     now.status = FrictionStatus::not_finite;
-  else if (now.state.residual <= options.tolerance && small)
+  else if (now.state.residual <= options.tolerance && small && plausible(impulses))
     now.status = FrictionStatus::converged;
   else if (!go_on)
     now.status = FrictionStatus::stopped;
@@ -94,16 +103,28 @@ bool SolverRun::judge(const Vector& impulses) {
   return true;
 }
 
-bool SolverRun::plausible(const Vector& impulses) const {
-  return impulses.norm() <= largest_impulses * std::max(alone, now.impulses.norm());
+Vector SolverRun::projected() const {
+  Vector result(now.impulses.size());
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const LocalVector r = component(now.impulses, c);
+    const LocalVector m =
+        natural_map(r, component(now.state.velocities, c), problem.friction[c], 1 / problem.w.coeff(2 * c, 2 * c));
+    result.segment<2>(2 * c) << r.n - m.n, r.t - m.t;
+  }
+  return result;
 }
 
 FrictionSolution SolverRun::best() const {
-  FrictionSolution solution = std::isfinite(best_.state.residual) ? best_ : now;
+  FrictionSolution solution = now.status == FrictionStatus::converged || best_maps_ == infinity ? now : best_;
   solution.sweeps = now.sweeps;
   solution.factorisations = now.factorisations;
   solution.status = now.status;
   return solution;
+}
+
+void SolverRun::go_back(const FrictionSolution& earlier) {
+  now.impulses = earlier.impulses;
+  now.state = earlier.state;
 }
 
 Couplings couplings(const LocalFrictionProblem& problem) {

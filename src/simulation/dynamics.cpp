@@ -99,6 +99,7 @@ constexpr Effect effects[] = {
     {"solver.order", "solver.algorithm", iterated},
     {"solver.gluing_tolerance", "solver.algorithm", divided},
     {"solver.gluing_tolerance", "solver.criterion", criteria},
+    {"solver.contact_relaxation", "solver.algorithm", "nlgs, generic, enriched or auto"},
     {"solver.seed", "solver.order", "random"},
     {"solver.eta", "solver.algorithm", "enriched"},
     {"solver.network", "solver.algorithm", "enriched"},
@@ -124,6 +125,7 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
     if (effect.path != path) return false;
+    if (effect.with == "solver.criterion" && solves_undivided(dynamics.solver.algorithm)) return false;
     const std::string value = value_of(dynamics, effect.with);
     if (effect.values == above_zero) return value == "0";
     std::string allowed = fmt::format(" {} ", effect.values);

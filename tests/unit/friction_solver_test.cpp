@@ -193,24 +193,76 @@ TEST_CASE("what a solver without a solution ends with is its best and a status, 
     CHECK(found.sweeps <= 5000);
     CHECK(found.factorisations <= 50);
     CHECK(found.state.worst >= 0);
+    CHECK(found.impulses.norm() < 1e9);
+    if (found.factorisations == 50) CHECK(found.status == FrictionStatus::maximum_reached);
   }
+}
+
+TEST_CASE("what has converged obeys the law, also where next to every problem has no solution") {
+  Index converged = 0, others = 0;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    // Rigid bodies between walls: contacts at random, W of low rank, nothing that makes a solution exist.
+    RandomStream random(seed);
+    const Index bodies = 1 + random.below(4), contacts = 2 + random.below(7);
+    Matrix h = Matrix::Zero(2 * contacts, 3 * bodies);
+    for (Index c = 0; c < contacts; ++c) {
+      const double angle =
+          seed % 2 == 0 ? 1.5707963267948966 * static_cast<double>(random.below(4)) : 7 * random.uniform();
+      const auto add = [&](Index body, double sign) {
+        h.block(2 * c, 3 * body, 2, 2) << sign * std::cos(angle), sign * std::sin(angle), -sign * std::sin(angle),
+            sign * std::cos(angle);
+        h(2 * c + 1, 3 * body + 2) = 1;
+      };
+      const Index body = random.below(bodies);
+      add(body, 1);
+      if (bodies > 1 && random.uniform() < 0.5) add((body + 1) % bodies, -1);
+    }
+    LocalFrictionProblem problem{sparse(h * h.transpose()), random.normal_vector(2 * contacts),
+                                 Vector::Constant(contacts, seed % 5 == 0 ? 0.0 : 0.3 * static_cast<double>(seed % 5))};
+    for (const FrictionAlgorithm algorithm : {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point}) {
+      CAPTURE(seed);
+      CAPTURE(to_string(algorithm));
+      const FrictionSolution found =
+          solve_friction(problem, {.algorithm = algorithm, .maximum_sweeps = 20'000, .maximum_factorisations = 200});
+      ++(found.status == FrictionStatus::converged ? converged : others);
+      if (found.status != FrictionStatus::converged) continue;
+      const double size = 1 + found.impulses.norm();
+      CHECK(obeys(problem, found.impulses, problem.w * found.impulses + problem.q, 1e-6 * size));
+      CHECK(found.state.residual <= 1e-8);
+    }
+  }
+  CHECK(converged > 100);
+  CHECK(others > 20);
 }
 
 TEST_CASE("an observer stops every solver, and the best impulses remain") {
   const LocalFrictionProblem problem = solvable_problem(5, 40, 50, false);
-  for (const FrictionAlgorithm algorithm : algorithms) {
-    CAPTURE(to_string(algorithm));
-    Index checks = 0;
-    double least = infinity;
-    const FrictionSolution found =
-        solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-14}, {}, [&](const FrictionSolution& check) {
-          least = std::min(least, check.state.residual);
-          return ++checks < 6;
-        });
-    CHECK(found.status == FrictionStatus::stopped);
-    CHECK(checks == 6);
-    if (algorithm != FrictionAlgorithm::nlgs) CHECK(found.state.residual == least);
+  double alone = 0;  // || r^1 ||
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const FullDelassus w = diagonal_block(problem, c);
+    const LocalVector stop = w.solve({-problem.q[2 * c], -problem.q[2 * c + 1]});
+    alone += squared(Coulomb{}.impulse(stop, w, problem.friction[c]));
   }
+  alone = std::sqrt(alone);
+  const auto natural_maps = [&](const FrictionSolution& one) {
+    return one.state.residual * std::max(one.impulses.norm(), alone);
+  };
+  for (const FrictionAlgorithm algorithm : algorithms)
+    for (const Index sweeps : {0, 1000}) {  // without sweeps `auto` is on the path by then
+      if (algorithm == FrictionAlgorithm::nlgs && sweeps == 0) continue;
+      CAPTURE(to_string(algorithm));
+      Index checks = 0;
+      double least = infinity;
+      const FrictionSolution found =
+          solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-14, .maximum_sweeps = sweeps}, {},
+                         [&](const FrictionSolution& check) {
+                           least = std::min(least, natural_maps(check));
+                           return ++checks < 6;
+                         });
+      CHECK(found.status == FrictionStatus::stopped);
+      CHECK(checks == 6);
+      if (algorithm != FrictionAlgorithm::nlgs) CHECK(natural_maps(found) <= least * (1 + 1e-12));
+    }
 }
 
 TEST_CASE("one contact: the local solution obeys the law for any friction, on the edge of the cone too") {

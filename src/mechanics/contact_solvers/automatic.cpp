@@ -6,31 +6,34 @@
 namespace nscdd {
 namespace {
 
-constexpr Index first_sweeps = 2000, turns = 8;
-constexpr double gaps[] = {100, 10, 1, 0.1};  // over the residual of the sweeps
+constexpr Index first_sweeps = 2000;
+// Of the path, over the residual of the sweeps. Where it is easy to get lost no value is the best one.
+constexpr double gaps[] = {100, 1000, 10, 1, 300, 30, 3, 0.1};
 
 }  // namespace
 
 void automatic(SolverRun& run) {
   const FrictionSolverOptions& options = run.options;
   std::optional<Couplings> w;
-  bool stalled = false;
-  for (Index turn = 0; turn < turns; ++turn) {
+  std::optional<FrictionStatus> given_up;  // how sweeps ended, once they are of no more use
+  for (Index turn = 0; turn < std::ssize(gaps); ++turn) {
     const Index most = std::min(first_sweeps << turn, options.maximum_sweeps - run.now.sweeps);
-    if (!stalled && sweep(run, most)) {
-      stalled = run.now.status == FrictionStatus::stalled;
-      if (!stalled) return;
+    if (!given_up && sweep(run, most)) {
+      given_up = run.now.status;
+      if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return;
+      run.now.status = FrictionStatus::maximum_reached;
+      run.go_back(run.best());
     }
     if (run.spent()) continue;
     if (!w) w = couplings(run.problem);
     const FrictionSolution swept = run.now;
     if (finish_by_newton(run, *w)) return;
-    run.now.impulses = swept.impulses;
-    if (follow_path(run, *w, gaps[turn % std::ssize(gaps)] * swept.state.residual)) return;
-    const FrictionSolution best = run.best();
-    run.now.impulses = best.state.residual < swept.state.residual ? best.impulses : swept.impulses;
+    run.go_back(swept);
+    if (follow_path(run, *w, gaps[turn] * swept.state.residual)) return;
+    run.go_back(run.best());
   }
-  run.now.status = stalled ? FrictionStatus::stalled : FrictionStatus::maximum_reached;
+  const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);
+  run.now.status = limited ? FrictionStatus::maximum_reached : given_up.value_or(FrictionStatus::stalled);
 }
 
 }  // namespace nscdd

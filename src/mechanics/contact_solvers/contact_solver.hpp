@@ -28,15 +28,24 @@ class SolverRun {
   /// Evaluates impulses and shows them to the observer. Returns whether the run is over: converged, stopped by the
   /// observer, or without finite impulses.
   bool judge(const Vector& impulses);
-  /// Whether impulses are finite and not beyond all measure, as a matrix next to singular makes them.
+  /// Whether impulses are finite and not beyond all measure, as a matrix next to singular makes them, or a problem
+  /// without a solution.
   bool plausible(const Vector& impulses) const;
-  /// The best of all impulses judged, with the status and the counts of the end.
+  /// Impulses that obey the law for the velocities that the present ones cause: P(r - rho (u + mu |u_t| n)).
+  Vector projected() const;
+  /// The impulses that converged or, if none did, those whose natural maps were the smallest, || m || in N s, with the
+  /// status and the counts of the end.
   FrictionSolution best() const;
+  /// Goes on from earlier impulses.
+  void go_back(const FrictionSolution& earlier);
   bool spent() const { return now.factorisations >= options.maximum_factorisations; }
 
  private:
+  double natural_maps() const;  // || m || of the present impulses, N s
+
   const FrictionObserver& observer_;
   FrictionSolution best_;
+  double best_maps_ = infinity, scale_ = 0;  // N s; scale_: of impulses that are to be expected
 };
 
 /// W as W_s + W_a with a symmetric W_s, as files of six digits need it, and W_nn of its contact at each component.

@@ -15,8 +15,9 @@ constexpr double neighbourhood = 1e-4;  // least product of a pair over the mean
 constexpr double to_boundary = 0.99;    // part of the way to the boundary that a step may go
 constexpr double short_steps = 0.12;    // steps that are shorter on average lead nowhere
 constexpr Index most_steps = 80;
-constexpr double newton_from = 1e-3;  // residual from which Newton's method is tried ...
-constexpr double newton_after = 0.2;  // ... and again at this part of the residual of the last trial
+constexpr double least_friction = 1e-12;  // what is below it is none
+constexpr double newton_from = 1e-3;      // residual from which Newton's method is tried ...
+constexpr double newton_after = 0.2;      // ... and again at this part of the residual of the last trial
 
 // One column per pair of complementary quantities: (r_n, u_n), (a, l + u_t), (b, l - u_t), (l, mu r_n - a - b).
 using Pairs = Eigen::Array<double, Eigen::Dynamic, 4>;
@@ -39,7 +40,7 @@ class InteriorPoint {
   Vector impulses() const { return impulse_unit_ * own_impulses(); }
 
  private:
-  bool rubs(Index c) const { return friction_[c] > 0; }
+  bool rubs(Index c) const { return friction_[c] > least_friction; }
   Vector own_impulses() const;
   void centre(const Vector& r, double gap);
   double gap() const;
@@ -102,12 +103,14 @@ void InteriorPoint::centre(const Vector& r, double gap) {
     if (!rubs(c)) continue;
     // A contact that slides at the speed v is 2 gap / v inside the edge of its cone.
     const double edge = friction_[c] * x_(c, normal);
-    const double most = std::max(0.0, edge - 2 * gap / std::max(std::abs(u[2 * c + 1]), root));
-    const double r_t = std::clamp(r[2 * c + 1], -most, most);
-    const double sum = (edge + std::hypot(edge, std::sqrt(3.0) * r_t)) / 3;  // a + b, the root of a quadratic
-    x_(c, forward) = (sum + r_t) / 2;
-    x_(c, backward) = (sum - r_t) / 2;
-    y_(c, speed) = edge - sum;
+    const double least = std::min(edge, 2 * gap / std::max(std::abs(u[2 * c + 1]), root));
+    const double inside = std::clamp(edge - std::abs(r[2 * c + 1]), least, edge), r_t = edge - inside;
+    // a + b is the root of a quadratic: (edge + far) / 3. The rest follows without cancellation.
+    const double far = std::hypot(edge, std::sqrt(3.0) * r_t), sum = (edge + far) / 3;
+    const bool is_forward = r[2 * c + 1] > 0;
+    y_(c, speed) = inside * (2 * edge - inside) / (2 * edge + far);
+    x_(c, is_forward ? forward : backward) = (sum + r_t) / 2;
+    x_(c, is_forward ? backward : forward) = sum * y_(c, speed) / (sum + r_t);
     for (const Pair pair : {forward, backward}) y_(c, pair) = gap / x_(c, pair);
     x_(c, speed) = gap / y_(c, speed);
     u_t_[c] = (y_(c, forward) - y_(c, backward)) / 2;
@@ -232,7 +235,12 @@ bool follow_path(SolverRun& run, const Couplings& w, double relative_gap) {
     ++run.now.factorisations;
     const Vector impulses = point.impulses();
     if (!run.plausible(impulses)) return false;
-    if (run.judge(impulses)) return true;
+    if (run.judge(impulses)) {
+      if (run.now.status != FrictionStatus::converged) return true;
+      const FrictionSolution inner = run.now;  // no contact is open or slides in the interior
+      if (!run.judge(run.projected())) run.now = inner;
+      return true;
+    }
     usual_length = 0.7 * usual_length + 0.3 * length;
     if (usual_length < short_steps) {
       if (std::exchange(centred, true)) return false;
@@ -252,7 +260,7 @@ void interior_point(SolverRun& run) {
   const Couplings w = couplings(run.problem);
   for (const double relative_gap : {3.0, 0.3, 0.03}) {
     if (follow_path(run, w, relative_gap)) return;
-    run.now.impulses = run.best().impulses;
+    run.go_back(run.best());
   }
   if (!run.spent()) run.now.status = FrictionStatus::stalled;
 }

@@ -81,8 +81,7 @@ bool finish_by_newton(SolverRun& run, const Couplings& w) {
     if (found && !run.plausible(*found)) found.reset();
     if (found && run.judge(*found)) return true;
     if (!found || run.now.state.residual > 30 * first) {  // too far: back, and shorter steps
-      run.now.impulses = here.impulses;
-      run.now.state = here.state;
+      run.go_back(here);
       alpha *= 100;
       continue;
     }
