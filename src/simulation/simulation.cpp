@@ -48,15 +48,6 @@ bool energy_exploded(const StepProblem& problem, const std::vector<DiskContact>&
   return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
 }
 
-// Contacts whose status differs from `statuses`, which then become the present ones. Unknown statuses count as open.
-Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
-  statuses.resize(now.size(), ContactStatus::open);
-  Index changes = 0;
-  for (std::size_t k = 0; k < now.size(); ++k) changes += statuses[k] != now[k];
-  statuses = std::move(now);
-  return changes;
-}
-
 // Rounding or cycling may keep a criterion from falling any further. That is taken for certain after so many
 // iterations without progress, and after four times as many as it took to get there: impulses may drift
 // within what the network carries for thousands of iterations until a contact opens.
@@ -102,6 +93,14 @@ bool at_rest(const std::vector<double>& speeds, double rest_speed) {
 }
 
 }  // namespace
+
+Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now) {
+  statuses.resize(now.size(), ContactStatus::open);
+  Index changes = 0;
+  for (std::size_t k = 0; k < now.size(); ++k) changes += statuses[k] != now[k];
+  statuses = std::move(now);
+  return changes;
+}
 
 bool needs_residual(Criterion criterion) {
   return criterion == Criterion::natural_map || criterion == Criterion::quad_dv ||

@@ -36,6 +36,9 @@ class IterationWatch {
   double first_impulses_ = 0;  // squared, the largest of the first ten iterations
 };
 
+/// How many contacts have another status than in `statuses`, which become `now`. Unknown ones count as open.
+Index changes_of(std::vector<ContactStatus>& statuses, std::vector<ContactStatus> now);
+
 /// One iteration with all its indicators.
 struct IterationRow {
   Index step = 0;  ///< from 1

@@ -50,14 +50,10 @@ SolverStatus status_of_step(FrictionStatus status) {
   }
 }
 
-Index changes(std::vector<ContactStatus>& before, const ContactLaw& law, const std::vector<DiskContact>& contacts) {
-  before.resize(contacts.size(), ContactStatus::open);
-  Index number = 0;
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const ContactStatus now = status_of(law, contacts[c]);
-    number += now != std::exchange(before[c], now);
-  }
-  return number;
+std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<DiskContact>& contacts) {
+  std::vector<ContactStatus> statuses;
+  for (const DiskContact& contact : contacts) statuses.push_back(status_of(law, contact));
+  return statuses;
 }
 
 }  // namespace
@@ -71,7 +67,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   FrictionSolverOptions options{.tolerance = solver.tolerance,
                                 .maximum_sweeps = 100 * solver.maximum_iterations,
                                 .maximum_factorisations = solver.maximum_iterations,
-                                .relaxation = std::min(solver.contact_relaxation, 1.99)};
+                                .relaxation = solver.contact_relaxation};
   if (solver.algorithm == StepAlgorithm::interior_point) options.algorithm = FrictionAlgorithm::interior_point;
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
@@ -83,7 +79,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
               .residual = report.residual,
-              .status_changes = changes(statuses, problem.law, found),
+              .status_changes = changes_of(statuses, statuses_of(problem.law, found)),
               .seconds = before});
     looking += seconds() - before;
   };

@@ -28,7 +28,7 @@ struct Direction {
   Vector u_t;
 };
 
-// A point of the interior, in units in which the mean of W_nn and the mean size of q are 1.
+// A point of the interior, in units in which the mean of W_nn and the largest component of q are 1.
 class InteriorPoint {
  public:
   InteriorPoint(const LocalFrictionProblem& problem, const Couplings& w, const Vector& impulses, double relative_gap);
