@@ -25,10 +25,17 @@ ResultColumns<FrictionSolution> check_columns() {
       {"open", "1", "contacts without an impulse", &FrictionState::open},
       {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionState::stick},
       {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionState::slide}};
+  const ResultColumns<FrictionStep> of_step{
+      {"proximal_weight", "1", "alpha of Newton's steps, rho of admm, over W_nn of each contact; nan for other steps",
+       &FrictionStep::proximal_weight},
+      {"step_length", "1", "part of the step that was taken; nan where steps have no length", &FrictionStep::length}};
   return joined<FrictionSolution>(
       {{{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionSolution::sweeps}},
        columns_of(&FrictionSolution::state, of_state),
-       {{"factorisations", "1", "sparse matrices factorised", &FrictionSolution::factorisations}}});
+       {{"factorisations", "1", "sparse matrices factorised", &FrictionSolution::factorisations},
+        {"status_changes", "1", "contacts that open, stick or slide otherwise than at the check before",
+         &FrictionSolution::status_changes}},
+       columns_of(&FrictionSolution::step, of_step)});
 }
 
 Vector starting_impulses(const FclibFile& file, const Options& options) {

@@ -82,9 +82,22 @@ double SolverRun::natural_maps() const { return now.state.residual * std::max(no
 
 bool SolverRun::plausible(const Vector& impulses) const { return impulses.norm() <= largest_impulses * scale_; }
 
-bool SolverRun::judge(const Vector& impulses) {
+Index SolverRun::changes_of_status() {
+  const bool is_first = statuses_.empty();
+  statuses_.resize(at(problem.contacts()));
+  Index changes = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const ContactStatus status = contact_status(component(now.impulses, c), problem.friction[c]);
+    if (std::exchange(statuses_[at(c)], status) != status) ++changes;
+  }
+  return is_first ? 0 : changes;
+}
+
+bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
   now.state = state_of(problem, impulses, alone);
+  now.step = step;
+  now.status_changes = changes_of_status();
   if (plausible(impulses) && natural_maps() < best_maps_) {
     best_ = now;
     best_maps_ = natural_maps();

@@ -64,9 +64,17 @@ constexpr auto names_of(FrictionStatus) {
       {"converged", "stalled", "maximum_reached", "diverged", "not_finite", "stopped"});
 }
 
+/// The step that led to impulses; not a number where a solver has no such thing.
+struct FrictionStep {
+  double proximal_weight = not_a_number;  ///< alpha of Newton's steps, rho of admm, over W_nn of each contact
+  double length = not_a_number;           ///< the part of the step that was taken
+};
+
 struct FrictionSolution {
   Vector impulses;           ///< r, 2c entries: of `nlgs` those of the last sweep, else the best that were met
   FrictionState state;       ///< of these impulses
+  FrictionStep step;         ///< the step that led to them
+  Index status_changes = 0;  ///< contacts that open, stick or slide otherwise than at the check before
   Index sweeps = 0;          ///< Gauss-Seidel sweeps done in all
   Index factorisations = 0;  ///< sparse matrices factorised in all
   FrictionStatus status = FrictionStatus::converged;

@@ -25,9 +25,9 @@ class SolverRun {
   FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
   double alone = 0;      ///< || r^1 ||, the impulses of the contacts each alone, N s
 
-  /// Evaluates impulses and shows them to the observer. Returns whether the run is over: converged, stopped by the
-  /// observer, or without finite impulses.
-  bool judge(const Vector& impulses);
+  /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
+  /// over: converged, stopped by the observer, or without finite impulses.
+  bool judge(const Vector& impulses, const FrictionStep& step = {});
   /// Whether impulses are finite and not beyond all measure, as a matrix next to singular makes them, or a problem
   /// without a solution.
   bool plausible(const Vector& impulses) const;
@@ -42,9 +42,11 @@ class SolverRun {
 
  private:
   double natural_maps() const;  // || m || of the present impulses, N s
+  Index changes_of_status();    // since the last call
 
   const FrictionObserver& observer_;
   FrictionSolution best_;
+  std::vector<ContactStatus> statuses_;      // at the last check
   double best_maps_ = infinity, scale_ = 0;  // N s; scale_: of impulses that are to be expected
 };
 

@@ -235,7 +235,7 @@ bool follow_path(SolverRun& run, const Couplings& w, double relative_gap) {
     ++run.now.factorisations;
     const Vector impulses = point.impulses();
     if (!run.plausible(impulses)) return false;
-    if (run.judge(impulses)) {
+    if (run.judge(impulses, {.length = length})) {
       if (run.now.status != FrictionStatus::converged) return true;
       const FrictionSolution inner = run.now;  // no contact is open or slides in the interior
       if (!run.judge(run.projected())) run.now = inner;

@@ -79,7 +79,7 @@ bool finish_by_newton(SolverRun& run, const Couplings& w) {
     const FrictionSolution here = run.now;
     std::optional<Vector> found = impulses_of(run, w, statuses, alpha);
     if (found && !run.plausible(*found)) found.reset();
-    if (found && run.judge(*found)) return true;
+    if (found && run.judge(*found, {.proximal_weight = alpha, .length = 1})) return true;
     if (!found || run.now.state.residual > 30 * first) {  // too far: back, and shorter steps
       run.go_back(here);
       alpha *= 100;
