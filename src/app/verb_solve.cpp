@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "files/csv.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -10,7 +11,7 @@ namespace {
 struct Options {
   std::string file, algorithm = "auto", order = "natural", convergence, output;
   FrictionSolverOptions solver;
-  Index guess = 0;
+  Index guess = 0, threads = 0;
   bool force = false;
 };
 
@@ -113,7 +114,7 @@ int run(const Options& options, const Context& context) {
   const Vector guess = starting_impulses(file, options);
   FrictionSolverOptions solver = options.solver;
   solver.algorithm = options.algorithm;
-  solver.order = options.order == "natural" ? SweepOrder::natural : SweepOrder::reverse;
+  solver.order = options.order;
   // Both are opened before the work, and named after it: a run that fails leaves neither.
   const ResultColumns<FrictionSolution> columns = check_columns();
   std::optional<CsvWriter> csv;
@@ -124,6 +125,7 @@ int run(const Options& options, const Context& context) {
   FrictionSolution solution;
   const double started = seconds();
   {
+    const ThreadLimit limit(options.threads);
     const Monitor monitor = interruption.watch("solve");
     solution = solve_friction(local, solver, guess, [&](const FrictionSolution& check) {
       if (csv) csv->write(row(columns, check));
@@ -154,7 +156,9 @@ Action declare_solve(Command& command) {
   command.preset("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
   command.preset("--maximum-factorisations", options->solver.maximum_factorisations, "of the interior point method");
   command.preset("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2");
-  command.preset("--order", options->order, "of the contacts in a sweep").words = {"natural", "reverse"};
+  command.preset("--order", options->order, "of the contacts in a sweep").words = all_names<SweepOrder>();
+  command.preset("--seed", options->solver.seed, "of order random").bounds = {0, 1000000000};
+  declare_threads(command, options->threads);
   command.preset("--check-every", options->solver.check_every, "sweeps from one residual to the next");
   command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero");
   command.add("--convergence FILE", options->convergence,

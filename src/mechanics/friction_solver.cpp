@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "linalg/threads.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
@@ -8,6 +9,8 @@ namespace {
 constexpr double largest_natural_maps = 1e-3;  // of a solution, relative to the impulses of the contacts each alone
 
 constexpr double largest_impulses = 1e8;  // over those that are to be expected
+
+constexpr Index contacts_at_a_time = 512;  // that one thread looks at
 
 // The solvers by the places of FrictionAlgorithm.
 constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, nlgs};
@@ -22,25 +25,55 @@ double lone_impulses(const LocalFrictionProblem& problem) {
   return std::sqrt(squares);
 }
 
-// `alone`: lone_impulses, which do not change from check to check.
-FrictionState state_of(const LocalFrictionProblem& problem, const Vector& impulses, double alone) {
+JudgedProblem judged_problem(const LocalFrictionProblem& problem) {
+  JudgedProblem judged{problem.w, Vector(problem.contacts()), lone_impulses(problem)};
+  for (Index c = 0; c < problem.contacts(); ++c) judged.normal[c] = problem.w.coeff(2 * c, 2 * c);
+  return judged;
+}
+
+// Squares of the natural maps of every contact, with rho = 1 / W_nn and with rho = 1, and the status.
+struct ContactCheck {
+  double own, siconos;
+  ContactStatus status;
+};
+
+// The contacts by themselves, in threads. Each entry of W r is the sum over its row from the left.
+std::vector<ContactCheck> checked_contacts(const JudgedProblem& judged, const LocalFrictionProblem& problem,
+                                           const Vector& impulses, Vector& velocities) {
+  const Index contacts = problem.contacts();
+  std::vector<ContactCheck> checks(at(contacts));
+  for_each_in_parallel((contacts + contacts_at_a_time - 1) / contacts_at_a_time, [&](Index part) {
+    for (Index c = part * contacts_at_a_time; c < std::min(contacts, (part + 1) * contacts_at_a_time); ++c) {
+      for (const Index row : {2 * c, 2 * c + 1}) {
+        double sum = 0;
+        for (SparseRows::InnerIterator e(judged.w, row); e; ++e) sum += e.value() * impulses[e.col()];
+        velocities[row] = sum + problem.q[row];
+      }
+      const LocalVector r = component(impulses, c), u = component(velocities, c);
+      const double mu = problem.friction[c];
+      checks[at(c)] = {squared(natural_map(r, u, mu, 1 / judged.normal[c])), squared(natural_map(r, u, mu, 1)),
+                       contact_status(r, mu)};
+    }
+  });
+  return checks;
+}
+
+FrictionState state_of(const JudgedProblem& judged, const LocalFrictionProblem& problem, const Vector& impulses) {
   FrictionState state;
-  state.velocities = problem.w * impulses + problem.q;
+  state.velocities.resize(impulses.size());
+  const std::vector<ContactCheck> checks = checked_contacts(judged, problem, impulses, state.velocities);
   double squares = 0, siconos_squares = 0, largest = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector r = component(impulses, c), u = component(state.velocities, c);
-    const double mu = problem.friction[c];
-    const double own = squared(natural_map(r, u, mu, 1 / problem.w.coeff(2 * c, 2 * c)));
+    const auto& [own, siconos, status] = checks[at(c)];
     squares += own;
     if (own > largest) {
       largest = own;
       state.worst = c;
     }
-    siconos_squares += squared(natural_map(r, u, mu, 1));
-    const ContactStatus status = contact_status(r, mu);
+    siconos_squares += siconos;
     ++(status == ContactStatus::open ? state.open : status == ContactStatus::stick ? state.stick : state.slide);
   }
-  state.residual = squares == 0 ? 0 : std::sqrt(squares) / std::max(impulses.norm(), alone);
+  state.residual = squares == 0 ? 0 : std::sqrt(squares) / std::max(impulses.norm(), judged.alone);
   state.siconos_residual = std::sqrt(siconos_squares);
   const double size = std::max({impulses.norm(), state.velocities.norm(), problem.q.norm()});
   state.siconos_relative = size > std::numeric_limits<double>::epsilon();
@@ -59,26 +92,27 @@ void check_options(const LocalFrictionProblem& problem, const FrictionSolverOpti
   if (options.maximum_sweeps < 0 || options.check_every < 1 || options.patience < 1)
     fail("sweeps: expected a maximum >= 0, checks every >= 1 sweep and a patience >= 1, met {}, {} and {}",
          options.maximum_sweeps, options.check_every, options.patience);
+  if (options.seed < 0) fail("seed: expected a number >= 0, met {}", options.seed);
 }
 
 }  // namespace
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
-  return state_of(problem, impulses, lone_impulses(problem));
+  return state_of(judged_problem(problem), problem, impulses);
 }
 
 SolverRun::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
                      const FrictionObserver& observer)
-    : problem(given), options(chosen), alone(lone_impulses(given)), observer_(observer) {
+    : problem(given), options(chosen), judged(judged_problem(given)), observer_(observer) {
   const Index contacts = given.contacts();
   now.impulses = guess.size() == 0 ? Vector::Zero(2 * contacts) : guess;
   now.status = FrictionStatus::maximum_reached;
-  scale_ = std::max(alone, now.impulses.norm());
+  scale_ = std::max(judged.alone, now.impulses.norm());
   if (contacts > 0)
     scale_ = std::max(scale_, given.q.norm() * static_cast<double>(2 * contacts) / given.w.diagonal().sum());
 }
 
-double SolverRun::natural_maps() const { return now.state.residual * std::max(now.impulses.norm(), alone); }
+double SolverRun::natural_maps() const { return now.state.residual * std::max(now.impulses.norm(), judged.alone); }
 
 bool SolverRun::plausible(const Vector& impulses) const { return impulses.norm() <= largest_impulses * scale_; }
 
@@ -95,7 +129,7 @@ Index SolverRun::changes_of_status() {
 
 bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
-  now.state = state_of(problem, impulses, alone);
+  now.state = state_of(judged, problem, impulses);
   now.step = step;
   now.status_changes = changes_of_status();
   if (plausible(impulses) && natural_maps() < best_maps_) {
@@ -104,7 +138,8 @@ bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
   }
   const bool go_on = !observer_ || observer_(now);
   // Where there is no solution impulses may grow without end, and next to them every residual looks small.
-  const bool small = alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * alone;
+  const bool small =
+      judged.alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * judged.alone;
   if (!std::isfinite(now.state.residual))
     now.status = FrictionStatus::not_finite;
   else if (now.state.residual <= options.tolerance && small && plausible(impulses))
@@ -120,8 +155,7 @@ Vector SolverRun::projected() const {
   Vector result(now.impulses.size());
   for (Index c = 0; c < problem.contacts(); ++c) {
     const LocalVector r = component(now.impulses, c);
-    const LocalVector m =
-        natural_map(r, component(now.state.velocities, c), problem.friction[c], 1 / problem.w.coeff(2 * c, 2 * c));
+    const LocalVector m = natural_map(r, component(now.state.velocities, c), problem.friction[c], 1 / judged.normal[c]);
     result.segment<2>(2 * c) << r.n - m.n, r.t - m.t;
   }
   return result;

@@ -85,6 +85,8 @@ TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
                                   "solve some.hdf5 --guess 1 --tolerance 1e-8 -o done.hdf5 --order reverse "
                                   "--relaxation 0.9");
   CHECK(value(rest, "status") == "converged");
+  for (const std::string& order : all_names<SweepOrder>())
+    CHECK(value(answer(session, "solve p.hdf5 --solver nlgs --threads 2 --order " + order), "status") == "converged");
   CHECK(value(answer(session, "solve some.hdf5 --guess 1 --tolerance 1"), "sweeps") == "0");
   const std::string path =
       answer(session, "solve p.hdf5 --solver interior_point --tolerance 1e-10 --convergence p.csv");
@@ -142,7 +144,8 @@ TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
   check_refused(session, "solve outside.hdf5", {"fclib_global/H/i", "met 36 at position 2"});
   check_refused(session, "solve p.hdf5 --tolerance 0", {"tolerance", "expected a number > 0"});
   check_refused(session, "solve p.hdf5 --relaxation 2", {"relaxation"});
-  check_refused(session, "solve p.hdf5 --order random", {"--order"});
+  check_refused(session, "solve p.hdf5 --order sideways", {"--order", "coloured"});
+  check_refused(session, "solve p.hdf5 --order random --seed -1", {"--seed"});
   CHECK_FALSE(session.has("new.hdf5"));
   CHECK(session.run(words("solve p.hdf5 -o old.hdf5 --force")).exit_code == 0);
   CHECK(fclib_from_hdf5(session.read("old.hdf5"), "old.hdf5").solution.has_value());

@@ -16,8 +16,19 @@ constexpr auto names_of(FrictionAlgorithm) {
   return std::to_array<std::string_view>({"auto", "interior_point", "nlgs"});
 }
 
-/// The order in which a sweep goes through the contacts: as numbered, or from the last to the first.
-enum class SweepOrder { natural, reverse };
+/// The order in which a sweep goes through the contacts. Contacts are coupled where their block of W is stored.
+enum class SweepOrder {
+  natural,    ///< as numbered
+  reverse,    ///< from the last to the first
+  symmetric,  ///< as numbered and back again, each counted as a sweep
+  random,     ///< one permutation for all sweeps, from `seed`
+  coloured,  ///< contacts of one colour are not coupled: those of the first colour, in threads, then of the second, ...
+  /// In blocks of 256 as numbered, each of them coloured: no contact waits for the one before it.
+  interleaved,
+};
+constexpr auto names_of(SweepOrder) {
+  return std::to_array<std::string_view>({"natural", "reverse", "symmetric", "random", "coloured", "interleaved"});
+}
 
 struct FrictionSolverOptions {
   Choice<FrictionAlgorithm> algorithm = FrictionAlgorithm::automatic;
@@ -25,7 +36,8 @@ struct FrictionSolverOptions {
   Index maximum_sweeps = 100'000;
   Index maximum_factorisations = 1000;
   double relaxation = 1;  ///< omega in r_c <- r_c + omega (r_c' - r_c), in (0, 2)
-  SweepOrder order = SweepOrder::natural;
+  Choice<SweepOrder> order = SweepOrder::natural;
+  Index seed = 1;          ///< of order `random`, >= 0
   Index check_every = 10;  ///< sweeps between evaluations of the residual
   /// The solver gives up after so many checks over which the smallest residual has not fallen by 1 %.
   Index patience = 1000;

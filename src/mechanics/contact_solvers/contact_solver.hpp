@@ -13,6 +13,15 @@ inline LocalVector component(const Vector& values, Index contact) {
 /// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
 inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) { return impulse - w.solve(u); }
 
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// What every evaluation of impulses needs of a problem.
+struct JudgedProblem {
+  SparseRows w;
+  Vector normal;     ///< W_nn of each contact, 1/kg
+  double alone = 0;  ///< || r^1 ||, the impulses of the contacts each alone, N s
+};
+
 /// The run of a contact solver: what it solves, from where, and what it has found so far. A contact solver is one file
 /// in this folder, a function of a run, and one word in the list of friction_solver.cpp.
 class SolverRun {
@@ -22,8 +31,8 @@ class SolverRun {
 
   const LocalFrictionProblem& problem;
   const FrictionSolverOptions& options;
+  const JudgedProblem judged;
   FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
-  double alone = 0;      ///< || r^1 ||, the impulses of the contacts each alone, N s
 
   /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
   /// over: converged, stopped by the observer, or without finite impulses.

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/contact_solvers/contact_solver.hpp"
+
+namespace nscdd {
+
+/// A contact problem as a sweep goes through it: the data of each contact lie in memory in the order of their turns. A
+/// "place" is a position in this order. Rows of W are compressed, in blocks (n, t) x (n, t) of pairs of contacts.
+struct SweepRows {
+  using Block = std::array<std::array<double, 2>, 2>;
+
+  std::vector<Index> contact;  ///< at each place
+  std::vector<Index> start{0};
+  std::vector<int> neighbour;  ///< as places; the row of a place is start[place] ... start[place + 1] - 1
+  std::vector<Block> block;
+  std::vector<FullDelassus> diagonal;  ///< the diagonal blocks once more, for the law
+  Vector q, friction;
+  /// No two contacts of places first_of_colour[k] ... first_of_colour[k + 1] - 1 are coupled by W. Only where the order
+  /// is `coloured`.
+  std::vector<Index> first_of_colour;
+
+  Index size() const { return count(contact); }
+  Vector in_order(const Vector& impulses) const;    ///< two components per place
+  Vector by_contact(const Vector& impulses) const;  ///< back again
+};
+
+SweepRows sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Index seed);
+
+/// One sweep, the `number`th from 0: each place in turn takes the impulse that its law gives while the others keep
+/// theirs, relaxed by omega. Coloured rows are swept in threads; their number changes no bit.
+void sweep_once(const SweepRows& rows, SweepOrder order, double relaxation, Index number, Vector& impulses);
+
+}  // namespace nscdd

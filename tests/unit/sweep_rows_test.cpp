@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Orders of the contacts in nonlinear Gauss-Seidel sweeps over W.
+#include "mechanics/contact_solvers/sweep_rows.hpp"
+
+#include "../support/fclib_files.hpp"
+#include "linalg/threads.hpp"
+
+#include <doctest/doctest.h>
+
+#include <set>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// 2 300 contacts of 1 000 grains, of which a contact is coupled with some eight others.
+LocalFrictionProblem many_contacts() { return reduce(random_bodies_problem(7, 1000, 2300)); }
+
+Vector swept(const LocalFrictionProblem& problem, SweepOrder order, Index sweeps, Index seed = 1,
+             const Vector& guess = {}) {
+  return solve_friction(problem,
+                        {.algorithm = FrictionAlgorithm::nlgs,
+                         .tolerance = 1e-300,
+                         .maximum_sweeps = sweeps,
+                         .order = order,
+                         .seed = seed},
+                        guess)
+      .impulses;
+}
+
+bool are_coupled(const LocalFrictionProblem& problem, Index a, Index b) {
+  for (const Index i : {2 * a, 2 * a + 1})
+    for (const Index j : {2 * b, 2 * b + 1})
+      if (problem.w.coeff(i, j) != 0) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("every order takes each contact once, and keeps its data") {
+  const LocalFrictionProblem problem = many_contacts();
+  const Vector values = Vector::LinSpaced(4600, 1, 4600);
+  for (const std::string& name : all_names<SweepOrder>()) {
+    CAPTURE(name);
+    const SweepRows rows = sweep_rows(problem, Choice<SweepOrder>(name), 3);
+    CHECK(std::set<Index>(rows.contact.begin(), rows.contact.end()).size() == 2300);
+    CHECK(rows.size() == 2300);
+    CHECK(rows.by_contact(rows.in_order(values)) == values);
+    for (Index place = 0; place < rows.size(); place += 97) {
+      const Index c = rows.contact[at(place)];
+      CHECK(rows.q[2 * place + 1] == problem.q[2 * c + 1]);
+      CHECK(rows.friction[place] == problem.friction[c]);
+      CHECK(rows.diagonal[at(place)].nn == problem.w.coeff(2 * c, 2 * c));
+    }
+  }
+}
+
+TEST_CASE("a symmetric sweep goes to and fro, a reverse one is a natural one of the problem turned round") {
+  const LocalFrictionProblem problem = many_contacts();
+  const Vector forth = swept(problem, SweepOrder::natural, 1);
+  const Vector back = swept(problem, SweepOrder::reverse, 1, 1, forth);
+  CHECK(swept(problem, SweepOrder::symmetric, 1) == forth);
+  CHECK(swept(problem, SweepOrder::symmetric, 2) == back);
+  CHECK(swept(problem, SweepOrder::symmetric, 3) == swept(problem, SweepOrder::natural, 1, 1, back));
+  CHECK(swept(problem, SweepOrder::natural, 2) != back);
+}
+
+TEST_CASE("random order: one permutation of its seed") {
+  const LocalFrictionProblem problem = many_contacts();
+  CHECK(swept(problem, SweepOrder::random, 20, 1) == swept(problem, SweepOrder::random, 20, 1));
+  CHECK(swept(problem, SweepOrder::random, 20, 1) != swept(problem, SweepOrder::random, 20, 2));
+  const std::vector<Index> one = sweep_rows(problem, SweepOrder::random, 1).contact;
+  Index ascents = 0;  // half of all in a permutation at random: 1150 +- 14
+  for (std::size_t k = 1; k < one.size(); ++k) ascents += one[k] > one[k - 1];
+  CHECK(ascents > 1050);
+  CHECK(ascents < 1250);
+  CHECK_THROWS_AS(swept(problem, SweepOrder::random, 1, -1), Error);
+}
+
+TEST_CASE("contacts of one colour are not coupled, and the number of threads changes no bit") {
+  const LocalFrictionProblem problem = many_contacts();
+  const SweepRows rows = sweep_rows(problem, SweepOrder::coloured, 1);
+  REQUIRE(rows.first_of_colour.size() > 4);
+  CHECK(rows.first_of_colour.size() < 30);
+  CHECK(rows.first_of_colour.front() == 0);
+  CHECK(rows.first_of_colour.back() == 2300);
+  CHECK(rows.first_of_colour[1] > 300);  // more than one thread takes at a time
+  Index wrong = 0, coupled = 0;
+  for (std::size_t k = 0; k + 1 < rows.first_of_colour.size(); ++k)
+    for (Index place = rows.first_of_colour[k]; place < rows.first_of_colour[k + 1]; ++place)
+      for (Index e = rows.start[at(place)]; e < rows.start[at(place + 1)]; ++e) {
+        const Index other = rows.neighbour[at(e)];
+        if (other == place) continue;
+        ++coupled;
+        wrong += other >= rows.first_of_colour[k] && other < rows.first_of_colour[k + 1];
+      }
+  CHECK(wrong == 0);
+  CHECK(coupled > 7000);
+  Vector alone, together;
+  {
+    const ThreadLimit limit(1);
+    alone = swept(problem, SweepOrder::coloured, 50);
+  }
+  {
+    const ThreadLimit limit(4);
+    together = swept(problem, SweepOrder::coloured, 50);
+  }
+  CHECK(alone == together);
+}
+
+TEST_CASE("a colour is kept where W is stored on one side of its diagonal only") {
+  LocalFrictionProblem problem;  // contact 1 feels contact 0, which does not feel it
+  problem.w = SparseMatrix((Matrix(4, 4) << 1, 0, 0, 0, 0, 1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1).finished().sparseView());
+  problem.q = Vector::Constant(4, -1);
+  problem.friction = Vector::Constant(2, 0.3);
+  CHECK(sweep_rows(problem, SweepOrder::coloured, 1).first_of_colour == std::vector<Index>{0, 1, 2});
+  problem.w = SparseMatrix(problem.w.transpose());
+  CHECK(sweep_rows(problem, SweepOrder::coloured, 1).first_of_colour == std::vector<Index>{0, 1, 2});
+}
+
+TEST_CASE("interleaved: blocks of 256 contacts as numbered, coupled ones apart") {
+  const LocalFrictionProblem problem = many_contacts();
+  const std::vector<Index> order = sweep_rows(problem, SweepOrder::interleaved, 1).contact;
+  const auto next_coupled = [&](const std::vector<Index>& contacts) {
+    Index pairs = 0;
+    for (std::size_t k = 1; k < contacts.size(); ++k) pairs += are_coupled(problem, contacts[k - 1], contacts[k]);
+    return pairs;
+  };
+  Index elsewhere = 0;
+  for (std::size_t place = 0; place < order.size(); ++place)
+    elsewhere += order[place] / 256 != static_cast<Index>(place) / 256;
+  CHECK(elsewhere == 0);
+  CHECK(next_coupled(order) <= 9 * 12);  // where a colour ends and the next begins
+}
