@@ -18,6 +18,8 @@ class SparseLu {
   bool factorise(const SparseMatrix& a);
   /// A^-1 b with one step of iterative refinement, for the matrix factorised last.
   Vector solve(const SparseMatrix& a, const Vector& b) const;
+  /// Floating-point operations of all factorisations and solves so far, as UMFPACK counts them.
+  double operations() const;
 
  private:
   std::shared_ptr<UmfpackFactors> factors_;

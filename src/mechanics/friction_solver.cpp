@@ -128,6 +128,14 @@ Index SolverRun::changes_of_status() {
 }
 
 bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
+  using Clock = std::chrono::steady_clock;
+  now.seconds += std::chrono::duration<double>(Clock::now() - resumed_).count();
+  const bool over = decide(impulses, step);
+  resumed_ = Clock::now();
+  return over;
+}
+
+bool SolverRun::decide(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
   now.state = state_of(judged, problem, impulses);
   now.step = step;
@@ -136,13 +144,13 @@ bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
     best_ = now;
     best_maps_ = natural_maps();
   }
-  const bool go_on = !observer_ || observer_(now);
-  // Where there is no solution impulses may grow without end, and next to them every residual looks small.
   const bool small =
       judged.alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * judged.alone;
+  now.credible = small && plausible(impulses);
+  const bool go_on = !observer_ || observer_(now);
   if (!std::isfinite(now.state.residual))
     now.status = FrictionStatus::not_finite;
-  else if (now.state.residual <= options.tolerance && small && plausible(impulses))
+  else if (now.state.residual <= options.tolerance && now.credible)
     now.status = FrictionStatus::converged;
   else if (!go_on)
     now.status = FrictionStatus::stopped;
@@ -165,6 +173,8 @@ FrictionSolution SolverRun::best() const {
   FrictionSolution solution = now.status == FrictionStatus::converged || best_maps_ == infinity ? now : best_;
   solution.sweeps = now.sweeps;
   solution.factorisations = now.factorisations;
+  solution.operations = now.operations;
+  solution.seconds = now.seconds;
   solution.status = now.status;
   return solution;
 }

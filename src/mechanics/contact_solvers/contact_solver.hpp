@@ -4,6 +4,8 @@
 #include "mechanics/contact_law.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
+#include <chrono>
+
 namespace nscdd {
 
 inline LocalVector component(const Vector& values, Index contact) {
@@ -48,8 +50,11 @@ class SolverRun {
   /// Goes on from earlier impulses.
   void go_back(const FrictionSolution& earlier);
   bool spent() const { return now.factorisations >= options.maximum_factorisations; }
+  /// Floating-point operations of a product with W, and of a sweep.
+  double product_operations() const { return 2.0 * static_cast<double>(problem.w.nonZeros()); }
 
  private:
+  bool decide(const Vector& impulses, const FrictionStep& step);
   double natural_maps() const;  // || m || of the present impulses, N s
   Index changes_of_status();    // since the last call
 
@@ -57,6 +62,7 @@ class SolverRun {
   FrictionSolution best_;
   std::vector<ContactStatus> statuses_;      // at the last check
   double best_maps_ = infinity, scale_ = 0;  // N s; scale_: of impulses that are to be expected
+  std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
 
 /// W as W_s + W_a with a symmetric W_s, as files of six digits need it, and W_nn of its contact at each component.

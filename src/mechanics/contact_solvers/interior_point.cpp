@@ -38,6 +38,7 @@ class InteriorPoint {
   /// Goes to the point next to the present impulses where every product is the gap times `factor`.
   void centre_again(double factor) { centre(own_impulses(), factor * gap()); }
   Vector impulses() const { return impulse_unit_ * own_impulses(); }
+  double operations() const { return lu_->operations(); }
 
  private:
   bool rubs(Index c) const { return friction_[c] > least_friction; }
@@ -228,11 +229,12 @@ bool follow_path(SolverRun& run, const Couplings& w, double relative_gap) {
   if (run.problem.q.isZero(0)) return run.judge(Vector::Zero(run.now.impulses.size()));
   InteriorPoint point(run.problem, w, run.now.impulses, relative_gap);
   double last_trial = newton_from / newton_after;
-  double usual_length = 1;
+  double usual_length = 1, counted = 0;
   bool centred = false;
   for (Index step = 0; step < most_steps && !run.spent(); ++step) {
-    const double length = point.advance();
+    const double length = point.advance(), operations = point.operations();
     ++run.now.factorisations;
+    run.now.operations += operations - std::exchange(counted, operations);
     const Vector impulses = point.impulses();
     if (!run.plausible(impulses)) return false;
     if (run.judge(impulses, {.length = length})) {

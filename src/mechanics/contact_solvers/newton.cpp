@@ -64,8 +64,10 @@ std::optional<Vector> impulses_of(SolverRun& run, const Couplings& w, const Stat
   const Vector right = proximal.cwiseProduct(run.now.impulses) - run.problem.q - w.rest * run.now.impulses;
   SparseLu lu(matrix);
   ++run.now.factorisations;
-  if (!lu.factorise(matrix)) return std::nullopt;
-  return unknowns.impulses * lu.solve(matrix, unknowns.velocities.transpose() * right);
+  std::optional<Vector> found;
+  if (lu.factorise(matrix)) found = unknowns.impulses * lu.solve(matrix, unknowns.velocities.transpose() * right);
+  run.now.operations += lu.operations();
+  return found;
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ bool sweep(SolverRun& run, Index most) {
     const Index many = std::min(options.check_every, end - run.now.sweeps);
     for (Index k = 0; k < many; ++k) sweep_once(rows, options.order, options.relaxation, run.now.sweeps + k, impulses);
     run.now.sweeps += many;
+    run.now.operations += static_cast<double>(many) * run.product_operations();
   }
 }
 
