@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/solve_trials.hpp"
 #include "files/csv.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/formats/fclib.hpp>
@@ -9,10 +9,12 @@ namespace nscdd::app {
 namespace {
 
 struct Options {
-  std::string file, algorithm = "auto", order = "natural", convergence, output;
+  std::string file, order = "natural", convergence, output, csv;
+  std::vector<std::string> algorithms;
   FrictionSolverOptions solver;
+  std::optional<double> time_limit;
   Index guess = 0, threads = 0;
-  bool force = false;
+  Reopening how;
 };
 
 ResultColumns<FrictionSolution> check_columns() {
@@ -98,34 +100,50 @@ void write_result(const FclibFile& file, const FrictionSolution& solution, const
 }
 
 void check_options(const Options& options) {
-  check_bounds(options.solver.tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "--tolerance");
+  std::error_code ignored;
+  if (std::filesystem::is_directory(options.file, ignored))
+    fail("{}: expected a file, or a folder with --csv, met a folder alone", options.file);
+  if (options.algorithms.size() > 1 || options.algorithms == std::vector<std::string>{"all"})
+    fail("--solver: expected one, or several with --csv, met {}", fmt::join(options.algorithms, ", "));
   if (options.convergence == "-") fail("--convergence: expected a file name, met -; standard output is for the report");
   if (!options.output.empty()) require_hdf5_name(options.output);
   require_no_input({options.convergence, options.output}, {options.file});
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
 
+// Every problem of a folder by every solver named.
+int run_trials(const Options& options, const FrictionSolverOptions& solver) {
+  if (options.time_limit && !(*options.time_limit > 0))
+    fail("--time-limit: expected a number > 0, met {}", *options.time_limit);
+  const std::vector<FrictionAlgorithm> solvers = options.algorithms.empty()
+                                                     ? std::vector{FrictionAlgorithm{solver.algorithm}}
+                                                     : contact_solvers_named(options.algorithms, "--solver");
+  return solve_trials({options.file, solvers, solver, options.time_limit, options.csv, options.how});
+}
+
 int run(const Options& options, const Context& context) {
+  check_bounds(options.solver.tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "--tolerance");
+  FrictionSolverOptions solver = options.solver;
+  solver.order = options.order;
+  const ThreadLimit limit(options.threads);
+  if (!options.csv.empty()) return run_trials(options, solver);
   check_options(options);
+  if (!options.algorithms.empty()) solver.algorithm = options.algorithms.front();
   const FclibFile file = read_fclib(options.file);
   const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
   const LocalFrictionProblem local =
       global != nullptr ? reduce(*global, options.file) : std::get<LocalFrictionProblem>(file.problem);
   const Vector guess = starting_impulses(file, options);
-  FrictionSolverOptions solver = options.solver;
-  solver.algorithm = options.algorithm;
-  solver.order = options.order;
   // Both are opened before the work, and named after it: a run that fails leaves neither.
   const ResultColumns<FrictionSolution> columns = check_columns();
   std::optional<CsvWriter> csv;
-  if (!options.convergence.empty()) csv.emplace(options.convergence, options.force, headings(columns));
+  if (!options.convergence.empty()) csv.emplace(options.convergence, options.how.force, headings(columns));
   std::optional<OutputFile> output;
-  if (!options.output.empty()) output.emplace(options.output, options.force);
+  if (!options.output.empty()) output.emplace(options.output, options.how.force);
   Interruption interruption;
   FrictionSolution solution;
   const double started = seconds();
   {
-    const ThreadLimit limit(options.threads);
     const Monitor monitor = interruption.watch("solve");
     solution = solve_friction(local, solver, guess, [&](const FrictionSolution& check) {
       if (csv) csv->write(row(columns, check));
@@ -149,9 +167,13 @@ int run(const Options& options, const Context& context) {
 
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required("FILE", options->file, "frictional contact problem in two dimensions, HDF5 of FCLIB");
-  command.preset("--solver", options->algorithm, "auto: sweeps, then interior point; or one of them alone").words =
-      all_names<FrictionAlgorithm>();
+  command.required("FILE", options->file,
+                   "frictional contact problem in two dimensions, HDF5 of FCLIB; with --csv also a folder of them");
+  Option& solver = command.add("--solver", options->algorithms,
+                               "auto (the default): sweeps, then interior point; or one of them alone; with --csv it "
+                               "may be named again, and all stands for every one");
+  solver.words = all_names<FrictionAlgorithm>();
+  solver.words.emplace_back("all");
   command.preset("--tolerance", options->solver.tolerance, "on the residual");
   command.preset("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
   command.preset("--maximum-factorisations", options->solver.maximum_factorisations, "of the interior point method");
@@ -160,17 +182,25 @@ Action declare_solve(Command& command) {
   command.preset("--seed", options->solver.seed, "of order random").bounds = {0, 1000000000};
   declare_threads(command, options->threads);
   command.preset("--check-every", options->solver.check_every, "sweeps from one residual to the next");
-  command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero");
-  command.add("--convergence FILE", options->convergence,
-              "write one row per residual there, as CSV, each when it is known");
-  command.add("-o,--output FILE", options->output,
-              "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged");
-  command.add("--force", options->force, "replace existing outputs");
+  const Option* csv = &command.add("--csv FILE", options->csv,
+                                   "write a table there, a row per problem and solver, - for standard output");
+  command.add("--time-limit SECONDS", options->time_limit, "of --csv: end a run at its first check after so long")
+      .needs = csv;
+  Option* const alone[] = {
+      &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),
+      &command.add("--convergence FILE", options->convergence,
+                   "write one row per residual there, as CSV, each when it is known"),
+      &command.add("-o,--output FILE", options->output,
+                   "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged")};
+  for (Option* one : alone) one->excludes = csv;
+  command.add("--force", options->how.force, "replace existing outputs");
+  declare_resume(command, options->how.resume);
   command.footer =
-      R"(Exit code 0: converged, 1: not (the status says why).
+      R"(Exit code 0: converged, 1: not (the status says why). With --csv 0: all problems were read, 1: some were not.
 Examples:
   nscdd solve problem.hdf5
-  nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5)";
+  nscdd solve problem.hdf5 --tolerance 1e-10 --convergence sweeps.csv -o solved.hdf5
+  nscdd solve problems --solver all --time-limit 20 --csv table.csv      a folder of problems)";
   return [options](const Context& context) { return run(*options, context); };
 }
 

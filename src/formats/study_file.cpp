@@ -2,6 +2,7 @@
 #include "core/fail.hpp"
 #include "files/strict_toml.hpp"
 #include "formats/case_file.hpp"
+#include "study/solver_trial.hpp"
 #include "study/values.hpp"
 
 #include <filesystem>
@@ -173,6 +174,10 @@ StudyTable read_table(StrictTable section, const CaseFinder& find) {
   section.read("lead_in", table.lead_in);
   if (table.observable->own_solver && table.lead_in != LeadInSolver::own)
     section.fail("lead_in", "\"own\", as runs always are", "\"plain\"");
+  if (const std::vector<std::string> names = list(section, "contact_solvers"); !names.empty()) {
+    table.contact_solvers = names;
+    section.located("contact_solvers", [&] { contact_solvers_named(names, "contact_solvers"); });
+  }
   section.read("baseline", table.baseline);
   section.read("check_relative", table.check_relative);
   read_tolerances(section, table);

@@ -27,14 +27,6 @@ std::vector<DiskContact> with_impulses(std::vector<DiskContact> contacts, const 
   return contacts;
 }
 
-LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system) {
-  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
-  Vector pull = Vector::Zero(2 * problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c) pull[2 * c] = step.contacts[at(c)].pull;
-  problem.q -= problem.w * pull;
-  return problem;
-}
-
 SolverStatus status_of_step(FrictionStatus status) {
   switch (status) {
     case FrictionStatus::converged:
@@ -57,6 +49,14 @@ std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<
 }
 
 }  // namespace
+
+LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system) {
+  LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
+  Vector pull = Vector::Zero(2 * problem.contacts());
+  for (Index c = 0; c < problem.contacts(); ++c) pull[2 * c] = step.contacts[at(c)].pull;
+  problem.q -= problem.w * pull;
+  return problem;
+}
 
 void solve_undivided(SolvedStep& step, const Simulation& simulation, const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;

@@ -2,8 +2,13 @@
 #pragma once
 
 #include "simulation/simulation.hpp"
+#include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
+
+/// The contact problem of a prepared step, u = W r + q. With a law that pulls, r + pull are its impulses. The law must
+/// open.
+LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system);
 
 /// Solves a prepared step by a contact solver (auto or interior_point, see solve_friction) on the contact problem of
 /// the whole packing, u = W r + q. Its tolerance is on the natural map. `maximum_iterations` bounds the matrices

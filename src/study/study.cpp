@@ -116,6 +116,8 @@ std::string options_text(const StudyTable& table) {
                       number_list(sweep.gauss_seidel_sweeps, "inf"), to_string(sweep.contacts));
   if (table.observable->moving)
     text += fmt::format("steps = {}\nlead_in = {}\n", fmt::join(table.steps, ", "), to_string(table.lead_in));
+  if (table.observable->uses("contact_solvers"))
+    text += fmt::format("contact_solvers = {}\n", fmt::join(table.contact_solvers, ", "));
   return text + fmt::format("seed = {}\n", table.seed);
 }
 
@@ -203,11 +205,16 @@ Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& mon
   return failed;
 }
 
-WorkIdentity work_identity(const StudyTable& table) {
-  std::string versions = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint()), cases;
+std::string code_identity() {
+  std::string versions = fmt::format("nscdd {}\nbuild {}\n", version(), build_fingerprint());
   for (const auto& [name, number] : dependency_versions()) versions += fmt::format("{} {}\n", name, number);
+  return versions;
+}
+
+WorkIdentity work_identity(const StudyTable& table) {
+  std::string cases;
   for (const Case& one : table.cases) cases += case_text(one);
-  return {versions, cases, options_text(table), effort_text(table.sweep.spectral)};
+  return {code_identity(), cases, options_text(table), effort_text(table.sweep.spectral)};
 }
 
 TableWork table_work(const StudyTable& table) {

@@ -38,11 +38,12 @@ struct Observable {
 
 namespace observables {
 extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration, force_chains,
-    predicted_observed, runs;
+    predicted_observed, runs, contact_solvers;
 
 /// Every observable, in the order of `nscdd list`.
-inline constexpr std::array all{&spectral_radius, &optimum,      &observed_rate,      &links, &grains, &indicators,
-                                &configuration,   &force_chains, &predicted_observed, &runs};
+inline constexpr std::array all{
+    &spectral_radius, &optimum,      &observed_rate,      &links, &grains,         &indicators,
+    &configuration,   &force_chains, &predicted_observed, &runs,  &contact_solvers};
 }  // namespace observables
 
 /// A case parameter taken through a list of values, such as packing.grains.
@@ -63,8 +64,9 @@ struct StudyTable {
   SweepParameters sweep;
   std::uint64_t seed = 1;
   std::vector<Index> steps{1};  ///< of a case that moves: the step examined (from 1), or steps done (from 0)
-  LeadInSolver lead_in = LeadInSolver::plain;  ///< of a case that moves: how it gets there
-  bool large = false;                          ///< run only where large tables are asked for
+  LeadInSolver lead_in = LeadInSolver::plain;          ///< of a case that moves: how it gets there
+  std::vector<std::string> contact_solvers = {"all"};  ///< by their names
+  bool large = false;                                  ///< run only where large tables are asked for
   bool baseline = true;  ///< whether the study keeps one (a picture of thousands of disks does not)
   /// What a comparison with the baseline allows for, times max(1, |number|), and for single columns instead
   /// of it (the place of a flat minimum is known less well than its value).
@@ -120,6 +122,9 @@ VariedCase varied_case(const StudyTable& table, Index number);
 /// number of rows is not known). Tables that look at the same cases on the way may share the `lead_in`.
 Index run_table(const StudyTable& table, const RowSink& sink, const Monitor& monitor = {}, Index first = 0,
                 LeadIn* lead_in = nullptr);
+
+/// The program, its build and the libraries: what numbers depend on beside their input.
+std::string code_identity();
 
 /// What the rows of a table of a study come from, and the table as a resumable file takes it. `table` must
 /// outlive the latter.

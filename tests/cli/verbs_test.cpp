@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The verbs beside sweep and run: network, inspect, optimum, generate, list, and the help of all.
+#include "../support/fclib_files.hpp"
 #include "../support/moving_case.hpp"
 #include "session.hpp"
 
@@ -125,6 +126,7 @@ TEST_CASE("the examples of the help work") {
   for (const std::string& y : Texts{"0", "1"})
     for (const std::string& x : Texts{"0", "1", "2", "3"}) packing += x + "," + y + ",0.5\n";
   session.file("mine.csv", packing);
+  session.file("problems/mine.hdf5", raw_global(random_bodies_problem(4, 12, 20)).bytes());
   std::filesystem::create_directory(session.folder / "cases");
   session.file("cases/shear-1k.toml", moving_case());  // found before the one of the paper, which takes long
   std::string help = answer(session, "--help");

@@ -4,8 +4,10 @@
 #include "../support/studies.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
+#include "formats/export.hpp"
 #include "simulation/simulation.hpp"
 #include "study/study.hpp"
+#include <nscdd/mechanics/friction_solver.hpp>
 
 #include <doctest/doctest.h>
 
@@ -152,4 +154,33 @@ TEST_CASE("a wrong rate does not pass: predicted and observed are compared withi
         CHECK(compare(wrong, baseline, work.check_tolerance, work.column_tolerance) != "");
       }
   }
+}
+
+TEST_CASE("contact_solvers: a row per step and solver, of the contact problem that an export of the step holds") {
+  const StudyTable work = table_of("contact_solvers", "steps = [1, 5]\ncontact_solvers = [\"nlgs\", \"auto\"]\n");
+  const Table table = run(work);
+  REQUIRE(table.rows.size() == 4);
+  CHECK(row_count(work) == 4);
+  LeadIn lead_in;
+  for (std::size_t row = 0; row < 4; ++row) {
+    CAPTURE(row);
+    const Simulation before = lead_in.at(work.cases[0], row < 2 ? 0 : 4).simulation;
+    const auto problem = std::get<LocalFrictionProblem>(local_form(fclib_of_step(before, nullptr)).problem);
+    const FrictionSolution found =
+        solve_friction(problem, {.algorithm = row % 2 == 0 ? FrictionAlgorithm::nlgs : FrictionAlgorithm::automatic});
+    CHECK(integer(table, row, "step") == (row < 2 ? 1 : 5));
+    CHECK(integer(table, row, "contacts") == problem.contacts());
+    CHECK(std::get<std::string>(table.rows[row][table.column("solver")]) == (row % 2 == 0 ? "nlgs" : "auto"));
+    CHECK(integer(table, row, "sweeps") == found.sweeps);
+    CHECK(number(table, row, "residual") == found.state.residual);
+    for (const auto& [column, cell] : known_cells(work, static_cast<Index>(row)))
+      CHECK(to_text(table.rows[row][table.column(column)]) == to_text(cell));
+  }
+  // Rows that are there already are not computed again.
+  Table rest;
+  run_table(
+      work, [&](const Row& row) { rest.rows.push_back(row); }, {}, 3);
+  REQUIRE(rest.rows.size() == 1);
+  CHECK(to_text(rest.rows[0][table.column("step")]) == "5");
+  CHECK(to_text(rest.rows[0][table.column("solver")]) == "auto");
 }

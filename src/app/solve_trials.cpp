@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/solve_trials.hpp"
+
+#include "core/text.hpp"
+#include <nscdd/formats/fclib.hpp>
+
+namespace nscdd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NamedTrial {
+  std::string problem;
+  SolverTrial trial;
+};
+
+const ResultColumns<NamedTrial>& columns() {
+  static const auto all = joined<NamedTrial>(
+      {{{"problem", "", "name of the file", &NamedTrial::problem}}, columns_of(&NamedTrial::trial, trial_columns())});
+  return all;
+}
+
+// The files that count, sorted by name.
+std::vector<fs::path> problem_files(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return {path};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(path))
+    if (entry.path().extension() == ".hdf5" || entry.path().extension() == ".h5") files.push_back(entry.path());
+  if (files.empty()) fail("{}: expected a folder with contact problems, .hdf5 or .h5, met none", path);
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string effort_text(const TrialOptions& options) {
+  const FrictionSolverOptions& solver = options.solver;
+  return fmt::format(
+      "tolerance = {}\nmaximum_sweeps = {}\nmaximum_factorisations = {}\nrelaxation = {}\norder = {}\n"
+      "seed = {}\ncheck_every = {}\ntime_limit = {}\n",
+      to_text(solver.tolerance), solver.maximum_sweeps, solver.maximum_factorisations, to_text(solver.relaxation),
+      to_string(solver.order), solver.seed, solver.check_every, to_text(options.time_limit.value_or(infinity)));
+}
+
+TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& options) {
+  std::string cases, solvers;
+  for (const fs::path& file : files)
+    cases += fmt::format("{} (content {})\n", file.filename().string(), fingerprint(read_text(file.string())));
+  for (const FrictionAlgorithm solver : options.solvers) solvers += fmt::format("solver {}\n", to_string(solver));
+  const Index each = count(options.solvers);
+  return {{code_identity(), cases, solvers, effort_text(options)},
+          headings(columns()),
+          count(files) * each,
+          [files, each, solvers = options.solvers](Index row) {
+            return KnownCells{{"problem", files[at(row / each)].filename().string()},
+                              {"solver", std::string(to_string(solvers[at(row % each)]))}};
+          }};
+}
+
+// The problem of a file, or none where it cannot be had, of which a note then tells.
+std::optional<LocalFrictionProblem> problem_of(const fs::path& path) {
+  try {
+    const FclibFile file = read_fclib(path.string());
+    if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, path.string());
+    return std::get<LocalFrictionProblem>(file.problem);
+  } catch (const Error& error) {
+    note("refused: {}", error.what());
+    return std::nullopt;
+  }
+}
+
+// How many problems each solver brought to each residual, and in what time.
+void print_summary(const Table& table, const std::vector<FrictionAlgorithm>& solvers) {
+  const auto met = [&](const Row& row, const std::string& column) {
+    return !std::isnan(std::get<double>(row[table.column(column)]));
+  };
+  fmt::print("{:<18}", "solver");
+  for (const double residual : compared_residuals) fmt::print("{:>8.0e}", residual);
+  fmt::print("{:>11}\n", "seconds");
+  for (const FrictionAlgorithm solver : solvers) {
+    std::array<Index, compared_residuals.size()> reached{};
+    double duration = 0;
+    for (const Row& row : table.rows) {
+      if (std::get<std::string>(row[table.column("solver")]) != to_string(solver) || !met(row, "seconds")) continue;
+      duration += std::get<double>(row[table.column("seconds")]) + std::get<double>(row[table.column("check_seconds")]);
+      for (std::size_t k = 0; k < reached.size(); ++k)
+        reached[k] += met(row, fmt::format("seconds_{:.0e}", compared_residuals[k]));
+    }
+    fmt::print("{:<18}{:>8}{:>11.3g}\n", to_string(solver), fmt::join(reached, ""), duration);
+  }
+}
+
+// The rows from `first` on.
+void run_trials(const std::vector<fs::path>& files, const TrialOptions& options, Interruption& interruption,
+                Index first, const RowSink& sink) {
+  const Index each = count(options.solvers), total = count(files) * each;
+  const Monitor monitor = interruption.watch("solve", first, "run");
+  std::optional<LocalFrictionProblem> problem;
+  for (Index number = first; number < total; ++number) {
+    const fs::path& file = files[at(number / each)];
+    if (number == first || number % each == 0) problem = problem_of(file);
+    FrictionSolverOptions solver = options.solver;
+    solver.algorithm = options.solvers[at(number % each)];
+    NamedTrial one{file.filename().string(), {.solver = solver.algorithm}};
+    if (problem)
+      one.trial = try_solver(*problem, solver, options.time_limit.value_or(infinity),
+                             [&] { return report(monitor, number, total); });
+    if (interruption.stopped()) return;
+    sink(row(columns(), one));
+    if (!report(monitor, number + 1, total)) return;
+  }
+}
+
+}  // namespace
+
+int solve_trials(const TrialOptions& options) {
+  const std::vector<fs::path> files = problem_files(options.path);
+  require_no_input({options.csv}, files);
+  if (nothing_to_resume(options.csv, "", options.how)) return 0;
+  Interruption interruption;
+  ResumableTable csv(options.csv, trial_work(files, options), options.how);
+  Table table{headings(columns()), {}};
+  csv.replay([&](const Row& row) { table.rows.push_back(row); });
+  run_trials(files, options, interruption, csv.kept(), [&](const Row& row) {
+    csv.write(row);
+    table.rows.push_back(row);
+  });
+  if (interruption.stopped()) return leave(csv, options.csv);
+  csv.finish();
+  remove_record(options.csv);
+  const Index refused = std::ranges::count_if(table.rows, [status = table.column("status")](const Row& row) {
+    return std::get<std::string>(row[status]) == "refused";
+  });
+  if (refused > 0)
+    note("{} of {} problems were refused: see the column 'status'", refused / count(options.solvers), files.size());
+  if (!is_stream(options.csv)) print_summary(table, options.solvers);
+  return refused > 0 ? 1 : 0;
+}
+
+}  // namespace nscdd::app

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is told of a contact solver that is given a problem: how it ended, and what it took until which residual.
+#include "study/solver_trial.hpp"
+
+#include "../support/fclib_files.hpp"
+#include "../support/matrices.hpp"
+#include "linalg/random.hpp"
+#include "linalg/sparse_lu.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+LocalFrictionProblem bodies(std::uint64_t seed = 5) { return reduce(random_bodies_problem(seed, 30, 60)); }
+
+bool is_number(const Effort& effort) { return std::isfinite(effort.seconds) && std::isfinite(effort.work); }
+
+}  // namespace
+
+TEST_CASE("solver trial: every solver tells what it took, in the order of the residuals") {
+  const LocalFrictionProblem problem = bodies();
+  for (const FrictionAlgorithm solver : contact_solvers_named({"all"}, "solvers")) {
+    CAPTURE(to_string(solver));
+    const SolverTrial trial = try_solver(problem, {.algorithm = solver});
+    const FrictionSolution found = solve_friction(problem, {.algorithm = solver});
+    CHECK(trial.solver == solver);
+    CHECK(trial.contacts == 60);
+    CHECK(trial.status == to_string(found.status));
+    CHECK(trial.residual == found.state.residual);
+    CHECK(trial.sweeps == found.sweeps);
+    CHECK(trial.factorisations == found.factorisations);
+    CHECK(trial.check_seconds >= 0);
+    Effort before{.seconds = 0, .work = 0};
+    for (const Effort& first : trial.first) {
+      if (!is_number(first)) continue;
+      CHECK(first.seconds >= before.seconds);
+      CHECK(first.work >= before.work);
+      before = first;
+    }
+    CHECK(trial.all.seconds >= before.seconds);
+    CHECK(trial.all.work >= before.work);
+    CHECK(trial.all.work > 0);  // a solver that does not count its operations would win every comparison
+    if (found.status == FrictionStatus::converged) CHECK(is_number(trial.first.back()));
+  }
+}
+
+TEST_CASE("solver trial: a residual is met where a run to that tolerance ends, and a sweep is a unit of work") {
+  const LocalFrictionProblem problem = bodies();
+  FrictionSolverOptions options{.algorithm = FrictionAlgorithm::nlgs, .check_every = 1};
+  const SolverTrial trial = try_solver(problem, options);
+  REQUIRE(trial.status == "converged");
+  CHECK(trial.all.work == doctest::Approx(static_cast<double>(trial.sweeps)));
+  for (std::size_t k = 0; k < compared_residuals.size(); ++k) {
+    options.tolerance = compared_residuals[k];
+    CHECK(trial.first[k].work == doctest::Approx(static_cast<double>(solve_friction(problem, options).sweeps)));
+  }
+  CHECK(trial.first[0].work < trial.first[2].work);
+}
+
+TEST_CASE("solver trial: the factors of a full matrix take 2 n^3 / 3 operations") {
+  constexpr Index n = 60;
+  RandomStream random(2);
+  const Dense a = random_matrix(n, n, random) + 20.0 * identity(n);
+  const SparseMatrix matrix = Matrix(a).sparseView();
+  SparseLu lu(matrix);
+  CHECK(lu.operations() == 0);
+  REQUIRE(lu.factorise(matrix));
+  const double once = lu.operations();
+  CHECK(once == doctest::Approx(2.0 / 3 * n * n * n).epsilon(0.05));
+  REQUIRE(lu.factorise(matrix));
+  CHECK(lu.operations() == doctest::Approx(2 * once));
+  lu.solve(matrix, random.normal_vector(n));
+  CHECK(lu.operations() > 2 * once + 2.0 * n * n);  // both triangles at least once
+  CHECK(lu.operations() < 2 * once + 20.0 * n * n);
+}
+
+TEST_CASE("solver trial: the time that checks take is not the solver's") {
+  constexpr double pause = 0.01;
+  Index checks = 0;
+  const SolverTrial trial = try_solver(bodies(), {.algorithm = FrictionAlgorithm::nlgs}, infinity, [&] {
+    std::this_thread::sleep_for(std::chrono::duration<double>(pause));
+    return ++checks < 40;
+  });
+  CHECK(trial.check_seconds >= pause);
+  CHECK(trial.all.seconds < 0.5 * trial.check_seconds);
+}
+
+TEST_CASE("solver trial: a time limit has a status of its own, a stop another") {
+  const SolverTrial late = try_solver(bodies(), {.algorithm = FrictionAlgorithm::nlgs}, 1e-9);
+  CHECK(late.status == "time_limit");
+  CHECK(late.sweeps == 0);
+  CHECK_FALSE(is_number(late.first.back()));
+  const SolverTrial stopped =
+      try_solver(bodies(), {.algorithm = FrictionAlgorithm::nlgs}, infinity, [] { return false; });
+  CHECK(stopped.status == "stopped");
+}
+
+TEST_CASE("solver trial: impulses that grow without end meet no residual") {
+  // A grain is driven into a wall: both contacts ask for impulses that cancel.
+  LocalFrictionProblem squeezed;
+  squeezed.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
+  squeezed.q = (Vector(4) << -1, 0, -1, 0).finished();
+  squeezed.friction = Vector::Constant(2, 0.3);
+  const SolverTrial trial = try_solver(squeezed, {.algorithm = FrictionAlgorithm::nlgs, .maximum_sweeps = 100'000});
+  CHECK(trial.residual < compared_residuals[0]);
+  for (const Effort& first : trial.first) CHECK_FALSE(is_number(first));
+}
+
+TEST_CASE("solver trial: solvers are named, each once") {
+  CHECK(contact_solvers_named({"all"}, "x").size() == all_names<FrictionAlgorithm>().size());
+  CHECK(contact_solvers_named({"nlgs", "auto"}, "x") ==
+        std::vector{FrictionAlgorithm::nlgs, FrictionAlgorithm::automatic});
+  CHECK_THROWS_WITH_AS(contact_solvers_named({"nlgs", "nlgs"}, "x"), "x: expected each solver once, met 'nlgs' again",
+                       Error);
+  CHECK_THROWS_AS(contact_solvers_named({"none"}, "x"), Error);
+}
