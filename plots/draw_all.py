@@ -16,6 +16,7 @@ import observed_rate
 import optimal_eta
 import partition
 import predicted_observed
+import profiles
 import relaxation
 import scalability
 import size
@@ -40,6 +41,7 @@ DRAW = {
     "disorder": disorder.draw,
     "partition": partition.draw,
     "predicted-observed": predicted_observed.draw,
+    "profiles": profiles.draw,
 }
 WITHOUT_FIGURE = ["semi-implicit"]
 
