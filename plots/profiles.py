@@ -4,6 +4,7 @@
 within so many times the time, or the work, of the best solver of each problem. What never gets there counts in no
 share."""
 import glob
+import itertools
 import os
 import sys
 
@@ -65,7 +66,7 @@ def draw(results, output, formats, more=()):
     fig, grid = style.figure(style.COLUMN_AND_HALF, 98, 2, 3, sharex=True, sharey=True)
     for line, measure, letters in zip(grid, MEASURES, ("abc", "def")):
         for axes, (residual, text), letter in zip(line, RESIDUALS.items(), letters):
-            for solver, look in zip(solvers, LOOKS):
+            for solver, look in zip(solvers, itertools.cycle(LOOKS)):
                 profile(axes, ratios(problems, solver, solvers, f"{measure}_{residual}"), len(problems), look)
             style.log_axis(axes.xaxis, 1, FARTHEST)
             axes.set(ylim=(0, 1))
@@ -73,7 +74,7 @@ def draw(results, output, formats, more=()):
         line[0].set_ylabel(f"share of {len(problems)} problems")
     for axes in grid[-1]:
         axes.set_xlabel(r"times the best, $\tau$")
-    handles = [grid[0, 0].plot([], [], color=c, linestyle=s)[0] for _, (c, s) in zip(solvers, LOOKS)]
+    handles = [grid[0, 0].plot([], [], color=c, linestyle=s)[0] for _, (c, s) in zip(solvers, itertools.cycle(LOOKS))]
     style.legend_above(fig, handles, [s.replace("_", " ") for s in solvers], min(len(solvers), 5))
     return style.save(fig, output, "profiles", formats)
 

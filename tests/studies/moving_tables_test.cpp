@@ -184,3 +184,20 @@ TEST_CASE("contact_solvers: a row per step and solver, of the contact problem th
   CHECK(to_text(rest.rows[0][table.column("step")]) == "5");
   CHECK(to_text(rest.rows[0][table.column("solver")]) == "auto");
 }
+
+TEST_CASE("contact_solvers: names that there are, each once, and a law whose contacts open") {
+  const auto refused = [](const std::string& observable, const std::string& more, const std::string& part) {
+    CAPTURE(more);
+    try {
+      table_of(observable, more);
+      FAIL_CHECK("it was accepted");
+    } catch (const Error& error) {
+      CHECK(std::string(error.what()).find(part) != std::string::npos);
+    }
+  };
+  refused("contact_solvers", "contact_solvers = [\"newtn\"]\n", "study.toml:5: contact_solvers: expected one of");
+  refused("contact_solvers", "contact_solvers = [\"auto\", \"auto\"]\n", "expected each solver once, met 'auto' again");
+  refused("runs", "contact_solvers = [\"auto\"]\n", "an observable with it that uses it (contact_solvers)");
+  refused("contact_solvers", "vary = { \"interaction.law\" = [\"linear_viscous\"], \"interaction.epsilon\" = [1] }\n",
+          "interaction.law: expected a law with open contacts, met linear_viscous");
+}
