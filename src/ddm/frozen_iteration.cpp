@@ -1,61 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/frozen_iteration.hpp"
 
+#include "ddm/frozen_network.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
-#include "mechanics/connectivity.hpp"
 
 namespace nscdd {
 namespace {
 
 constexpr double radius_tolerance = 1e-6;
 
-// Impulse along n + slope t per unit of its normal component.
-double slope(ContactStatus s, double friction) {
-  return s == ContactStatus::slide_forward ? -friction : s == ContactStatus::slide_backward ? friction : 0.0;
-}
-
-// One subdomain in y, which has x, y and rim of every free body, and what its contacts add.
+// One subdomain in y, and what its contacts and its neighbours add.
 struct LocalMaps {
-  Vector root;            // of the inertia of every entry
-  SparseMatrix impulses;  // M^-1/2 G, the directions of impulses
-  SparseMatrix resting;   // M^-1/2 N, the directions in which contacts keep v = 0
-  SparseMatrix gluing;    // M^-1/2 A^T
+  FrozenNetwork network;
+  SparseMatrix gluing;  // M^-1/2 A^T
 };
 
 LocalMaps local_maps(const GranularDecomposition& parts, Index e, const std::vector<ContactStatus>& statuses) {
   const GranularSubdomain& subdomain = parts.subdomains[at(e)];
-  LocalMaps maps;
-  std::vector<double> root;
-  std::vector<BodyRows> bodies;
-  for (const DiskVelocity& v : subdomain.velocities) {
-    bodies.push_back({v.inverse_mass > 0 ? count(root) : -1});
-    if (v.inverse_mass == 0) continue;
-    const double of_body = std::sqrt(1 / v.inverse_mass);
-    root.insert(root.end(), {of_body, of_body, of_body / std::sqrt(rim_mass_ratio)});
-  }
-  maps.root = Vector::Map(root.data(), count(root));
-  ConnectivityBuilder impulses(2 * subdomain.numbers.size()), resting(2 * subdomain.numbers.size());
-  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-    const ContactStatus status = statuses[at(subdomain.numbers[k])];
-    if (status == ContactStatus::open) continue;
-    const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
-    const auto put = [&](LocalVector impulse, LocalVector rest) {
-      impulses.add(c.normal, bodies[at(c.a)], bodies[at(c.b)], impulse);
-      resting.add(c.normal, bodies[at(c.a)], bodies[at(c.b)], rest);
-    };
-    put({1, slope(status, c.friction)}, {1, 0});
-    if (status == ContactStatus::stick) put({0, 1}, {0, 1});
-  }
-  maps.impulses = over_rows(impulses.matrix(maps.root.size()), maps.root);
-  maps.resting = over_rows(resting.matrix(maps.root.size()), maps.root);
+  std::vector<ContactStatus> own;
+  for (const Index contact : subdomain.numbers) own.push_back(statuses[at(contact)]);
+  LocalMaps maps{frozen_network(subdomain, own), {}};
+  const Vector& root = maps.network.root;
   SparseEntries gluing;
   for (const Tie& tie : parts.interface.ties(e))
     for (Index k = 0; k < 3; ++k) {
-      const Index row = bodies[at(tie.grain)].first + k;
-      gluing.add(row, 3 * tie.row + k, tie.sign / maps.root[row]);
+      const Index row = maps.network.rows[at(tie.grain)].first + k;
+      gluing.add(row, 3 * tie.row + k, tie.sign / root[row]);
     }
-  maps.gluing = gluing.matrix(maps.root.size(), parts.interface_size());
+  maps.gluing = gluing.matrix(root.size(), parts.interface_size());
   return maps;
 }
 
@@ -66,7 +39,7 @@ void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>&
     if (status == ContactStatus::open) continue;
     const DiskContact c = subdomain.contacts.contact(k, v);
     LocalVector change = -1.0 * c.inverse_w.solve(relative_velocity(c, v));
-    if (status != ContactStatus::stick) change.t = slope(status, c.friction) * change.n;
+    if (status != ContactStatus::stick) change.t = sliding_slope(status, c.friction) * change.n;
     apply_impulse(c, change, v);
   }
 }
@@ -90,11 +63,12 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, std::vector<Contac
   std::vector<double> root;
   for (Index e = 0; e < count(parts_.subdomains); ++e) {
     const LocalMaps maps = local_maps(parts_, e, statuses_);
-    impulses.add_block(maps.impulses, size, columns);
+    const FrozenNetwork& network = maps.network;
+    impulses.add_block(network.impulses, size, columns);
     gluing.add_block(maps.gluing, size, 0);
-    columns += maps.impulses.cols();
-    size += maps.root.size();
-    root.insert(root.end(), maps.root.begin(), maps.root.end());
+    columns += network.impulses.cols();
+    size += network.root.size();
+    root.insert(root.end(), network.root.begin(), network.root.end());
   }
   root_ = Vector::Map(root.data(), size);
   impulses.add_block(gluing.matrix(size, parts_.interface_size()), 0, columns);
@@ -137,10 +111,11 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
     const LocalMaps maps = local_maps(parts, e, statuses);
     const Matrix a(maps.gluing);
     Matrix kept = a;
-    if (maps.impulses.cols() > 0) {
-      const Matrix w(maps.resting.transpose() * maps.impulses);
+    const FrozenNetwork& network = maps.network;
+    if (network.impulses.cols() > 0) {
+      const Matrix w(network.resting.transpose() * network.impulses);
       const double threshold = std::numeric_limits<double>::epsilon() * static_cast<double>(w.rows());
-      kept -= maps.impulses * minimum_norm_map(w, threshold)(maps.resting.transpose() * a);
+      kept -= network.impulses * minimum_norm_map(w, threshold)(network.resting.transpose() * a);
     }
     system += a.transpose() * kept;
   }

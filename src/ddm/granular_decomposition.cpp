@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "ddm/granular_two_stage.hpp"
+#include "ddm/granular_decomposition.hpp"
+
 #include "linalg/random.hpp"
 #include "mechanics/connectivity.hpp"
 

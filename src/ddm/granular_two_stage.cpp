@@ -68,18 +68,38 @@ void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   correct(f);
 }
 
-SweepSums GranularTwoStage::stage_one() {
+// n_GS sweeps; the change is that of all of them together.
+SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
   const bool compare = solver_.gauss_seidel_sweeps > 1;
+  std::vector<LocalVector> before;
+  if (compare) before = subdomain.contacts.impulses;
+  SweepSums sums;
+  for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
+    sums = gauss_seidel_sweep(law_, subdomain.contacts, subdomain.velocities, solver_.contact_relaxation);
+  if (!compare) return sums;
+  const auto& now = subdomain.contacts.impulses;
+  sums.change = std::inner_product(now.begin(), now.end(), before.begin(), 0.0, std::plus<>{},
+                                   [](LocalVector r, LocalVector old) { return squared(r - old); });
+  return sums;
+}
+
+void GranularTwoStage::switch_models(const std::vector<RememberedModel>& before, double scale) {
+  if (!before.empty() && before.size() != parts_.subdomains.size())
+    throw Error("models: expected one per subdomain of this step, met another number");
+  for (Index e = 0; e < count(parts_.subdomains); ++e)
+    switches_.emplace_back(parts_, e, law_,
+                           SwitchRules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale)},
+                           before.empty() ? 0 : before[at(e)].standing);
+}
+
+SweepSums GranularTwoStage::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
+  const auto discrete = [&](GranularSubdomain& subdomain) { return sweeps(subdomain); };
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     GranularSubdomain& subdomain = parts_.subdomains[at(e)];
-    if (compare) before_[at(e)] = subdomain.contacts.impulses;
-    for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
-      sums[at(e)] = gauss_seidel_sweep(law_, subdomain.contacts, subdomain.velocities, solver_.contact_relaxation);
-    if (!compare) return;
-    const auto& now = subdomain.contacts.impulses;
-    sums[at(e)].change = std::inner_product(now.begin(), now.end(), before_[at(e)].begin(), 0.0, std::plus<>{},
-                                            [](LocalVector r, LocalVector old) { return squared(r - old); });
+    sums[at(e)] = switches_.empty()
+                      ? sweeps(subdomain)
+                      : switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
   });
   sweeps_ += solver_.gauss_seidel_sweeps;
   SweepSums total;
@@ -217,6 +237,15 @@ std::vector<RememberedGluing> GranularTwoStage::gluing() const {
       result.push_back({row.grain, copy.subdomain, f[0], f[1], f[2]});
     }
   }
+  return result;
+}
+
+std::vector<RememberedModel> GranularTwoStage::models() const {
+  std::vector<RememberedModel> result(switches_.size());
+  const auto discrete = [&](GranularSubdomain& subdomain) { return sweeps(subdomain); };
+  for (Index e = 0; e < count(switches_); ++e)
+    result[at(e)] =
+        switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
   return result;
 }
 

@@ -60,6 +60,13 @@ constexpr auto names_of(InterfaceMethod) {
   return std::to_array<std::string_view>({"richardson", "conjugate_gradient"});
 }
 
+/// What a subdomain becomes once its statuses have stood still, see ModelSwitch.
+enum class SwitchedModel {
+  none,    ///< what it was: the contact law is solved everywhere
+  linear,  ///< its network at frozen statuses
+};
+constexpr auto names_of(SwitchedModel) { return std::to_array<std::string_view>({"none", "linear"}); }
+
 /// The flexibility eta of an enriched Stage 2 as a case has it: a Flexibility > 0, or "optimal" for the best one.
 struct EtaChoice {
   static constexpr std::string_view expected =
@@ -106,6 +113,9 @@ struct StepSolver {
   Choice<InterfaceMethod> interface_method = InterfaceMethod::richardson;
   double interface_relaxation = 1;  ///< omega
   Index redecompose = 1;
+  Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`
+  Index switch_after = 100;                           ///< k
+  Flexibility switch_flexibility{1e-6, true};         ///< alpha, 1/kg
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -144,6 +154,17 @@ struct StepSolver {
           Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
     visit("redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
+    visit("switch", self.model, Field{.description = "what a subdomain becomes whose statuses have stood still"});
+    visit("switch_after", self.switch_after,
+          Field{.description = "iterations for which the statuses of a subdomain stand still before it is switched; "
+                               "with warm_start they are counted over steps",
+                .minimum = 1,
+                .maximum = 1e9});
+    visit("switch_flexibility", self.switch_flexibility,
+          Field{.description = "flexibility of the contacts of a switched subdomain: a number, or a multiple of W",
+                .unit = "1/kg",
+                .minimum = 0,
+                .minimum_excluded = true});
   }
 };
 

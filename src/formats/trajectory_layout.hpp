@@ -55,6 +55,15 @@ inline constexpr auto gluing_columns = [](auto&& visit) {
   visit("impulse_rim", "N s", [](auto& gluing) { return &gluing.rim; });
 };
 
+inline constexpr auto model_columns = [](auto&& visit) {
+  visit("switched", "1", [](auto& model) { return &model.switched; });
+  visit("standing", "1", [](auto& model) { return &model.standing; });
+  visit("switched_iterations", "1", [](auto& model) { return &model.switched_iterations; });
+  visit("switch_backs", "1", [](auto& model) { return &model.switch_backs; });
+  visit("velocity_distance", "m/s", [](auto& model) { return &model.velocity_distance; });
+  visit("impulse_distance", "1", [](auto& model) { return &model.impulse_distance; });
+};
+
 inline constexpr auto wall_columns = [](auto&& visit) {
   visit("point_x", "m", [](auto& wall) { return &wall.point[0]; });
   visit("point_y", "m", [](auto& wall) { return &wall.point[1]; });

@@ -55,14 +55,15 @@ void require_within(Index value, Index lowest, Index bound, const char* array, c
 // Throws unless the numbers of steps, bodies and subdomains are within their ranges.
 void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) {
   constexpr Index most_steps = 1'000'000'001, most_subdomains = 1'000'000;  // of any run, of any partitioner
-  const Index disks = count(step.state.x), bodies = disks + walls;
+  const Index disks = count(step.state.x), bodies = disks + walls, models = count(step.state.models);
   require_within(step.state.step, 0, most_steps, "step", group);
   require_within(step.state.decomposed_at, -1, most_steps, "decomposed_at", group);
   for (const TrajectoryContact& c : step.contacts) {
     require_within(c.geometry.a, 0, bodies, "contacts/a", group);
     require_within(c.geometry.b, 0, bodies, "contacts/b", group);
-    require_within(c.subdomain, 0, most_subdomains, "contacts/subdomain", group);
+    require_within(c.subdomain, 0, models > 0 ? models : most_subdomains, "contacts/subdomain", group);
   }
+  for (const RememberedModel& model : step.state.models) require_within(model.switched, 0, 2, "models/switched", group);
   for (const RememberedGluing& gluing : step.state.gluing) {
     require_within(gluing.grain, 0, disks, "interface/grain", group);
     require_within(gluing.subdomain, 0, most_subdomains, "interface/subdomain", group);
@@ -81,6 +82,7 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   state.poses = get_structs<Pose>(group.group("poses"), layout::pose_columns, here);
   step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns, here);
   state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns, here);
+  if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
   check_numbers(step, root.group("system").group("walls").rows("point_x"), group);
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});

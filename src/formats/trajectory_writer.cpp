@@ -54,9 +54,12 @@ void put_steps(const Group& group, Steps steps, bool append) {
   const auto poses = [](const TrajectoryStep& step) -> auto& { return step.state.poses; };
   const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
   const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
+  const auto models = [](const TrajectoryStep& step) -> auto& { return step.state.models; };
   put_structs(group, steps, state, layout::state_columns, form);
   put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns, form);
   put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns, form);
+  if (!steps[0].state.models.empty())  // one per subdomain in every step of a run that switches models
+    put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
   form.rows = steps.size();
   put_structs(group.make_group("poses"), steps, poses, layout::pose_columns, form);
   for (const auto& array : layout::state_arrays) {

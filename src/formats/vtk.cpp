@@ -119,6 +119,20 @@ void write_points(Writer& writer, const Picture& picture, const Integers& subdom
   writer.line("</Points>");
 }
 
+// Of each contact what its subdomain was in this step; -1 for grains.
+void write_models(Writer& writer, const Picture& picture) {
+  const auto of = [&](auto RememberedModel::*value) {
+    return [&picture, value](const TrajectoryContact& c) { return picture.state.models[at(c.subdomain)].*value; };
+  };
+  const Integers none(picture.grains, -1);
+  const std::vector<double> unknown(picture.grains, -1.0);
+  writer.array("switched", with_contacts(picture, none, of(&RememberedModel::switched)));
+  writer.array("switched_iterations", with_contacts(picture, none, of(&RememberedModel::switched_iterations)));
+  writer.array("switch_backs", with_contacts(picture, none, of(&RememberedModel::switch_backs)));
+  writer.array("velocity_distance", with_contacts(picture, unknown, of(&RememberedModel::velocity_distance)));
+  writer.array("impulse_distance", with_contacts(picture, unknown, of(&RememberedModel::impulse_distance)));
+}
+
 void write_cells(Writer& writer, const Picture& picture, const Integers& subdomain) {
   const std::size_t n = picture.grains;
   const std::vector<double> zero(n);
@@ -133,6 +147,7 @@ void write_cells(Writer& writer, const Picture& picture, const Integers& subdoma
   writer.array("impulse_t", with_contacts(picture, zero, [](const auto& c) { return c.impulse.t; }));
   writer.array("status", with_contacts(picture, Integers(n, -1), &TrajectoryContact::status));
   writer.array("gap", with_contacts(picture, zero, [](const auto& c) { return c.geometry.gap; }));
+  if (!picture.state.models.empty()) write_models(writer, picture);
   writer.line("</CellData>\n<Verts>");
   writer.array("connectivity", counted(n, 0, 1));
   writer.array("offsets", counted(n, 1, 1));

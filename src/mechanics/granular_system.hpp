@@ -93,6 +93,17 @@ struct RememberedSubdomain {
   Index a = 0, b = 0, subdomain = 0;
 };
 
+/// How a subdomain was modelled in the last step of a run that switches models.
+struct RememberedModel {
+  Index switched = 0;             ///< 1 if it ended the step with the simpler model, 0 if with the law itself
+  Index standing = 0;             ///< iterations, over steps, for which none of its statuses has changed
+  Index switched_iterations = 0;  ///< of the step, in which it had the simpler model
+  Index switch_backs = 0;         ///< of the step
+  /// Largest distance of the simpler model from the law, at a switch back and at the end, see ModelSwitch.
+  double velocity_distance = 0;  ///< m/s
+  double impulse_distance = 0;   ///< relative to the interface impulses
+};
+
 /// Everything that changes in a run. A run that goes on from it repeats every bit.
 struct GranularState {
   Index step = 0;                               ///< steps done
@@ -104,6 +115,7 @@ struct GranularState {
   std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
+  std::vector<RememberedModel> models;          ///< of the subdomains, in their order; empty unless they are switched
   Index decomposed_at = -1;                     ///< step whose contacts were partitioned afresh last
   double eta = 0;                               ///< best flexibility found at that step, 1/kg; 0 if none was asked for
 };

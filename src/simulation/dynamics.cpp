@@ -80,8 +80,8 @@ struct Effect {
   std::string_view path, with, values;
 };
 
-constexpr std::string_view with_friction = "coulomb or cohesive", divided = "generic or enriched",
-                           iterated = "nlgs, generic or enriched",
+constexpr std::string_view with_friction = "coulomb or cohesive", opening = "coulomb, frictionless or cohesive",
+                           switched = "linear", divided = "generic or enriched", iterated = "nlgs, generic or enriched",
                            criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
 
 constexpr Effect effects[] = {
@@ -108,7 +108,12 @@ constexpr Effect effects[] = {
     {"solver.interface_method", "solver.algorithm", divided},
     {"solver.interface_relaxation", "solver.algorithm", divided},
     {"solver.interface_relaxation", "solver.interface_method", "richardson"},
-    {"solver.redecompose", "solver.algorithm", divided}};
+    {"solver.redecompose", "solver.algorithm", divided},
+    {"solver.switch", "solver.algorithm", divided},
+    {"solver.switch", "solver.interface_method", "richardson"},
+    {"solver.switch", "interaction.law", opening},
+    {"solver.switch_after", "solver.switch", switched},
+    {"solver.switch_flexibility", "solver.switch", switched}};
 
 // The value of a parameter of the interaction, the motion or the solver as a text without quotes.
 std::string value_of(const Dynamics& dynamics, std::string_view path) {
@@ -143,6 +148,10 @@ void require_effect(const Dynamics& dynamics, std::string_view path, std::string
   const Effect* missing = missing_for(dynamics, path);
   if (missing == nullptr) return;
   fail("{}: expected {} {} with it, met {}", where, missing->with, missing->values, value_of(dynamics, missing->with));
+}
+
+bool switches_models(const Dynamics& dynamics) {
+  return dynamics.solver.model != SwitchedModel::none && has_effect(dynamics, "solver.switch");
 }
 
 void check(const BoundarySpec& spec) {
@@ -185,6 +194,7 @@ std::string effective_lines(const Dynamics& dynamics, std::string_view section, 
   std::string lines;
   for (std::size_t k = 0; k < now.size(); ++k) {
     const bool effective = has_effect(dynamics, fmt::format("{}.{}", section, now[k].key));
+    if (now[k].key.starts_with("switch") && !switches_models(dynamics)) continue;  // as if there were none
     lines += fmt::format("{} = {}\n", now[k].key, effective ? now[k].value : by_default[k].value);
   }
   return lines;

@@ -50,6 +50,9 @@ bool has_effect(const Dynamics& dynamics, std::string_view path);
 /// Throws Error naming `where` if the parameter has no effect, and says which other value it goes with.
 void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where);
 
+/// Whether subdomains are switched from one model to another, if there are several.
+bool switches_models(const Dynamics& dynamics);
+
 /// Throws Error naming the boundary if a wall or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
 
@@ -69,5 +72,10 @@ struct Simulation {
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
 };
+
+/// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.
+inline bool switches_models(const Simulation& simulation) {
+  return switches_models(simulation.dynamics) && subdomains(simulation.partitioner) > 1;
+}
 
 }  // namespace nscdd

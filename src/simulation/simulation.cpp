@@ -156,6 +156,9 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   }
   GranularTwoStage iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
+  if (switches_models(simulation))
+    iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{},
+                            problem.scale);
   return {std::move(problem), std::move(partition), std::move(enriched), report, std::move(iteration)};
 }
 
@@ -196,6 +199,7 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
     report.residual.impulses = scale;
   }
   step.gluing = iteration.gluing();
+  step.models = iteration.models();
   step.interface_impulses = iteration.interface_impulses();
 }
 
@@ -234,6 +238,7 @@ StepReport take_step(Simulation& simulation, const SolvedStep& step) {
     state.eta = std::isnan(report.eta) ? 0 : report.eta;
   }
   state.gluing = step.gluing;
+  state.models = step.models;
   state.subdomains.clear();
   for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
     state.subdomains.push_back(

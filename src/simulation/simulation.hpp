@@ -88,6 +88,7 @@ struct SolvedStep {
   std::vector<DiskContact> contacts;  ///< with their impulses
   std::vector<DiskVelocity> velocities;
   std::vector<RememberedGluing> gluing;
+  std::vector<RememberedModel> models;
   Vector interface_impulses;
   bool energy_exploded = false;  ///< it ends with far more energy than loads, boundaries and pushes can bring
   StepReport report;

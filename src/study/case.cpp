@@ -204,6 +204,7 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   GranularScene start = scene(packing, *one.spec.dynamics);
   set_moving(one, packing, start);
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};
+  if (switches_models(simulation)) simulation.state.models.resize(at(subdomains(simulation.partitioner)));
   check_next_step(simulation);
   return simulation;
 } catch (const Error& error) {

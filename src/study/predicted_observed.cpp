@@ -98,6 +98,7 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
          to_string(solver.interface_method));
   expect(solver.enrichment == Enrichment::every_iteration, "solver.enrichment", "every_iteration",
          to_string(solver.enrichment));
+  expect(!switches_models(dynamics), "solver.switch", "none", to_string(solver.model));
   expect(solver.contact_relaxation == 1, "solver.contact_relaxation", "1", field_text(solver.contact_relaxation));
   expect(opens(contact_law(dynamics.interaction, dynamics.time.step, 1)), "interaction.law", "a law with open contacts",
          to_string(dynamics.interaction.law));

@@ -102,9 +102,23 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   require_error(replaced(good, "friction = 0.3", "boundary_friction = -0.5"),
                 "c.toml:12: interaction.boundary_friction: expected a finite number >= 0 and <= 100, or -1");
   CHECK(parse(replaced(good, "friction = 0.3", "boundary_friction = -1")).dynamics.has_value());
+  require_error(replaced(good, "warm_start = true", "switch_after = 3"),
+                "c.toml:18: solver.switch_after: expected solver.switch linear");
+  require_error(replaced(good, "warm_start = true", "switch = \"linear\"\ninterface_method = \"conjugate_gradient\""),
+                "c.toml:18: solver.switch: expected solver.interface_method richardson with it");
+  require_error(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "switch = \"linear\""),
+                "c.toml:18: solver.switch: expected solver.algorithm generic or enriched with it, met nlgs");
+  require_error(replaced(replaced(good, "friction = 0.3", "law = \"linear_viscous\"\nepsilon = 1"), "warm_start = true",
+                         "switch = \"linear\""),
+                "solver.switch: expected interaction.law coulomb, frictionless or cohesive with it");
   CaseSpec one = parse(good);
   one.dynamics->solver.eta = "3";
   CHECK(to_toml(one) == to_toml(parse(good)));
+  one.dynamics->solver.switch_after = 3;  // a case that switches nothing is written as if there were no such thing
+  CHECK(to_toml(one) == to_toml(parse(good)));
+  CHECK(to_toml(one).find("switch") == std::string::npos);
+  one.dynamics->solver.model = SwitchedModel::linear;
+  CHECK(parse(to_toml(one)).dynamics->solver.switch_after == 3);
 }
 
 TEST_CASE("moving case: every error of a boundary names file, line and key") {

@@ -79,6 +79,15 @@ void check_equal(const GranularState& a, const GranularState& b) {
     CHECK(a.gluing[k].x == b.gluing[k].x);
     CHECK(a.gluing[k].rim == b.gluing[k].rim);
   }
+  REQUIRE(a.models.size() == b.models.size());
+  for (std::size_t e = 0; e < a.models.size(); ++e) {
+    CHECK(a.models[e].switched == b.models[e].switched);
+    CHECK(a.models[e].standing == b.models[e].standing);
+    CHECK(a.models[e].switched_iterations == b.models[e].switched_iterations);
+    CHECK(a.models[e].switch_backs == b.models[e].switch_backs);
+    CHECK(a.models[e].velocity_distance == b.models[e].velocity_distance);
+    CHECK(a.models[e].impulse_distance == b.models[e].impulse_distance);
+  }
 }
 
 }  // namespace
@@ -147,6 +156,28 @@ TEST_CASE("trajectory: 10 steps and 10 more are 20, bit for bit") {
   check_equal(read_last_step(path).state, whole.state);
   CHECK(count(trajectory_steps(path)) == 21);
   CHECK(count(read_summary(path, "step")) == 20);
+}
+
+TEST_CASE("trajectory: a run that switches models goes on from any step, bit for bit") {
+  const TemporaryFolder folder;
+  Simulation simulation = small(24);
+  simulation.dynamics.solver.maximum_iterations = 400;
+  simulation.dynamics.solver.model = SwitchedModel::linear;
+  simulation.dynamics.solver.switch_after = 30;
+  simulation.state.models.resize(2);
+  const Simulation start = simulation;
+  TrajectoryWriter writer(folder / "run.h5", header_of(simulation), {simulation.state, {}}, headings(step_columns()));
+  const std::vector<TrajectoryStep> steps = run_into(writer, simulation);
+  Index carried = 0;  // steps that begin with a linear subdomain
+  for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+    Simulation rest = start;
+    rest.state = read_trajectory_step(folder / "run.h5", steps[k].state.step).state;
+    rest.dynamics.time.steps = rest.state.step + 1;
+    carried += std::ranges::any_of(rest.state.models, [](const RememberedModel& one) { return one.standing >= 30; });
+    REQUIRE(run_simulation(rest, {}).end == RunEnd::completed);
+    check_equal(rest.state, steps[k + 1].state);
+  }
+  CHECK(carried > 5);
 }
 
 TEST_CASE("trajectory: steps reach the file together, in commits no more than a second apart") {

@@ -105,6 +105,21 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
   CHECK(a.size() == 21);
 }
 
+TEST_CASE("vtp: what became of the subdomain of each contact, in a run that switches models") {
+  const TemporaryFolder folder;
+  Shown shown = two_grains_and_a_wall();
+  shown.step.state.models = {{.switched = 1, .switched_iterations = 7, .velocity_distance = 0.5},
+                             {.standing = 3, .switch_backs = 2, .impulse_distance = 0.25}};
+  write_file(folder / "frame.vtp", shown.text());
+  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  CHECK(a["cell/switched"] == Values{-1, -1, 0, 1, 0});
+  CHECK(a["cell/switched_iterations"] == Values{-1, -1, 0, 7, 0});
+  CHECK(a["cell/switch_backs"] == Values{-1, -1, 2, 0, 2});
+  CHECK(a["cell/velocity_distance"] == Values{-1, -1, 0, 0.5, 0});
+  CHECK(a["cell/impulse_distance"] == Values{-1, -1, 0.25, 0, 0.25});
+  CHECK(a.size() == 26);
+}
+
 TEST_CASE("vtp: grains without contacts, and nothing at all") {
   const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/step_solver.hpp"
+#include "mechanics/time_stepping.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+
+namespace nscdd {
+
+/// One subdomain E of a step: its contacts in the order in which a sweep visits them, and the bodies that
+/// they touch. A shared grain has its share of mass.
+struct GranularSubdomain {
+  std::vector<Index> bodies;   ///< numbers in the step problem, in the order the sweep meets them
+  std::vector<Index> numbers;  ///< of the contacts in the step problem
+  ContactRows contacts;
+  std::vector<DiskVelocity> velocities;
+};
+
+/// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a
+/// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
+struct GranularDecomposition {
+  std::vector<GranularSubdomain> subdomains;
+  Interface interface;  ///< 3 unknowns per grain: x, y, rim
+
+  Index interface_size() const { return interface.size(); }  ///< n_Gamma
+};
+
+/// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
+/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, all of them for
+/// `interleaved`.
+std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
+                                 std::span<const DiskVelocity> bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 2>> points);
+
+/// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
+/// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.
+GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
+                                std::uint64_t seed);
+
+/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma.
+Vector interface_jumps(const GranularDecomposition& parts);
+
+/// Sum over the copies of shared grains of |V|^2, rim speed included.
+double glued_speed_squared(const GranularDecomposition& parts);
+
+/// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
+Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g);
+
+/// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
+void apply_interface_impulses(GranularDecomposition& parts, const Vector& change);
+
+/// M and H of a step for the linear analysis. A disk has three rows (x, y, rim; inertia m, m, m/2), empty
+/// ones in H if it is driven. Columns 2 c and 2 c + 1 are the normal and the tangential direction of contact
+/// c. The arriving velocity is V_free. The bodies of walls, which come after the disks, are left out.
+ReferenceProblem reference_problem(const StepProblem& problem, Index disks);
+
+/// The partition of the columns of reference_problem.
+Partition partition_of_columns(const Partition& of_contacts);
+
+}  // namespace nscdd

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/linear_subdomain.hpp"
+
+namespace nscdd {
+
+LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law,
+                                 std::vector<ContactStatus> statuses, double flexibility)
+    : law_(law),
+      statuses_(std::move(statuses)),
+      contacts_(subdomain.contacts),
+      base_(subdomain.velocities),
+      present_(subdomain.velocities),
+      flexibility_(flexibility),
+      network_(frozen_network(subdomain, statuses_)) {
+  if (network_.impulses.cols() == 0) return;
+  matrix_.resize(network_.root.size(), network_.root.size());
+  matrix_.setIdentity();
+  matrix_ = flexibility * matrix_ + SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
+  solver_.emplace(matrix_);
+  regular_ = solver_->factorise(matrix_);
+}
+
+// v + bias in the directions that rest.
+Vector LinearSubdomain::strain(const std::vector<DiskVelocity>& velocities) const {
+  Vector result(network_.resting.cols());
+  Index column = 0;
+  for (std::size_t k = 0; k < statuses_.size(); ++k) {
+    if (statuses_[k] == ContactStatus::open) continue;
+    const DiskContact c = contacts_.contact(k, velocities);
+    const LocalVector v = relative_velocity(c, velocities) + c.bias;
+    result[column++] = v.n;
+    if (statuses_[k] == ContactStatus::stick) result[column++] = v.t;
+  }
+  return result;
+}
+
+LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
+  for (std::size_t i = 0; i < base_.size(); ++i) {
+    base_[i].x += subdomain.velocities[i].x - present_[i].x;
+    base_[i].y += subdomain.velocities[i].y - present_[i].y;
+    base_[i].rim += subdomain.velocities[i].rim - present_[i].rim;
+  }
+  present_ = subdomain.velocities;
+  LinearAnswer result{contacts_.impulses, base_};
+  Vector d;
+  if (solver_) {
+    const Vector here = strain(base_);
+    const Vector change = solver_->solve(matrix_, network_.impulses * -here);  // of M^1/2 V
+    d = (here + network_.resting.transpose() * change) / -flexibility_;
+  }
+  Index column = 0;
+  for (std::size_t k = 0; k < statuses_.size(); ++k) {
+    if (statuses_[k] == ContactStatus::open) continue;
+    const DiskContact c = contacts_.contact(k, base_);
+    LocalVector& r = result.impulses[k];
+    r.n += d[column++];
+    // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
+    r.t = statuses_[k] == ContactStatus::stick ? r.t + d[column++]
+                                               : sliding_slope(statuses_[k], c.friction) * (r.n + c.pull);
+    apply_impulse(c, r - c.impulse, result.velocities);
+  }
+  result.admissible = admits(result);
+  return result;
+}
+
+bool LinearSubdomain::admits(const LinearAnswer& answer) const {
+  const auto impulse = [&](const DiskContact& c) {
+    const LocalVector stop = stopping_impulse(c, answer.velocities);
+    return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, c.inverse_w, c.friction); },
+                      law_);
+  };
+  for (std::size_t k = 0; k < statuses_.size(); ++k) {
+    DiskContact c = contacts_.contact(k, answer.velocities);
+    c.impulse = answer.impulses[k];
+    c.impulse = impulse(c);
+    if (status_of(law_, c) != statuses_[k]) return false;
+  }
+  return true;
+}
+
+SweepSums LinearSubdomain::take(LinearAnswer answer, GranularSubdomain& subdomain) {
+  SweepSums sums;
+  for (std::size_t k = 0; k < statuses_.size(); ++k) {
+    sums.change += squared(answer.impulses[k] - subdomain.contacts.impulses[k]);
+    sums.impulses += squared(answer.impulses[k]);
+  }
+  subdomain.contacts.impulses = std::move(answer.impulses);
+  subdomain.velocities = present_ = std::move(answer.velocities);
+  return sums;
+}
+
+}  // namespace nscdd

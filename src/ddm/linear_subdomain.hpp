@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/frozen_network.hpp"
+#include "linalg/sparse_lu.hpp"
+
+namespace nscdd {
+
+/// What a linear subdomain answers to the impulses of its interface.
+struct LinearAnswer {
+  std::vector<LocalVector> impulses;     ///< of its contacts, N s
+  std::vector<DiskVelocity> velocities;  ///< of its bodies
+  bool admissible = false;               ///< whether the contact law gives every contact the status it was frozen at
+};
+
+/// Stage 1 of a subdomain whose contacts keep their statuses: one solve with a factor that is kept. With the impulses
+/// r_0 and velocities V_0 that it is made from, f what Stage 2 has done since (F' = -A_E^T (F - F_0)), and the columns
+/// G and N of docs/theory.md, section 9,
+///     M (V - V_0) = G d + F',     N^T V + bias = -alpha d,     r = r_0 + (n, t) of d.
+/// alpha > 0 makes hyperstatic networks regular: their contacts are flexible around r_0. As alpha -> 0 the velocities
+/// are those of an exact Stage 1 at these statuses. An open contact has no impulse.
+class LinearSubdomain {
+ public:
+  /// `statuses`: of the present impulses of the contacts. `flexibility`: alpha > 0, 1/kg.
+  LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
+                  double flexibility);
+
+  bool regular() const { return !solver_ || regular_; }  ///< false: nothing else may be asked
+
+  /// The answer at the present velocities of the subdomain, which are those last given or taken and what Stage 2 has
+  /// done since.
+  LinearAnswer answer(const GranularSubdomain& subdomain);
+
+  /// Gives the subdomain the impulses and velocities of an answer. Returns their sums.
+  SweepSums take(LinearAnswer answer, GranularSubdomain& subdomain);
+
+ private:
+  Vector strain(const std::vector<DiskVelocity>& velocities) const;
+  bool admits(const LinearAnswer& answer) const;
+
+  ContactLaw law_;
+  std::vector<ContactStatus> statuses_;
+  ContactRows contacts_;               // with r_0
+  std::vector<DiskVelocity> base_;     // V_0 + M^-1 F'
+  std::vector<DiskVelocity> present_;  // of the subdomain when it was left last
+  double flexibility_;
+  FrozenNetwork network_;
+  SparseMatrix matrix_;  // alpha + M^-1/2 G N^T M^-1/2
+  std::optional<SparseLu> solver_;
+  bool regular_ = false;
+};
+
+}  // namespace nscdd

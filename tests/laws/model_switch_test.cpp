@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Subdomains that become linear while their statuses stand still: what they answer, when they go back, and that a run
+// comes to the same end with them.
+#include "ddm/model_switch.hpp"
+
+#include "../support/granular.hpp"
+#include "linalg/threads.hpp"
+
+#include <Eigen/LU>
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+Dynamics divided(SwitchedModel model) {
+  Dynamics dynamics = tight();
+  dynamics.interaction.friction = 0.4;
+  dynamics.solver.algorithm = "generic";
+  dynamics.solver.tolerance = 1e-7;
+  dynamics.solver.gluing_tolerance = 1e-7;
+  dynamics.solver.maximum_iterations = 50'000;
+  dynamics.solver.model = model;
+  dynamics.solver.switch_after = 5;
+  dynamics.solver.switch_flexibility = Flexibility(1e-8, true);
+  return dynamics;
+}
+
+// A crooked column of disks that is about to topple: every contact sticks, and there is one way to carry the loads.
+Simulation column(SwitchedModel model) {
+  std::vector<Grain> grains;
+  for (Index k = 0; k < 8; ++k)
+    grains.push_back({k % 2 == 0 ? 0.0 : 0.2, 0.5 + std::sqrt(0.96) * static_cast<double>(k), 0.5,
+                      1 + 0.1 * static_cast<double>(k)});
+  Dynamics dynamics = divided(model);
+  dynamics.interaction.friction = 2;
+  dynamics.boundaries.push_back(floor_wall());
+  return simulation_of(grains, dynamics, {1, 4});
+}
+
+std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain& subdomain) {
+  std::vector<ContactStatus> statuses;
+  for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+    statuses.push_back(status_of(law, subdomain.contacts.contact(k, subdomain.velocities)));
+  return statuses;
+}
+
+// M (V - V_0) = G d, N^T V + bias = -alpha d as one dense system in V of all bodies and d, written out from the
+// definitions of DiskContact. Returns the velocities.
+std::vector<DiskVelocity> frozen_by_hand(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses,
+                                         double alpha) {
+  const Index n = 3 * count(subdomain.velocities);
+  Index columns = 0;
+  Matrix g = Matrix::Zero(n, 2 * count(statuses)), rest = g;
+  Vector bias = Vector::Zero(2 * count(statuses));
+  for (std::size_t k = 0; k < statuses.size(); ++k) {
+    if (statuses[k] == ContactStatus::open) continue;
+    const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
+    const auto [x, y] = c.normal;
+    Vector normal = Vector::Zero(n), tangent = Vector::Zero(n);
+    normal.segment<3>(3 * c.a) << -x, -y, 0;
+    normal.segment<3>(3 * c.b) << x, y, 0;
+    tangent.segment<3>(3 * c.a) << y, -x, -1;
+    tangent.segment<3>(3 * c.b) << -y, x, -1;
+    const bool stick = statuses[k] == ContactStatus::stick;
+    const double mu = stick ? 0 : statuses[k] == ContactStatus::slide_backward ? c.friction : -c.friction;
+    g.col(columns) = normal + mu * tangent;
+    rest.col(columns) = normal;
+    bias[columns++] = c.bias.n;
+    if (!stick) continue;
+    g.col(columns) = rest.col(columns) = tangent;
+    bias[columns++] = c.bias.t;
+  }
+  Matrix system = Matrix::Zero(n + columns, n + columns);
+  Vector right(n + columns);
+  for (Index i = 0; i < count(subdomain.velocities); ++i) {
+    const DiskVelocity& v = subdomain.velocities[at(i)];
+    const bool free = v.inverse_mass > 0;
+    const double mass = free ? 1 / v.inverse_mass : 1;
+    system.diagonal().segment<3>(3 * i) << mass, mass, mass / 2;
+    right.segment<3>(3 * i) << mass * v.x, mass * v.y, mass * v.rim / 2;
+    if (free) system.block(3 * i, n, 3, columns) = -g.block(3 * i, 0, 3, columns);
+  }
+  system.bottomLeftCorner(columns, n) = rest.leftCols(columns).transpose();
+  system.bottomRightCorner(columns, columns).diagonal().setConstant(alpha);
+  right.tail(columns) = -bias.head(columns);
+  const Vector solution = system.fullPivLu().solve(right);
+  std::vector<DiskVelocity> v = subdomain.velocities;
+  for (Index i = 0; i < count(v); ++i) {
+    v[at(i)].x = solution[3 * i];
+    v[at(i)].y = solution[3 * i + 1];
+    v[at(i)].rim = solution[3 * i + 2];
+  }
+  return v;
+}
+
+// A disk on a wall and a second beside it, gap 0.1 at a step of 0.005 s, as one subdomain: after some sweeps the first
+// sticks with a normal impulse, and the second touches nothing.
+struct OnTheFloor {
+  GranularDecomposition parts;
+  ContactLaw law = Coulomb{};
+  ModelSwitch::Sweeps sweeps = [this](GranularSubdomain& one) {
+    return gauss_seidel_sweep(law, one.contacts, one.velocities);
+  };
+  Vector none = Vector::Zero(0);
+  Surroundings around{parts.interface, 0, none};
+  ModelSwitch model;
+
+  static GranularDecomposition parts_of() {
+    Dynamics dynamics = tight();
+    dynamics.interaction.friction = 0.5;
+    dynamics.time.alert = 1;
+    dynamics.boundaries.push_back(floor_wall());
+    const PreparedStep step = prepare_solution(simulation_of({{0, 0.5}, {1.1, 0.5}}, dynamics));
+    return decompose(step.problem, step.partition, ContactOrder::natural, 0);
+  }
+  OnTheFloor() : parts(parts_of()), model(parts, 0, law, {.after = 3, .flexibility = 1e-6}, 0) {
+    for (int k = 0; k < 6; ++k) model.stage_one(parts.subdomains[0], sweeps, around);
+  }
+  GranularSubdomain& subdomain() { return parts.subdomains[0]; }
+  RememberedModel report() { return model.report(subdomain(), sweeps, around); }
+};
+
+}  // namespace
+
+TEST_CASE("a linear subdomain answers what a dense solve of its frozen network does, sliding or not, pushed or not") {
+  Dynamics dynamics = divided(SwitchedModel::none);
+  PreparedStep step = prepare_solution(box_of_grains(60, dynamics, {2, 1}));
+  for (int k = 0; k < 300; ++k) step.iteration.iterate();
+  for (GranularSubdomain subdomain : step.iteration.parts().subdomains) {
+    const auto statuses = statuses_of(step.problem.law, subdomain);
+    REQUIRE(std::ranges::count(statuses, ContactStatus::stick) > 3);
+    REQUIRE(std::ranges::count(statuses, ContactStatus::open) > 0);
+    REQUIRE(std::ranges::count_if(statuses, [](auto s) { return s > ContactStatus::stick; }) > 3);
+    for (const double alpha : {1e-2, 1e-6}) {
+      LinearSubdomain linear(subdomain, step.problem.law, statuses, alpha * step.problem.scale);
+      REQUIRE(linear.regular());
+      for (int push = 0; push < 2; ++push) {
+        GranularSubdomain pushed = subdomain;  // as Stage 2 does
+        if (push == 1) pushed.velocities[1].x += pushed.velocities[1].inverse_mass > 0 ? 0.01 : 0;
+        const LinearAnswer answer = linear.answer(pushed);
+        const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.problem.scale);
+        const Index bodies = count(by_hand);
+        CHECK(largest_difference(answer.velocities, by_hand, bodies) < 1e-8 * largest_speed(by_hand, bodies));
+      }
+    }
+  }
+}
+
+TEST_CASE("where statuses stand still, a run that switches comes to the velocities and impulses of one that does not") {
+  Simulation plain = column(SwitchedModel::none), switched = column(SwitchedModel::linear);
+  Index linear_iterations = 0, iterations = 0;
+  for (int k = 0; k < 12; ++k) {
+    const SolvedStep a = solve_step(plain), b = solve_step(switched);
+    REQUIRE(a.report.status == SolverStatus::converged);
+    REQUIRE(b.report.status == SolverStatus::converged);
+    const Index disks = plain.system.disks();
+    CHECK(largest_difference(a.velocities, b.velocities, disks) < 1e-6);
+    for (std::size_t c = 0; c < a.contacts.size(); ++c)
+      CHECK(std::hypot(a.contacts[c].impulse.n - b.contacts[c].impulse.n,
+                       a.contacts[c].impulse.t - b.contacts[c].impulse.t) < 1e-6);
+    for (const RememberedModel& model : b.models) linear_iterations += model.switched_iterations;
+    iterations += b.report.last.iteration;
+    take_step(plain, a);
+    take_step(switched, b);
+  }
+  CHECK(linear_iterations > iterations);  // of four subdomains
+}
+
+TEST_CASE("a subdomain that is switched goes back in the iteration in which a contact would do what it cannot") {
+  struct Push {
+    const char* what;
+    Index disk;
+    double x, y;
+  };
+  for (const Push push : {Push{"pull", 0, 0, 1}, {"leave the cone", 0, 1, 0}, {"close a gap", 1, -50, 0}}) {
+    CAPTURE(push.what);
+    OnTheFloor one;
+    REQUIRE(one.report().switched == 1);
+    REQUIRE(one.report().switched_iterations == 2);
+    GranularSubdomain& subdomain = one.subdomain();
+    const auto body = std::ranges::find(subdomain.bodies, push.disk) - subdomain.bodies.begin();
+    subdomain.velocities[at(body)].x += push.x;
+    subdomain.velocities[at(body)].y += push.y;
+    GranularSubdomain by_law = subdomain;
+    one.sweeps(by_law);
+    one.model.stage_one(subdomain, one.sweeps, one.around);
+    CHECK(one.report().switched == 0);
+    CHECK(one.report().switch_backs == 1);
+    CHECK(one.report().standing == 0);
+    for (std::size_t i = 0; i < by_law.velocities.size(); ++i) {
+      CHECK(subdomain.velocities[i].x == by_law.velocities[i].x);
+      CHECK(subdomain.velocities[i].y == by_law.velocities[i].y);
+      CHECK(subdomain.velocities[i].rim == by_law.velocities[i].rim);
+    }
+  }
+  OnTheFloor one;  // a push that friction holds
+  const auto disk = std::ranges::find(one.subdomain().bodies, 0) - one.subdomain().bodies.begin();
+  one.subdomain().velocities[at(disk)].x += 0.001;
+  one.model.stage_one(one.subdomain(), one.sweeps, one.around);
+  CHECK(one.report().switched == 1);
+  CHECK(one.report().switched_iterations == 3);
+}
+
+TEST_CASE("a run that switches has the same bits on any number of threads") {
+  std::vector<std::vector<double>> ends;
+  Index switched = 0;
+  for (const Index threads : {1, 2, 5}) {
+    const ThreadLimit limit(threads);
+    Dynamics dynamics = divided(SwitchedModel::linear);
+    dynamics.solver.warm_start = true;
+    dynamics.solver.tolerance = 1e-6;
+    Simulation simulation = box_of_grains(80, dynamics, {3, 2});
+    for (int k = 0; k < 3; ++k) {
+      const SolvedStep step = solve_step(simulation);
+      for (const RememberedModel& model : step.models) switched += model.switched_iterations;
+      take_step(simulation, step);
+    }
+    ends.push_back(simulation.state.velocity_x);
+    ends.back().insert(ends.back().end(), simulation.state.y.begin(), simulation.state.y.end());
+  }
+  CHECK(switched > 0);
+  CHECK(ends[1] == ends[0]);
+  CHECK(ends[2] == ends[0]);
+}
