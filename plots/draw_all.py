@@ -21,6 +21,7 @@ import relaxation
 import scalability
 import size
 import style
+import switch
 
 # What draws the results of a study.
 DRAW = {
@@ -42,6 +43,7 @@ DRAW = {
     "partition": partition.draw,
     "predicted-observed": predicted_observed.draw,
     "profiles": profiles.draw,
+    "switch": switch.draw,
 }
 WITHOUT_FIGURE = ["semi-implicit"]
 

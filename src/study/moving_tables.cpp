@@ -1,37 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/moving_tables.hpp"
+
 #include "study/predicted_observed.hpp"
-#include "study/study.hpp"
 
 #include <set>
 
 namespace nscdd {
+
+const ResultColumns<SolvedCase>& solver_columns() {
+  using One = SolvedCase;
+  static const ResultColumns<One> columns{
+      {"case", "", "name of the case", [](const One& one) { return one.name; }},
+      {"grains", "1", "free disks", [](const One& one) { return one.simulation.system.free_disks(); }},
+      {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
+      {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
+       [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
+      {"eta", "1/kg", "flexibility of the enriched Stage 2; inf for the generic one", &One::flexibility},
+      {"eta_relative", "1", "the same in multiples of the mean of W_nn over the contacts considered",
+       [](const One& one) { return one.flexibility() / one.report.scale; }},
+      {"interface_dofs", "1", "interface unknowns n_Gamma", [](const One& one) { return one.report.interface_size; }}};
+  return columns;
+}
+
+Index row_per_step(const StudyTable& table) { return count(table.steps); }
+
+KnownCells known_step(const StudyTable& table, Index row) {
+  return {{table.observable->first_step == 0 ? "steps" : "step", table.steps[at(row)]}};
+}
+
 namespace {
-
-// The record of an observable of cases that move. `observe(work, step, sink)` hands over the results at one of the
-// steps of a table: the step that is examined, or the number of steps that are done (see Observable::first_step). It
-// returns how many of the results are not known. `columns()` are the columns of the results.
-template <auto columns, auto observe>
-constexpr Observable at_steps(Observable record) {
-  record.keys = {"steps", "lead_in"};
-  record.moving = true;
-  record.columns = [](const StudyTable&) { return headings(columns()); };
-  record.run = [](const ObservedCase& work) {
-    const std::vector<Index>& steps = work.table.steps;
-    const auto sink = as_rows(columns(), work.sink);
-    Index failed = 0;
-    for (Index k = work.first; k < count(steps); ++k) {
-      failed += observe(work, steps[at(k)], sink);
-      if (work.table.observable->rows != nullptr && !report(work.monitor, k + 1, count(steps))) break;
-    }
-    return failed;
-  };
-  return record;
-}
-
-// The case of a table after some steps.
-Simulation simulation_at(const ObservedCase& work, Index steps) {
-  return work.lead_in.at(work.one, steps, work.table.lead_in).simulation;
-}
 
 // Subdomains that hold each disk after a fresh decomposition of the present step.
 std::vector<std::set<Index>> memberships(const SolvedStep& step, Index disks) {
@@ -115,31 +112,6 @@ Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& si
           c.impulse.t, status_of(step.problem.law, c), step.partition.subdomain_of_contact[k]});
   }
   return 0;
-}
-
-// A case with its solver, as these tables tell of it.
-struct SolvedCase {
-  const std::string& name;
-  const Simulation& simulation;
-  StepReport report;  // of its last step
-
-  const StepSolver& solver() const { return simulation.dynamics.solver; }
-  double flexibility() const { return solver().algorithm == StepAlgorithm::enriched ? report.eta : infinity; }
-};
-
-const ResultColumns<SolvedCase>& solver_columns() {
-  using One = SolvedCase;
-  static const ResultColumns<One> columns{
-      {"case", "", "name of the case", [](const One& one) { return one.name; }},
-      {"grains", "1", "free disks", [](const One& one) { return one.simulation.system.free_disks(); }},
-      {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
-      {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
-       [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
-      {"eta", "1/kg", "flexibility of the enriched Stage 2; inf for the generic one", &One::flexibility},
-      {"eta_relative", "1", "the same in multiples of the mean of W_nn over the contacts considered",
-       [](const One& one) { return one.flexibility() / one.report.scale; }},
-      {"interface_dofs", "1", "interface unknowns n_Gamma", [](const One& one) { return one.report.interface_size; }}};
-  return columns;
 }
 
 // One iteration of a step: Figures 9 and 11 of [ADI12].
@@ -257,12 +229,6 @@ Index compared_rates(const ObservedCase& work, Index step, const Sink<ComparedSt
   const ComparedStep result{{work.one.spec.name, simulation, rates.report}, step, rates};
   sink(result);
   return Index{!result.known()};
-}
-
-Index row_per_step(const StudyTable& table) { return count(table.steps); }
-
-KnownCells known_step(const StudyTable& table, Index row) {
-  return {{table.observable->first_step == 0 ? "steps" : "step", table.steps[at(row)]}};
 }
 
 }  // namespace

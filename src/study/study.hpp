@@ -38,12 +38,12 @@ struct Observable {
 
 namespace observables {
 extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration, force_chains,
-    predicted_observed, runs, contact_solvers;
+    predicted_observed, runs, switching, contact_solvers;
 
 /// Every observable, in the order of `nscdd list`.
 inline constexpr std::array all{
-    &spectral_radius, &optimum,      &observed_rate,      &links, &grains,         &indicators,
-    &configuration,   &force_chains, &predicted_observed, &runs,  &contact_solvers};
+    &spectral_radius, &optimum,      &observed_rate,      &links, &grains,    &indicators,
+    &configuration,   &force_chains, &predicted_observed, &runs,  &switching, &contact_solvers};
 }  // namespace observables
 
 /// A case parameter taken through a list of values, such as packing.grains.
