@@ -12,7 +12,7 @@ struct UmfpackFactors {
     umfpack_di_defaults(control);
     control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
     control[UMFPACK_ORDERING] = UMFPACK_ORDERING_AMD;
-    control[UMFPACK_IRSTEP] = 1;
+    control[UMFPACK_IRSTEP] = 0;
   }
   ~UmfpackFactors() {
     umfpack_di_free_numeric(&numeric);

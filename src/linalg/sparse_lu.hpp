@@ -16,7 +16,7 @@ class SparseLu {
 
   /// Returns false for a matrix that is singular to rounding; `solve` must not be called then.
   bool factorise(const SparseMatrix& a);
-  /// A^-1 b with one step of iterative refinement, for the matrix factorised last.
+  /// A^-1 b for the matrix factorised last, without iterative refinement.
   Vector solve(const SparseMatrix& a, const Vector& b) const;
   /// Floating-point operations of all factorisations and solves so far, as UMFPACK counts them.
   double operations() const;

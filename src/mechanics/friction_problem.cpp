@@ -215,6 +215,8 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   local.w = w.matrix(problem.h.cols(), problem.h.cols());
   local.q = problem.h.transpose() * free + problem.w;
   local.friction = problem.friction;
+  local.mass = problem.mass;
+  local.h = problem.h;
   check(local, name);
   return local;
 }

@@ -184,14 +184,12 @@ void SolverRun::go_back(const FrictionSolution& earlier) {
   now.state = earlier.state;
 }
 
-Couplings couplings(const LocalFrictionProblem& problem) {
-  Couplings result;
-  result.symmetric = 0.5 * (problem.w + SparseMatrix(problem.w.transpose()));
-  result.rest = problem.w - result.symmetric;
-  result.normal.resize(2 * problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c)
-    result.normal[2 * c] = result.normal[2 * c + 1] = problem.w.coeff(2 * c, 2 * c);
-  return result;
+Couplings::Couplings(const LocalFrictionProblem& problem)
+    : symmetric(0.5 * (problem.w + SparseMatrix(problem.w.transpose()))),
+      rest(problem.w - symmetric),
+      normal(2 * problem.contacts()),
+      matrix(problem, symmetric) {
+  for (Index c = 0; c < problem.contacts(); ++c) normal[2 * c] = normal[2 * c + 1] = problem.w.coeff(2 * c, 2 * c);
 }
 
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,

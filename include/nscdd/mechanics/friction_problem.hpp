@@ -14,6 +14,9 @@ struct LocalFrictionProblem {
   SparseMatrix w;   ///< W, 2c x 2c, symmetric, 1/kg
   Vector q;         ///< relative velocities without contact impulses, 2c entries
   Vector friction;  ///< coefficient of friction >= 0, c entries
+  /// M and H where W = H^T M^-1 H is known to come from them, as `reduce` knows; else 0 x 0. Solvers that factorise
+  /// are faster with them.
+  SparseMatrix mass{}, h{};
 
   Index contacts() const { return friction.size(); }
 };

@@ -25,7 +25,7 @@ void automatic(SolverRun& run) {
       run.go_back(run.best());
     }
     if (run.spent()) continue;
-    if (!w) w = couplings(run.problem);
+    if (!w) w.emplace(run.problem);
     const FrictionSolution swept = run.now;
     if (finish_by_newton(run, *w)) return;
     run.go_back(swept);

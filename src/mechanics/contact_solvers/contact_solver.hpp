@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mechanics/contact_law.hpp"
+#include "mechanics/contact_solvers/contact_matrix.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <chrono>
@@ -65,22 +66,27 @@ class SolverRun {
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
 
-/// W as W_s + W_a with a symmetric W_s, as files of six digits need it, and W_nn of its contact at each component.
+/// W as W_s + W_a with a symmetric W_s, as files of six digits need it, W_nn of its contact at each component, and what
+/// solves linear systems of contacts.
 struct Couplings {
+  explicit Couplings(const LocalFrictionProblem& problem);
+  Couplings(const Couplings&) = delete;  // `matrix` looks at `symmetric`
+  Couplings& operator=(const Couplings&) = delete;
+
   SparseMatrix symmetric, rest;
   Vector normal;  ///< 2c entries, 1/kg
+  ContactMatrix matrix;
 };
-Couplings couplings(const LocalFrictionProblem& problem);
 
 /// Sweeps until the run is over or `most` more are done. Returns whether it is over. See nlgs.cpp.
 bool sweep(SolverRun& run, Index most);
 
 /// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
-bool finish_by_newton(SolverRun& run, const Couplings& w);
+bool finish_by_newton(SolverRun& run, Couplings& w);
 
 /// Follows the central path from next to the present impulses (if they vanish: unit ones), where the gap is so many
 /// times their mean square. Returns whether the run is over. See interior_point.cpp.
-bool follow_path(SolverRun& run, const Couplings& w, double relative_gap);
+bool follow_path(SolverRun& run, Couplings& w, double relative_gap);
 
 /// The solvers.
 void nlgs(SolverRun& run);

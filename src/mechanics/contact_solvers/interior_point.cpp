@@ -5,7 +5,6 @@
 // The central path replaces each 0 by one gap > 0, which falls. The problem is not monotone: the path may turn, so
 // steps keep all products near their mean, and infeasibility is taken away no faster than the gap (Mehrotra's
 // predictor and corrector, with the neighbourhood of Wright 1997, chapter 5).
-#include "linalg/sparse_lu.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
@@ -31,14 +30,13 @@ struct Direction {
 // A point of the interior, in units in which the mean of W_nn and the largest component of q are 1.
 class InteriorPoint {
  public:
-  InteriorPoint(const LocalFrictionProblem& problem, const Couplings& w, const Vector& impulses, double relative_gap);
+  InteriorPoint(const LocalFrictionProblem& problem, Couplings& w, const Vector& impulses, double relative_gap);
 
   /// One step towards a smaller gap. Returns its length, 0 if there is no direction.
   double advance();
   /// Goes to the point next to the present impulses where every product is the gap times `factor`.
   void centre_again(double factor) { centre(own_impulses(), factor * gap()); }
   Vector impulses() const { return impulse_unit_ * own_impulses(); }
-  double operations() const { return lu_->operations(); }
 
  private:
   bool rubs(Index c) const { return friction_[c] > least_friction; }
@@ -51,19 +49,15 @@ class InteriorPoint {
   bool factorise();
   Direction towards(const Pairs& products, double kept_residual) const;
 
-  const Couplings& w_;
+  Couplings& w_;
   Vector friction_, q_;
   double impulse_unit_, w_unit_;
-  Pairs x_, y_, counted_;                     // counted_: 1 for the pairs that a contact has, else 0
-  Vector u_t_, residual_;                     // residual_: W r + q - u
-  SparseMatrix matrix_;                       // W + D, in the same places in every step
-  Vector couplings_;                          // the values of W there
-  std::vector<std::array<Index, 3>> places_;  // of each contact: (n, n), (t, n), (t, t)
-  Pairs ratio_;                               // forward, backward: a / (l + u_t), b / (l - u_t); speed: E; normal: T
-  std::optional<SparseLu> lu_;
+  Pairs x_, y_, counted_;  // counted_: 1 for the pairs that a contact has, else 0
+  Vector u_t_, residual_;  // residual_: W r + q - u
+  Pairs ratio_;            // forward, backward: a / (l + u_t), b / (l - u_t); speed: E; normal: T
 };
 
-InteriorPoint::InteriorPoint(const LocalFrictionProblem& problem, const Couplings& w, const Vector& impulses,
+InteriorPoint::InteriorPoint(const LocalFrictionProblem& problem, Couplings& w, const Vector& impulses,
                              double relative_gap)
     : w_(w), friction_(problem.friction), counted_(Pairs::Zero(friction_.size(), 4)) {
   w_unit_ = w.normal.mean();
@@ -75,20 +69,6 @@ InteriorPoint::InteriorPoint(const LocalFrictionProblem& problem, const Coupling
   if (r.isZero(0))
     for (Index c = 0; c < contacts; ++c) r[2 * c] = 1;
   centre(r, relative_gap * r.squaredNorm() / static_cast<double>(2 * contacts));
-  // The pattern of W, and of every contact its whole block.
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (int j = 0; j < w.symmetric.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(w.symmetric, j); e; ++e)
-      entries.emplace_back(e.row(), e.col(), e.value() / w_unit_);
-  for (int n = 0; n < 2 * contacts; n += 2)
-    for (const auto& [i, j] : {std::pair(n, n), std::pair(n + 1, n), std::pair(n, n + 1), std::pair(n + 1, n + 1)})
-      entries.emplace_back(i, j, 0.0);
-  matrix_.resize(2 * contacts, 2 * contacts);
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  couplings_ = Vector::Map(matrix_.valuePtr(), matrix_.nonZeros());
-  const auto place = [&](int i, int j) -> Index { return &matrix_.coeffRef(i, j) - matrix_.valuePtr(); };
-  for (int n = 0; n < 2 * contacts; n += 2) places_.push_back({place(n, n), place(n + 1, n), place(n + 1, n + 1)});
-  lu_.emplace(matrix_);
 }
 
 // The point next to r where every product is `gap`. It obeys all but u = W r + q.
@@ -146,23 +126,25 @@ bool InteriorPoint::is_central(double length, const Direction& d) const {
 
 // Eliminating all but dr leaves (W + D) dr = ..., where D couples the two components of a contact.
 bool InteriorPoint::factorise() {
-  Vector::Map(matrix_.valuePtr(), matrix_.nonZeros()) = couplings_;
   ratio_ = Pairs::Ones(x_.rows(), 4);
-  double* const values = matrix_.valuePtr();
+  std::vector<ContactRelation> relations(at(friction_.size()));
   for (Index c = 0; c < friction_.size(); ++c) {
-    const auto& [nn, tn, tt] = places_[at(c)];
-    values[nn] += y_(c, normal) / x_(c, normal);
-    if (!rubs(c)) {
-      values[tt] += 1e30;  // r_t stays 0
-      continue;
+    Eigen::Matrix2d& p = relations[at(c)].p;
+    relations[at(c)].q.setIdentity();
+    p(0, 0) = y_(c, normal) / x_(c, normal);
+    if (rubs(c)) {
+      const double a = x_(c, forward) / y_(c, forward), b = x_(c, backward) / y_(c, backward);
+      const double l = x_(c, speed), e = l * (a + b) + y_(c, speed), t = (4 * l * a * b + y_(c, speed) * (a + b)) / e;
+      ratio_.row(c) << t, a, b, e;
+      p(1, 0) = -(a - b) * l * friction_[c] / (e * t);
+      p(1, 1) = 1 / t;
+      p *= w_unit_;
+    } else {
+      p(0, 0) *= w_unit_;
+      relations[at(c)].q(1, 1) = 0;  // r_t stays 0
     }
-    const double a = x_(c, forward) / y_(c, forward), b = x_(c, backward) / y_(c, backward);
-    const double l = x_(c, speed), e = l * (a + b) + y_(c, speed), t = (4 * l * a * b + y_(c, speed) * (a + b)) / e;
-    ratio_.row(c) << t, a, b, e;
-    values[tn] -= (a - b) * l * friction_[c] / (e * t);
-    values[tt] += 1 / t;
   }
-  return lu_->factorise(matrix_);
+  return w_.matrix.factorise(std::move(relations));
 }
 
 // The direction in which the products change by `products` and u nears W r + q by the part `kept_residual`.
@@ -171,6 +153,7 @@ Direction InteriorPoint::towards(const Pairs& products, double kept_residual) co
   Vector right = -kept_residual * residual_, tangential = Vector::Zero(contacts), sliding = Vector::Zero(contacts);
   for (Index c = 0; c < contacts; ++c) {
     right[2 * c] += products(c, normal) / x_(c, normal);
+    if (!rubs(c)) right[2 * c + 1] = 0;
     if (!rubs(c)) continue;
     const double t = ratio_(c, normal), a = ratio_(c, forward), b = ratio_(c, backward), e = ratio_(c, speed);
     const double p = products(c, forward) / y_(c, forward), m = products(c, backward) / y_(c, backward);
@@ -178,7 +161,7 @@ Direction InteriorPoint::towards(const Pairs& products, double kept_residual) co
     tangential[c] = p - m - (a - b) * sliding[c] / e;
     right[2 * c + 1] += tangential[c] / t;
   }
-  const Vector dr = lu_->solve(matrix_, right);
+  const Vector dr = w_.matrix.solve(w_unit_ * right);
   Direction d{Pairs::Zero(contacts, 4), Pairs::Zero(contacts, 4), Vector::Zero(contacts)};
   for (Index c = 0; c < contacts; ++c) {
     const double dn = dr[2 * c], l = x_(c, speed), mu = friction_[c];
@@ -225,16 +208,16 @@ double InteriorPoint::advance() {
 
 }  // namespace
 
-bool follow_path(SolverRun& run, const Couplings& w, double relative_gap) {
+bool follow_path(SolverRun& run, Couplings& w, double relative_gap) {
   if (run.problem.q.isZero(0)) return run.judge(Vector::Zero(run.now.impulses.size()));
   InteriorPoint point(run.problem, w, run.now.impulses, relative_gap);
   double last_trial = newton_from / newton_after;
-  double usual_length = 1, counted = 0;
+  double usual_length = 1;
   bool centred = false;
   for (Index step = 0; step < most_steps && !run.spent(); ++step) {
-    const double length = point.advance(), operations = point.operations();
+    const double length = point.advance();
     ++run.now.factorisations;
-    run.now.operations += operations - std::exchange(counted, operations);
+    run.now.operations += w.matrix.take_operations();
     const Vector impulses = point.impulses();
     if (!run.plausible(impulses)) return false;
     if (run.judge(impulses, {.length = length})) {
@@ -259,7 +242,7 @@ bool follow_path(SolverRun& run, const Couplings& w, double relative_gap) {
 
 void interior_point(SolverRun& run) {
   if (run.judge(run.now.impulses)) return;
-  const Couplings w = couplings(run.problem);
+  Couplings w(run.problem);
   for (const double relative_gap : {3.0, 0.3, 0.03}) {
     if (follow_path(run, w, relative_gap)) return;
     run.go_back(run.best());

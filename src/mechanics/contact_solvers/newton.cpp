@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Proximal Newton steps on the statuses of contacts (Alart and Curnier), from impulses near a solution.
-#include "linalg/sparse_lu.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
@@ -24,55 +23,41 @@ Statuses statuses_at(const SolverRun& run, const Couplings& w, double alpha) {
   return statuses;
 }
 
-// How many unknowns each status has: none open, two sticking (r_n, r_t), one sliding (r_n, r_t = +- mu r_n).
-struct Unknowns {
-  SparseMatrix impulses;    // 2c x k: r of the unknowns
-  SparseMatrix velocities;  // 2c x k: the components of u that vanish
-};
-Unknowns unknowns_of(const LocalFrictionProblem& problem, const Statuses& statuses) {
-  std::vector<Eigen::Triplet<double, int>> impulses, velocities;
-  int next = 0;
-  for (std::size_t c = 0; c < statuses.size(); ++c) {
-    if (statuses[c] == ContactStatus::open) continue;
-    const int normal = static_cast<int>(2 * c), tangent = normal + 1;
-    impulses.emplace_back(normal, next, 1.0);
-    velocities.emplace_back(normal, next, 1.0);
-    if (statuses[c] == ContactStatus::stick) {
-      ++next;
-      impulses.emplace_back(tangent, next, 1.0);
-      velocities.emplace_back(tangent, next, 1.0);
-    } else {
-      const double mu = problem.friction[static_cast<Index>(c)];
-      impulses.emplace_back(tangent, next, statuses[c] == ContactStatus::slide_backward ? mu : -mu);
-    }
-    ++next;
+// Open: r = 0. Stick: u = 0. Slide: u_n = 0 and r_t = +- mu r_n. There u = W r + q + alpha W_nn (r - r_now).
+ContactRelation relation_of(ContactStatus status, double friction, double proximal) {
+  ContactRelation relation;
+  if (status == ContactStatus::open) return relation;
+  relation.p(0, 0) = proximal;
+  relation.q(0, 0) = 1;
+  if (status == ContactStatus::stick) {
+    relation.p(1, 1) = proximal;
+    relation.q(1, 1) = 1;
+  } else {
+    relation.p(1, 0) = status == ContactStatus::slide_backward ? -friction : friction;
   }
-  Unknowns result{SparseMatrix(2 * problem.contacts(), next), SparseMatrix(2 * problem.contacts(), next)};
-  result.impulses.setFromTriplets(impulses.begin(), impulses.end());
-  result.velocities.setFromTriplets(velocities.begin(), velocities.end());
-  return result;
+  return relation;
 }
 
-// The impulses r of these statuses with u = W r + q + alpha W_nn (r - r_now); none if their matrix is singular.
-std::optional<Vector> impulses_of(SolverRun& run, const Couplings& w, const Statuses& statuses, double alpha) {
-  const Unknowns unknowns = unknowns_of(run.problem, statuses);
-  if (unknowns.impulses.cols() == 0) return Vector::Zero(run.now.impulses.size());
+// The impulses r of these statuses; none if their matrix is singular.
+std::optional<Vector> impulses_of(SolverRun& run, Couplings& w, const Statuses& statuses, double alpha) {
   const Vector proximal = alpha * w.normal;
-  SparseMatrix left = w.symmetric * unknowns.impulses;
-  left += SparseMatrix(proximal.asDiagonal() * unknowns.impulses);
-  const SparseMatrix matrix = SparseMatrix(unknowns.velocities.transpose()) * left;
   const Vector right = proximal.cwiseProduct(run.now.impulses) - run.problem.q - w.rest * run.now.impulses;
-  SparseLu lu(matrix);
+  std::vector<ContactRelation> relations;
+  Vector b(right.size());
+  for (Index c = 0; c < run.problem.contacts(); ++c) {
+    relations.push_back(relation_of(statuses[at(c)], run.problem.friction[c], proximal[2 * c]));
+    b.segment<2>(2 * c) = relations.back().q * right.segment<2>(2 * c);
+  }
   ++run.now.factorisations;
   std::optional<Vector> found;
-  if (lu.factorise(matrix)) found = unknowns.impulses * lu.solve(matrix, unknowns.velocities.transpose() * right);
-  run.now.operations += lu.operations();
+  if (w.matrix.factorise(std::move(relations))) found = w.matrix.solve(b);
+  run.now.operations += w.matrix.take_operations();
   return found;
 }
 
 }  // namespace
 
-bool finish_by_newton(SolverRun& run, const Couplings& w) {
+bool finish_by_newton(SolverRun& run, Couplings& w) {
   const double first = run.now.state.residual;
   double alpha = first_proximal, last = first;
   Statuses before;

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mechanics/contact_solvers/contact_matrix.hpp"
+
+#include "linalg/sparse_entries.hpp"
+
+#include <Eigen/LU>
+
+namespace nscdd {
+namespace {
+
+// W in whole blocks, zeros where it has none, and the blocks of all contacts with themselves.
+SparseMatrix whole_blocks(const SparseMatrix& w) {
+  SparseEntries entries;
+  const auto add_block = [&](Index c, Index d) {
+    for (const Index j : {2 * d, 2 * d + 1})
+      for (const Index i : {2 * c, 2 * c + 1}) entries.add(i, j, 0);
+  };
+  for_entries(w, [&](Index i, Index j, double value) {
+    if (i % 2 == 0 || j % 2 != 0) add_block(i / 2, j / 2);
+    entries.add(i, j, value);
+  });
+  for (Index c = 0; c < w.rows() / 2; ++c) add_block(c, c);
+  return entries.matrix(w.rows(), w.cols());
+}
+
+std::vector<Index> rows_of(const SparseMatrix& h, Index contact) {
+  std::vector<Index> rows;
+  for (const Index j : {2 * contact, 2 * contact + 1})
+    for (SparseMatrix::InnerIterator e(h, j); e; ++e) rows.push_back(e.row());
+  std::ranges::sort(rows);
+  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  return rows;
+}
+
+// M with a place for every product of two rows of H that share a contact.
+SparseMatrix with_places(const SparseMatrix& mass, const SparseMatrix& h) {
+  SparseEntries entries;
+  entries.add_block(mass, 0, 0);
+  for (Index c = 0; c < h.cols() / 2; ++c) {
+    const std::vector<Index> rows = rows_of(h, c);
+    for (const Index j : rows)
+      for (const Index i : rows) entries.add(i, j, 0);
+  }
+  return entries.matrix(mass.rows(), mass.cols());
+}
+
+}  // namespace
+
+ContactMatrix::ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w) : problem_(problem), w_(w) {
+  if (problem.h.cols() > 0) constant_ = with_places(problem.mass, problem.h);
+  if (problem.h.cols() > 0 && constant_.nonZeros() < w.nonZeros())
+    bodies_.resize(at(problem.contacts()));
+  else
+    constant_ = whole_blocks(w);
+  matrix_ = constant_;
+  for (Index c = 0; c < count(bodies_); ++c) {
+    Bodies& own = bodies_[at(c)];
+    own.rows = rows_of(problem.h, c);
+    own.h.resize(count(own.rows), 2);
+    for (Index i = 0; i < count(own.rows); ++i)
+      for (const Index k : {0, 1}) own.h(i, k) = problem.h.coeff(own.rows[at(i)], 2 * c + k);
+    for (const Index j : own.rows)
+      for (const Index i : own.rows) own.places.push_back(&matrix_.coeffRef(i, j) - matrix_.valuePtr());
+  }
+  lu_.emplace(matrix_);
+}
+
+void ContactMatrix::assemble_bodies() {
+  matrix_ = constant_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic> products;
+  for (std::size_t c = 0; c < bodies_.size(); ++c) {
+    const Bodies& own = bodies_[c];
+    const Eigen::Matrix2d stiffness = relations_[c].p.inverse() * relations_[c].q;
+    products.noalias() = (own.h * stiffness).lazyProduct(own.h.transpose());
+    for (std::size_t k = 0; k < own.places.size(); ++k) matrix_.valuePtr()[own.places[k]] += products.data()[k];
+  }
+}
+
+void ContactMatrix::assemble_contacts() {
+  for (Index j = 0; j < matrix_.cols(); ++j)
+    for (Index k = matrix_.outerIndexPtr()[j]; k < matrix_.outerIndexPtr()[j + 1]; k += 2) {
+      const Index contact = matrix_.innerIndexPtr()[k] / 2;
+      const ContactRelation& relation = relations_[at(contact)];
+      Eigen::Vector2d column = relation.q * Eigen::Vector2d::Map(constant_.valuePtr() + k);
+      if (contact == j / 2) column += relation.p.col(j % 2);
+      Eigen::Vector2d::Map(matrix_.valuePtr() + k) = column;
+    }
+}
+
+bool ContactMatrix::factorise(std::vector<ContactRelation> relations) {
+  relations_ = std::move(relations);
+  bodies_.empty() ? assemble_contacts() : assemble_bodies();
+  return lu_->factorise(matrix_);
+}
+
+Vector ContactMatrix::solve_once(const Vector& b) const {
+  if (bodies_.empty()) return lu_->solve(matrix_, b);
+  Vector r(b.size());
+  for (Index c = 0; c < count(relations_); ++c)
+    r.segment<2>(2 * c) = relations_[at(c)].p.inverse() * b.segment<2>(2 * c);
+  const Vector u = problem_.h.transpose() * lu_->solve(matrix_, problem_.h * r);
+  for (Index c = 0; c < count(relations_); ++c)
+    r.segment<2>(2 * c) -= relations_[at(c)].p.inverse() * (relations_[at(c)].q * u.segment<2>(2 * c));
+  return r;
+}
+
+Vector ContactMatrix::solve(const Vector& b) const {
+  Vector r = solve_once(b);
+  const Vector u = w_ * r;
+  Vector rest = b;
+  for (Index c = 0; c < count(relations_); ++c)
+    rest.segment<2>(2 * c) -= relations_[at(c)].p * r.segment<2>(2 * c) + relations_[at(c)].q * u.segment<2>(2 * c);
+  return r + solve_once(rest);
+}
+
+double ContactMatrix::take_operations() {
+  const double before = std::exchange(taken_, lu_->operations());
+  return taken_ - before;
+}
+
+}  // namespace nscdd

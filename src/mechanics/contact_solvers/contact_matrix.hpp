@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/sparse_lu.hpp"
+#include <nscdd/mechanics/friction_problem.hpp>
+
+namespace nscdd {
+
+/// What a linear step of a contact solver asks of a contact:  P r + Q u = b, with u = W r and an invertible P. Rows and
+/// columns: normal, tangential.
+struct ContactRelation {
+  Eigen::Matrix2d p = Eigen::Matrix2d::Identity(), q = Eigen::Matrix2d::Zero();
+};
+
+/// The linear system  P r + Q W r = b  of all contacts, P and Q with a 2 x 2 block per contact, for many P and Q. It is
+/// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
+/// unknowns:
+///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
+/// One step of iterative refinement on the first form follows either. W stands for its symmetric part, see Couplings.
+class ContactMatrix {
+ public:
+  /// `w`: the symmetric part of problem.w. Both must outlive this.
+  ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w);
+
+  /// Returns false for a matrix that is singular to rounding; `solve` must not be called then. One relation a contact.
+  bool factorise(std::vector<ContactRelation> relations);
+  /// r, 2c entries, for b of the same length and the relations given last.
+  Vector solve(const Vector& b) const;
+  /// Floating-point operations of the factorisations and solves since this was asked last.
+  double take_operations();
+
+ private:
+  // The k rows of H that a contact has, and where their products lie among the values of the matrix.
+  struct Bodies {
+    std::vector<Index> rows;
+    Eigen::Matrix<double, Eigen::Dynamic, 2> h;
+    std::vector<std::ptrdiff_t> places;  // k x k, column by column
+  };
+
+  void assemble_bodies();
+  void assemble_contacts();
+  Vector solve_once(const Vector& b) const;
+
+  const LocalFrictionProblem& problem_;
+  const SparseMatrix& w_;
+  std::vector<Bodies> bodies_;  // of each contact; none where the unknowns are those of the contacts
+  SparseMatrix constant_;       // M or W, with a place for every entry of the matrix: W in whole 2 x 2 blocks
+  SparseMatrix matrix_;
+  std::vector<ContactRelation> relations_;
+  std::optional<SparseLu> lu_;
+  double taken_ = 0;  // of its operations
+};
+
+}  // namespace nscdd
