@@ -9,6 +9,7 @@ namespace {
 constexpr Index first_sweeps = 2000;
 // Of the path, over the residual of the sweeps. Where it is easy to get lost no value is the best one.
 constexpr double gaps[] = {100, 1000, 10, 1, 300, 30, 3, 0.1};
+constexpr double cold_gap = 3;  // of the path from unit impulses
 
 }  // namespace
 
@@ -30,6 +31,8 @@ void automatic(SolverRun& run) {
     if (finish_by_newton(run, *w)) return;
     run.go_back(swept);
     if (follow_path(run, *w, gaps[turn] * swept.state.residual)) return;
+    // Further sweeps cost more than a second path, which begins where all contacts are alike.
+    if (turn == 0 && (run.judge(Vector::Zero(swept.impulses.size())) || follow_path(run, *w, cold_gap))) return;
     run.go_back(run.best());
   }
   const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);

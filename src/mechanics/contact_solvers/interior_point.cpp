@@ -2,17 +2,15 @@
 // Interior point method for the linear complementarity problem that plane contact with Coulomb friction is, without
 // any approximation of the cone. With r_t = a - b and the sliding speed l, all of these are >= 0 and
 //     r_n u_n = 0,   a (l + u_t) = 0,   b (l - u_t) = 0,   l (mu r_n - a - b) = 0.
-// The central path replaces each 0 by one gap > 0, which falls. The problem is not monotone: the path may turn, so
-// steps keep all products near their mean, and infeasibility is taken away no faster than the gap (Mehrotra's
-// predictor and corrector, with the neighbourhood of Wright 1997, chapter 5).
+// The central path replaces each 0 by one gap > 0, which falls (Mehrotra's predictor and corrector, Wright 1997,
+// chapter 10). The problem is not monotone: the path may turn, so infeasibility is taken away no faster than the gap.
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
 namespace {
 
-constexpr double neighbourhood = 1e-4;  // least product of a pair over the mean of all
-constexpr double to_boundary = 0.99;    // part of the way to the boundary that a step may go
-constexpr double short_steps = 0.12;    // steps that are shorter on average lead nowhere
+constexpr double to_boundary = 0.99;  // part of the way to the boundary that a step may go
+constexpr double short_steps = 0.12;  // steps that are shorter on average lead nowhere
 constexpr Index most_steps = 80;
 constexpr double least_friction = 1e-12;  // what is below it is none
 constexpr double newton_from = 1e-3;      // residual from which Newton's method is tried ...
@@ -45,7 +43,6 @@ class InteriorPoint {
   double gap() const;
   double gap_after(double length, const Direction& d) const;
   double longest(const Direction& d, double part) const;
-  bool is_central(double length, const Direction& d) const;
   bool factorise();
   Direction towards(const Pairs& products, double kept_residual) const;
 
@@ -117,11 +114,6 @@ double InteriorPoint::gap_after(double length, const Direction& d) const {
 double InteriorPoint::longest(const Direction& d, double part) const {
   const auto limit = [](const Pairs& at, const Pairs& by) { return (by < 0).select(-at / by, infinity).minCoeff(); };
   return std::min({1.0, part * limit(x_, d.x), part * limit(y_, d.y)});
-}
-
-bool InteriorPoint::is_central(double length, const Direction& d) const {
-  const Pairs products = (x_ + length * d.x) * (y_ + length * d.y);
-  return (counted_ > 0).select(products, infinity).minCoeff() >= neighbourhood * gap_after(length, d);
 }
 
 // Eliminating all but dr leaves (W + D) dr = ..., where D couples the two components of a contact.
@@ -198,8 +190,7 @@ double InteriorPoint::advance() {
   const Direction d =
       towards(products + counted_ * (centring * now) - predicted * predicted * predictor.x * predictor.y, 1 - centring);
   if (!d.x.allFinite() || !d.y.allFinite()) return 0;
-  double length = longest(d, to_boundary);
-  while (length > 1e-6 && !is_central(length, d)) length *= 0.8;
+  const double length = longest(d, to_boundary);
   x_ += length * d.x;
   y_ += length * d.y;
   u_t_ += length * d.u_t;
