@@ -63,7 +63,7 @@ def main():
               f"{'sweeps':>8}{'factorisations':>15}")
         for problem in problems:
             seconds = {}
-            for solver in ("auto", "interior_point", "nlgs"):
+            for solver in ("auto", "interior_point", "newton", "nlgs"):
                 found = report_of(run(options.program, "solve", problem, "--solver", solver, "--tolerance",
                                       options.tolerance, "--maximum-sweeps", options.sweeps))
                 seconds[solver] = float(found["seconds"])

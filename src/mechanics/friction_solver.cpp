@@ -13,7 +13,7 @@ constexpr double largest_impulses = 1e8;  // over those that are to be expected
 constexpr Index contacts_at_a_time = 512;  // that one thread looks at
 
 // The solvers by the places of FrictionAlgorithm.
-constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, nlgs};
+constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, newton, nlgs};
 
 // || r^1 ||: impulses of the contacts, each alone.
 double lone_impulses(const LocalFrictionProblem& problem) {

@@ -75,7 +75,8 @@ std::vector<Vector> every_solution(const LocalFrictionProblem& problem) {
 
 }  // namespace
 
-constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point, FrictionAlgorithm::nlgs};
+constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point, FrictionAlgorithm::newton,
+                             FrictionAlgorithm::nlgs};
 
 // A problem with a solution that is made first. W has rank `rank`: below 2 x contacts it is hyperstatic. Half of the
 // contacts are without friction where `frictionless`.
@@ -131,7 +132,8 @@ TEST_CASE("every solver finds a solution that enumeration of all statuses finds"
 }
 
 TEST_CASE("the path and Newton's steps solve hyperstatic problems, and contacts without friction among others") {
-  for (const FrictionAlgorithm algorithm : {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point})
+  for (const FrictionAlgorithm algorithm :
+       {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point, FrictionAlgorithm::newton})
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
       const Index contacts = 2 + static_cast<Index>(seed);
       const LocalFrictionProblem problem =
@@ -152,7 +154,8 @@ TEST_CASE("a W of six digits, which is not symmetric, is solved as it was given"
   for (int j = 0; j < problem.w.outerSize(); ++j)
     for (SparseMatrix::InnerIterator e(problem.w, j); e; ++e) e.valueRef() *= 1 + 1e-6 * std::sin(3 * e.row() + 7 * j);
   check(problem, "problem");
-  for (const FrictionAlgorithm algorithm : {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point}) {
+  for (const FrictionAlgorithm algorithm :
+       {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point, FrictionAlgorithm::newton}) {
     CAPTURE(to_string(algorithm));
     const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-11});
     CHECK(found.status == FrictionStatus::converged);
@@ -235,7 +238,8 @@ TEST_CASE("what has converged obeys the law, also where next to every problem ha
     }
     LocalFrictionProblem problem{sparse(h * h.transpose()), random.normal_vector(2 * contacts),
                                  Vector::Constant(contacts, seed % 5 == 0 ? 0.0 : 0.3 * static_cast<double>(seed % 5))};
-    for (const FrictionAlgorithm algorithm : {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point}) {
+    for (const FrictionAlgorithm algorithm :
+         {FrictionAlgorithm::automatic, FrictionAlgorithm::interior_point, FrictionAlgorithm::newton}) {
       CAPTURE(seed);
       CAPTURE(to_string(algorithm));
       const FrictionSolution found =

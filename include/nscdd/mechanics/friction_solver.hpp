@@ -10,10 +10,11 @@ namespace nscdd {
 enum class FrictionAlgorithm {
   automatic,       ///< sweeps, which settle easy problems; then `interior_point` from where they came to
   interior_point,  ///< central path of the problem as a linear complementarity problem, then Newton on the statuses
+  newton,          ///< proximal semismooth Newton, from a few sweeps
   nlgs,            ///< nonlinear Gauss-Seidel alone
 };
 constexpr auto names_of(FrictionAlgorithm) {
-  return std::to_array<std::string_view>({"auto", "interior_point", "nlgs"});
+  return std::to_array<std::string_view>({"auto", "interior_point", "newton", "nlgs"});
 }
 
 /// The order in which a sweep goes through the contacts. Contacts are coupled where their block of W is stored.

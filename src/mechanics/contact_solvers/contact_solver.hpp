@@ -91,6 +91,7 @@ bool follow_path(SolverRun& run, Couplings& w, double relative_gap);
 /// The solvers.
 void nlgs(SolverRun& run);
 void interior_point(SolverRun& run);
+void newton(SolverRun& run);
 void automatic(SolverRun& run);
 
 }  // namespace nscdd
