@@ -95,7 +95,8 @@ Ended solve_proximal_step(SolverRun& run, Couplings& w, double alpha, Index& ste
   for (steps = 0; !run.spent(); ++steps) {
     const Vector here = run.now.impulses, velocities = run.now.state.velocities;
     const double size = merit(run.problem, w, step, here, velocities);
-    if (size <= wanted * std::max(here.norm(), run.judged.alone)) return Ended::solved;
+    // Always one step: what Phi takes for solved need not be so to the natural map.
+    if (steps > 0 && size <= wanted * std::max(here.norm(), run.judged.alone)) return Ended::solved;
     if (steps == too_many_steps) return Ended::given_up;
     const std::optional<Vector> found = impulses_of(run, w, statuses_at(run, w, step), step);
     if (!found) return Ended::given_up;
