@@ -73,6 +73,10 @@ class ProgressWatch {
     return stalled && indicator < infinity ? std::optional(Status::stalled) : std::nullopt;
   }
 
+  /// The step of the last progress, and that there is some for another reason than the indicator.
+  Index last_progress() const { return last_progress_; }
+  void take_for_progress(Index step) { last_progress_ = step; }
+
  private:
   ProgressLimits limits_;
   Status not_finite_;

@@ -397,6 +397,43 @@ TEST_CASE("Siconos' residual: rho = 1, relative to the largest of r, u and q") {
   CHECK(tiny.siconos_residual == doctest::Approx(2.4e-17 * std::sqrt(1.25)));
 }
 
+TEST_CASE("sweeps that get on, however slowly, have not stalled") {
+  // A grain that two contacts brake: each sweep lets both impulses grow by 1 m/s over W_tt, until the contacts slide.
+  LocalFrictionProblem slow;
+  slow.w = sparse((Matrix(4, 4) << 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1, 0, 0, -1, 0, 1).finished());
+  slow.q = (Vector(4) << -1e4, -1, -1e4, -1).finished();
+  slow.friction = Vector::Constant(2, 0.1);
+  double least = infinity, most = 0;
+  const FrictionSolution found =
+      solve_friction(slow, {.algorithm = FrictionAlgorithm::nlgs, .check_every = 1, .patience = 20}, {},
+                     [&](const FrictionSolution& check) {
+                       if (check.sweeps > 10 && check.sweeps < 490) {
+                         least = std::min(least, check.state.residual);
+                         most = std::max(most, check.state.residual);
+                       }
+                       return true;
+                     });
+  CHECK(least > 0.99 * most);  // nothing shows that they get on
+  CHECK(found.status == FrictionStatus::converged);
+  CHECK(found.sweeps > 490);
+  CHECK(found.impulses[1] == doctest::Approx(1e3));
+}
+
+TEST_CASE("sweeps that go round and round have stalled, and are ended soon") {
+  Index stalled = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    CAPTURE(seed);
+    FrictionSolverOptions options{.algorithm = FrictionAlgorithm::nlgs, .relaxation = 1.9};
+    options.maximum_sweeps = 500'000;
+    const FrictionSolution found = solve_friction(random_problem(seed, 2 + static_cast<Index>(seed % 5), 10), options);
+    CHECK(found.status != FrictionStatus::maximum_reached);
+    if (found.status != FrictionStatus::stalled) continue;
+    ++stalled;
+    CHECK(found.sweeps >= options.patience * options.check_every);
+  }
+  CHECK(stalled >= 5);
+}
+
 TEST_CASE("what came of the sweeps is said") {
   const LocalFrictionProblem problem = random_problem(7, 20, 0.4);
   SUBCASE("maximum") {

@@ -40,7 +40,9 @@ struct FrictionSolverOptions {
   Choice<SweepOrder> order = SweepOrder::natural;
   Index seed = 1;          ///< of order `random`, >= 0
   Index check_every = 10;  ///< sweeps between evaluations of the residual
-  /// The solver gives up after so many checks over which the smallest residual has not fallen by 1 %.
+  /// Sweeps have stalled after so many checks, and as many as it took to get there, over which the smallest residual
+  /// has not fallen by 1 % and the impulses have come back: less than a quarter of the length of their way lies
+  /// between.
   Index patience = 1000;
 };
 
@@ -65,7 +67,7 @@ FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& 
 
 enum class FrictionStatus {
   converged,        ///< residual <= tolerance, and it is `credible`
-  stalled,          ///< the smallest residual has not fallen by 1 % over `patience` checks
+  stalled,          ///< sweeps do not get on (`patience`), or no turn of a solver came to an end
   maximum_reached,  ///< of the sweeps
   diverged,         ///< impulses grew to 10^12 times those that contacts or the guess began with
   not_finite,       ///< impulses or residual are not finite
