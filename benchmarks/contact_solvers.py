@@ -8,8 +8,8 @@ usage: benchmarks/contact_solvers.py [--program build/release/nscdd] [--toleranc
 --steps CASE:N,N,...  contact problems of these steps of a case of the program, run by its own solver before; the default
                       is shear-1k:2,10,40 where no problem is named
 One line per problem and solver: contacts, seconds of the solver, status, residual (natural map, rho = 1/W_nn, relative
-to the impulses), sweeps and factorisations; for each problem the ratio nlgs / auto. Where nlgs does not converge the
-ratio is a lower bound. A sweep or a factorisation runs on one core.
+to the impulses), sweeps (or iterations) and factorisations; for each problem the ratio nlgs / auto. Where nlgs does not
+converge the ratio is a lower bound. A sweep or a factorisation runs on one core.
 """
 import argparse
 import os
@@ -63,7 +63,7 @@ def main():
               f"{'sweeps':>8}{'factorisations':>15}")
         for problem in problems:
             seconds = {}
-            for solver in ("auto", "interior_point", "newton", "nlgs"):
+            for solver in ("auto", "interior_point", "newton", "nlgs", "admm", "apgd"):
                 found = report_of(run(options.program, "solve", problem, "--solver", solver, "--tolerance",
                                       options.tolerance, "--maximum-sweeps", options.sweeps))
                 seconds[solver] = float(found["seconds"])

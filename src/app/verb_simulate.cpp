@@ -17,7 +17,7 @@ struct ParameterOption {
 struct Options {
   std::string name, subdomains, output, convergence;
   std::vector<ParameterOption> parameters{
-      {"--algorithm", "WORD", "solver.algorithm", "nlgs, generic, enriched, auto or interior_point",
+      {"--algorithm", "WORD", "solver.algorithm", "nlgs, generic, enriched, auto, interior_point, admm or apgd",
        all_names<StepAlgorithm>()},
       {"--gauss-seidel-sweeps", "N", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
       {"--eta", "NUMBER[W]", "solver.eta",

@@ -33,7 +33,7 @@ ResultColumns<FrictionSolution> check_columns() {
        &FrictionStep::proximal_weight},
       {"step_length", "1", "part of the step that was taken; nan where steps have no length", &FrictionStep::length}};
   return joined<FrictionSolution>(
-      {{{"sweeps", "1", "Gauss-Seidel sweeps done", &FrictionSolution::sweeps}},
+      {{{"sweeps", "1", "Gauss-Seidel sweeps done, or iterations of admm and apgd", &FrictionSolution::sweeps}},
        columns_of(&FrictionSolution::state, of_state),
        {{"factorisations", "1", "sparse matrices factorised", &FrictionSolution::factorisations},
         {"status_changes", "1", "contacts that open, stick or slide otherwise than at the check before",
@@ -72,12 +72,43 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   fmt::print(
       "residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
       state.siconos_relative ? "relative to the largest of r, u and q" : "absolute: r, u and q are at most 2.2e-16");
-  if (solution.status != FrictionStatus::converged && state.worst >= 0)
-    fmt::print("largest residual     contact {} (numbered from 0)\n", state.worst);
   fmt::print("open contacts        {}\n", state.open);
   fmt::print("sticking contacts    {}\n", state.stick);
   fmt::print("sliding contacts     {}\n", state.slide);
   fmt::print("seconds              {:.3g}\n", duration);
+}
+
+std::string first_of(const std::vector<Index>& contacts) {
+  constexpr std::size_t most = 8;
+  const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(std::min(most, contacts.size()));
+  return fmt::format("{}{}", fmt::join(contacts.begin(), end, ", "), contacts.size() > most ? ", ..." : "");
+}
+
+// Which contacts keep a run from converging, by their numbers in the file, from 0.
+void print_trouble(const LocalFrictionProblem& problem, const FrictionSolution& solution) {
+  if (solution.status == FrictionStatus::converged) return;
+  constexpr double share = 0.9;
+  const std::vector<Index> carriers = contacts_with_residual(problem, solution, share);
+  if (!carriers.empty())
+    fmt::print("largest residuals    contacts {} ({} of them hold {:.0f} % of its square)\n", first_of(carriers),
+               carriers.size(), 100 * share);
+  const std::vector<Index>& unsettled = solution.unsettled;
+  fmt::print("unsettled statuses   {}{} of contacts in the last 10 checks\n", unsettled.size(),
+             unsettled.empty() ? "" : " (" + first_of(unsettled) + ")");
+}
+
+// Squares of velocities and impulses must neither overflow nor vanish.
+void require_moderate(const LocalFrictionProblem& problem, const std::string& name) {
+  if (problem.contacts() == 0 || problem.q.isZero(0)) return;
+  constexpr double most = 1e140;
+  const auto require = [&](double size, std::string_view what) {
+    if (!(size <= most && size >= 1 / most))
+      fail("{}: {}: expected a number from {} to {}, met {}", name, what, 1 / most, most, size);
+  };
+  const double largest = problem.q.cwiseAbs().maxCoeff();
+  require(largest, "largest |q|");
+  require(largest / problem.w.diagonal().minCoeff(), "largest |q| over the least of W_nn and W_tt");
+  require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
 // A result is a solution only where it is one; else it is a guess to go on from.
@@ -133,6 +164,7 @@ int run(const Options& options, const Context& context) {
   const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
   const LocalFrictionProblem local =
       global != nullptr ? reduce(*global, options.file) : std::get<LocalFrictionProblem>(file.problem);
+  require_moderate(local, options.file);
   const Vector guess = starting_impulses(file, options);
   // Both are opened before the work, and named after it: a run that fails leaves neither.
   const ResultColumns<FrictionSolution> columns = check_columns();
@@ -154,11 +186,13 @@ int run(const Options& options, const Context& context) {
   if (solution.status == FrictionStatus::stopped) {
     if (csv) csv->leave();
     note("interrupted after {} sweeps, residual {:.3e}", solution.sweeps, solution.state.residual);
+    if (output) write_result(file, solution, options, context, *output);
     return interrupted_exit_code;
   }
   if (csv) csv->finish();
   print_problem(file, local);
   print_solution(solution, solver.tolerance, duration);
+  print_trouble(local, solution);
   if (output) write_result(file, solution, options, context, *output);
   return solution.status == FrictionStatus::converged ? 0 : 1;
 }
@@ -170,13 +204,15 @@ Action declare_solve(Command& command) {
   command.required("FILE", options->file,
                    "frictional contact problem in two dimensions, HDF5 of FCLIB; with --csv also a folder of them");
   Option& solver = command.add("--solver", options->algorithms,
-                               "auto (the default): sweeps, then interior point; or one of them alone; with --csv it "
+                               "auto (the default): sweeps, then interior point; or another alone; with --csv it "
                                "may be named again, and all stands for every one");
   solver.words = all_names<FrictionAlgorithm>();
   solver.words.emplace_back("all");
   command.preset("--tolerance", options->solver.tolerance, "on the residual");
-  command.preset("--maximum-sweeps", options->solver.maximum_sweeps, "sweeps over all contacts at most");
-  command.preset("--maximum-factorisations", options->solver.maximum_factorisations, "of the interior point method");
+  command.preset("--maximum-sweeps", options->solver.maximum_sweeps,
+                 "sweeps over all contacts at most, or iterations of admm and apgd");
+  command.preset("--maximum-factorisations", options->solver.maximum_factorisations,
+                 "of all solvers but nlgs and apgd");
   command.preset("--relaxation", options->solver.relaxation, "omega in r <- r + omega (r' - r), between 0 and 2");
   command.preset("--order", options->order, "of the contacts in a sweep").words = all_names<SweepOrder>();
   command.preset("--seed", options->solver.seed, "of order random").bounds = {0, 1000000000};

@@ -8,9 +8,9 @@ namespace nscdd {
 
 /// Plain nonlinear Gauss-Seidel; Algorithm 1 of [ADI12] in its generic or enriched form; or a contact solver on the
 /// contact problem of the whole packing (see FrictionAlgorithm).
-enum class StepAlgorithm { nlgs, generic, enriched, automatic, interior_point };
+enum class StepAlgorithm { nlgs, generic, enriched, automatic, interior_point, admm, apgd };
 constexpr auto names_of(StepAlgorithm) {
-  return std::to_array<std::string_view>({"nlgs", "generic", "enriched", "auto", "interior_point"});
+  return std::to_array<std::string_view>({"nlgs", "generic", "enriched", "auto", "interior_point", "admm", "apgd"});
 }
 /// Whether an algorithm cuts a step into subdomains, and whether it goes beyond Gauss-Seidel without cutting.
 constexpr bool decomposes(StepAlgorithm one) { return one == StepAlgorithm::generic || one == StepAlgorithm::enriched; }

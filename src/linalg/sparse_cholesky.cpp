@@ -103,6 +103,21 @@ Matrix SparseCholesky::solve(const Matrix& b) const {
   return result;
 }
 
+namespace {
+
+// The sum of the lengths of the columns of L to a power.
+double column_lengths(const cholmod_factor& factor, int power) {
+  const int* lengths = static_cast<const int*>(factor.ColCount);
+  double sum = 0;
+  for (std::size_t j = 0; j < factor.n; ++j) sum += std::pow(lengths[j], power);
+  return sum;
+}
+
+}  // namespace
+
+double SparseCholesky::factorisation_operations() const { return column_lengths(*numeric_->factor, 2); }
+double SparseCholesky::solve_operations() const { return 4 * column_lengths(*numeric_->factor, 1); }
+
 std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int seed) {
   auto n = static_cast<idx_t>(graph.start.size() - 1);
   std::vector<idx_t> order(at(n)), position(at(n));

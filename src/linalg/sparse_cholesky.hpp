@@ -26,6 +26,9 @@ class SparseCholesky {
   SparseCholesky(const CholeskyAnalysis& analysis, const SparseMatrix& a);
   bool positive_definite() const { return positive_definite_; }
   Matrix solve(const Matrix& b) const;  ///< A^-1 b, n x k
+  /// Floating-point operations of the factorisation and of a solve with one column, from the pattern of the factor.
+  double factorisation_operations() const;
+  double solve_operations() const;
 
  private:
   std::shared_ptr<CholmodFactor> numeric_;

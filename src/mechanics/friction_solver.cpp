@@ -10,10 +10,12 @@ constexpr double largest_natural_maps = 1e-3;  // of a solution, relative to the
 
 constexpr double largest_impulses = 1e8;  // over those that are to be expected
 
+constexpr Index checks_looked_back = 10;
+
 constexpr Index contacts_at_a_time = 512;  // that one thread looks at
 
 // The solvers by the places of FrictionAlgorithm.
-constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, newton, nlgs};
+constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, newton, nlgs, admm, apgd};
 
 // || r^1 ||: impulses of the contacts, each alone.
 double lone_impulses(const LocalFrictionProblem& problem) {
@@ -101,6 +103,26 @@ FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& 
   return state_of(judged_problem(problem), problem, impulses);
 }
 
+std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, const FrictionSolution& solution,
+                                          double share) {
+  std::vector<std::pair<double, Index>> carried;  // squares, with a sign that sorts
+  double sum = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const LocalVector m = natural_map(component(solution.impulses, c), component(solution.state.velocities, c),
+                                      problem.friction[c], 1 / problem.w.coeff(2 * c, 2 * c));
+    carried.emplace_back(-squared(m), c);
+    sum += squared(m);
+  }
+  std::sort(carried.begin(), carried.end());
+  std::vector<Index> contacts;
+  double held = 0;
+  for (std::size_t k = 0; k < carried.size() && held < share * sum; ++k) {
+    held -= carried[k].first;
+    contacts.push_back(carried[k].second);
+  }
+  return contacts;
+}
+
 SolverRun::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
                      const FrictionObserver& observer)
     : problem(given), options(chosen), judged(judged_problem(given)), observer_(observer) {
@@ -119,12 +141,23 @@ bool SolverRun::plausible(const Vector& impulses) const { return impulses.norm()
 Index SolverRun::changes_of_status() {
   const bool is_first = statuses_.empty();
   statuses_.resize(at(problem.contacts()));
+  changed_.resize(at(problem.contacts()));
   Index changes = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
     const ContactStatus status = contact_status(component(now.impulses, c), problem.friction[c]);
-    if (std::exchange(statuses_[at(c)], status) != status) ++changes;
+    if (std::exchange(statuses_[at(c)], status) == status) continue;
+    ++changes;
+    changed_[at(c)] = checks_;
   }
+  ++checks_;
   return is_first ? 0 : changes;
+}
+
+std::vector<Index> SolverRun::unsettled() const {
+  std::vector<Index> contacts;
+  for (Index c = 0; c < count(changed_); ++c)  // at the first check all were unknown
+    if (changed_[at(c)] > std::max<Index>(0, checks_ - 1 - checks_looked_back)) contacts.push_back(c);
+  return contacts;
 }
 
 bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
@@ -197,7 +230,9 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
   check_options(problem, options, guess);
   SolverRun run(problem, options, guess, observer);
   contact_solvers[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](run);
-  return options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
+  FrictionSolution solution = options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
+  solution.unsettled = run.unsettled();
+  return solution;
 }
 
 }  // namespace nscdd

@@ -68,7 +68,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
                                 .maximum_sweeps = 100 * solver.maximum_iterations,
                                 .maximum_factorisations = solver.maximum_iterations,
                                 .relaxation = solver.contact_relaxation};
-  if (solver.algorithm == StepAlgorithm::interior_point) options.algorithm = FrictionAlgorithm::interior_point;
+  options.algorithm = std::string(to_string(StepAlgorithm{solver.algorithm}));
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };

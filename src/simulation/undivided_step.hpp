@@ -10,7 +10,7 @@ namespace nscdd {
 /// open.
 LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system);
 
-/// Solves a prepared step by a contact solver (auto or interior_point, see solve_friction) on the contact problem of
+/// Solves a prepared step by a contact solver (see solve_friction) on the contact problem of
 /// the whole packing, u = W r + q. Its tolerance is on the natural map. `maximum_iterations` bounds the matrices
 /// factorised, and 100 times as many the sweeps. The contacts of the law must open; with one that pulls, r + pull
 /// obeys Coulomb's law. Sets contacts, velocities, and of the report what the solver knows. An iteration is a check of

@@ -76,7 +76,8 @@ TEST_CASE("solve: not converged is exit code 1, and a guess to go on from") {
   CHECK(short_run.exit_code == 1);
   CHECK(value(short_run.standard_output, "status") == "maximum_reached");
   CHECK(value(short_run.standard_output, "sweeps") == "3");
-  CHECK(value(short_run.standard_output, "largest") == "residual");
+  CHECK(value(short_run.standard_output, "largest residuals") == "contacts");
+  CHECK(std::stol(value(short_run.standard_output, "unsettled statuses")) > 0);
   CHECK(short_run.standard_error.find("written as guess 1, not as the solution") != std::string::npos);
   const FclibFile some = fclib_from_hdf5(session.read("some.hdf5"), "some.hdf5");
   CHECK_FALSE(some.solution);
@@ -149,6 +150,46 @@ TEST_CASE("solve: bad input is refused, and nothing is overwritten") {
   CHECK_FALSE(session.has("new.hdf5"));
   CHECK(session.run(words("solve p.hdf5 -o old.hdf5 --force")).exit_code == 0);
   CHECK(fclib_from_hdf5(session.read("old.hdf5"), "old.hdf5").solution.has_value());
+}
+
+TEST_CASE("solve: numbers whose squares overflow or vanish, and what is no number, are refused") {
+  const Session session;
+  for (const auto& [factor, part] : {std::pair(1e170, "e+1"), std::pair(1e-170, "e-1")}) {
+    LocalFrictionProblem problem = reduce(box());
+    problem.q *= factor;
+    session.file("far.hdf5", raw_local(problem).bytes());
+    check_refused(session, "solve far.hdf5", {"far.hdf5: largest |q|: expected a number from 1e-140 to 1e+140", part});
+  }
+  LocalFrictionProblem problem = reduce(box());
+  problem.q *= 1e100;
+  problem.w *= 1e-100;
+  session.file("far.hdf5", raw_local(problem).bytes());
+  check_refused(session, "solve far.hdf5", {"far.hdf5: largest |q| over the least of W_nn and W_tt: expected"});
+  problem = reduce(box());
+  problem.q *= 1e-100;
+  session.file("small.hdf5", raw_local(problem).bytes());
+  CHECK(value(answer(session, "solve small.hdf5 --solver admm"), "status") == "converged");
+  problem.q[3] = not_a_number;
+  session.file("none.hdf5", raw_local(problem).bytes());
+  check_refused(session, "solve none.hdf5", {"none.hdf5", "q"});
+}
+
+TEST_CASE("solve: an interrupted run leaves its rows and the impulses that it had") {
+  const Session session;
+  const GlobalFrictionProblem problem = random_bodies_problem(7, 1000, 2300);
+  session.file("p.hdf5", raw_global(problem).bytes());
+  const Outcome run = session.run(words("solve p.hdf5 --solver nlgs --tolerance 1e-30 --check-every 1 "
+                                        "--convergence c.csv -o some.hdf5"),
+                                  {.signal_at = SignalAt{"c.csv.partial", 4000, SIGINT}});
+  CHECK(run.exit_code == 130);
+  CHECK(run.standard_error.find("interrupted after") != std::string::npos);
+  const FclibFile some = fclib_from_hdf5(session.read("some.hdf5"), "some.hdf5");
+  CHECK_FALSE(some.solution);
+  REQUIRE(some.guesses.size() == 1);
+  const CsvTable checks = read_table(session.read("c.csv.partial"));
+  REQUIRE(checks.rows.size() > 5);
+  CHECK(friction_state(reduce(problem), some.guesses[0].r).residual ==
+        doctest::Approx(checks.number(checks.rows.size() - 1, "residual")).epsilon(1e-6));
 }
 
 TEST_CASE("a global problem goes through sweep, optimum and inspect like any case") {

@@ -12,9 +12,11 @@ enum class FrictionAlgorithm {
   interior_point,  ///< central path of the problem as a linear complementarity problem, then Newton on the statuses
   newton,          ///< proximal semismooth Newton, from a few sweeps
   nlgs,            ///< nonlinear Gauss-Seidel alone
+  admm,            ///< alternating directions: all couplings without the law, then the law without couplings
+  apgd,            ///< accelerated projected gradients, with De Saxce's shift renewed in an outer loop
 };
 constexpr auto names_of(FrictionAlgorithm) {
-  return std::to_array<std::string_view>({"auto", "interior_point", "newton", "nlgs"});
+  return std::to_array<std::string_view>({"auto", "interior_point", "newton", "nlgs", "admm", "apgd"});
 }
 
 /// The order in which a sweep goes through the contacts. Contacts are coupled where their block of W is stored.
@@ -33,8 +35,8 @@ constexpr auto names_of(SweepOrder) {
 
 struct FrictionSolverOptions {
   Choice<FrictionAlgorithm> algorithm = FrictionAlgorithm::automatic;
-  double tolerance = 1e-8;  ///< on FrictionState::residual
-  Index maximum_sweeps = 100'000;
+  double tolerance = 1e-8;         ///< on FrictionState::residual
+  Index maximum_sweeps = 100'000;  ///< and iterations of admm and apgd
   Index maximum_factorisations = 1000;
   double relaxation = 1;  ///< omega in r_c <- r_c + omega (r_c' - r_c), in (0, 2)
   Choice<SweepOrder> order = SweepOrder::natural;
@@ -90,7 +92,7 @@ struct FrictionSolution {
   FrictionState state;       ///< of these impulses
   FrictionStep step;         ///< the step that led to them
   Index status_changes = 0;  ///< contacts that open, stick or slide otherwise than at the check before
-  Index sweeps = 0;          ///< Gauss-Seidel sweeps done in all
+  Index sweeps = 0;          ///< Gauss-Seidel sweeps done in all, or iterations of admm and apgd
   Index factorisations = 0;  ///< sparse matrices factorised in all
   /// Floating-point operations in all: 2 per entry of W for a sweep or a product with W, those of sparse factorisations
   /// and solves as their library counts them. Checks, orderings and work per contact are left out.
@@ -101,7 +103,13 @@ struct FrictionSolution {
   /// small.
   bool credible = false;
   FrictionStatus status = FrictionStatus::converged;
+  std::vector<Index> unsettled;  ///< contacts whose status changed in the last 10 checks; of what is returned alone
 };
+
+/// The contacts that carry the residual, the largest natural map first (rho = 1 / W_nn): as few as hold `share` of the
+/// sum of squares.
+std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, const FrictionSolution& solution,
+                                          double share);
 
 /// Called with what there is at every check, also the one before the first sweep; returning false stops the solver.
 using FrictionObserver = std::function<bool(const FrictionSolution&)>;

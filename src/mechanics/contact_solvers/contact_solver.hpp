@@ -50,18 +50,22 @@ class SolverRun {
   FrictionSolution best() const;
   /// Goes on from earlier impulses.
   void go_back(const FrictionSolution& earlier);
+  double natural_maps() const;  ///< || m || of the present impulses, N s
+  /// Contacts whose status changed in the last 10 checks.
+  std::vector<Index> unsettled() const;
   bool spent() const { return now.factorisations >= options.maximum_factorisations; }
   /// Floating-point operations of a product with W, and of a sweep.
   double product_operations() const { return 2.0 * static_cast<double>(problem.w.nonZeros()); }
 
  private:
   bool decide(const Vector& impulses, const FrictionStep& step);
-  double natural_maps() const;  // || m || of the present impulses, N s
-  Index changes_of_status();    // since the last call
+  Index changes_of_status();  // since the last call
 
   const FrictionObserver& observer_;
   FrictionSolution best_;
-  std::vector<ContactStatus> statuses_;      // at the last check
+  std::vector<ContactStatus> statuses_;  // at the last check
+  std::vector<Index> changed_;           // the check at which each of them was new
+  Index checks_ = 0;
   double best_maps_ = infinity, scale_ = 0;  // N s; scale_: of impulses that are to be expected
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
@@ -93,5 +97,7 @@ void nlgs(SolverRun& run);
 void interior_point(SolverRun& run);
 void newton(SolverRun& run);
 void automatic(SolverRun& run);
+void admm(SolverRun& run);
+void apgd(SolverRun& run);
 
 }  // namespace nscdd
