@@ -6,7 +6,7 @@
 namespace nscdd {
 namespace {
 
-constexpr Index first_sweeps = 2000;
+constexpr Index first_sweeps = 500;
 // Of the path, over the residual of the sweeps. Where it is easy to get lost no value is the best one.
 constexpr double gaps[] = {100, 1000, 10, 1, 300, 30, 3, 0.1};
 constexpr double cold_gap = 3;  // of the path from unit impulses
