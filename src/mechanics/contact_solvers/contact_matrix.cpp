@@ -28,7 +28,7 @@ std::vector<Index> rows_of(const SparseMatrix& h, Index contact) {
   for (const Index j : {2 * contact, 2 * contact + 1})
     for (SparseMatrix::InnerIterator e(h, j); e; ++e) rows.push_back(e.row());
   std::ranges::sort(rows);
-  rows.erase(std::ranges::unique(rows).begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
   return rows;
 }
 
