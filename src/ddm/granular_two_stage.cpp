@@ -83,13 +83,19 @@ SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
   return sums;
 }
 
-void GranularTwoStage::switch_models(const std::vector<RememberedModel>& before, double scale) {
+void GranularTwoStage::switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains) {
   if (!before.empty() && before.size() != parts_.subdomains.size())
     throw Error("models: expected one per subdomain of this step, met another number");
-  for (Index e = 0; e < count(parts_.subdomains); ++e)
-    switches_.emplace_back(parts_, e, law_,
-                           SwitchRules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale)},
-                           before.empty() ? 0 : before[at(e)].standing);
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
+    if (solver_.model == SwitchedModel::homogenised)
+      for (const Index i : parts_.subdomains[at(e)].bodies) {
+        const bool grain = i < count(grains.radius);  // otherwise the body of a wall
+        rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0}, grain ? grains.radius[at(i)] : 0.0,
+                                parts_.interface.multiplicity(i) > 1});
+      }
+    switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
+  }
 }
 
 SweepSums GranularTwoStage::stage_one() {

@@ -37,7 +37,12 @@ class GranularTwoStage {
 
   /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
   /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg.
-  void switch_models(const std::vector<RememberedModel>& before, double scale);
+  /// `grains`: where they are, m, and how large; of use to homogenised subdomains alone.
+  struct Grains {
+    std::vector<std::array<double, 2>> centre;
+    std::span<const double> radius;
+  };
+  void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
 
   IterationRecord iterate();
 

@@ -12,10 +12,28 @@ LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const Conta
       present_(subdomain.velocities),
       flexibility_(flexibility),
       network_(frozen_network(subdomain, statuses_)) {
+  factorise();
+}
+
+LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law,
+                                 std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
+    : law_(law),
+      statuses_(std::move(statuses)),
+      contacts_(subdomain.contacts),
+      base_(subdomain.velocities),
+      present_(subdomain.velocities),
+      flexibility_(flexibility),
+      network_(frozen_network(subdomain, statuses_)),
+      fields_(fields(network_)) {
+  factorise();
+}
+
+void LinearSubdomain::factorise() {
   if (network_.impulses.cols() == 0) return;
   matrix_.resize(network_.root.size(), network_.root.size());
   matrix_.setIdentity();
-  matrix_ = flexibility * matrix_ + SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
+  matrix_ = flexibility_ * matrix_ + SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
+  if (fields_) matrix_ = SparseMatrix(fields_->transpose()) * matrix_ * *fields_;
   solver_.emplace(matrix_);
   regular_ = solver_->factorise(matrix_);
 }
@@ -34,18 +52,27 @@ Vector LinearSubdomain::strain(const std::vector<DiskVelocity>& velocities) cons
   return result;
 }
 
-LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
+// What Stage 2 has done since.
+void LinearSubdomain::follow(const GranularSubdomain& subdomain) {
   for (std::size_t i = 0; i < base_.size(); ++i) {
     base_[i].x += subdomain.velocities[i].x - present_[i].x;
     base_[i].y += subdomain.velocities[i].y - present_[i].y;
     base_[i].rim += subdomain.velocities[i].rim - present_[i].rim;
   }
   present_ = subdomain.velocities;
+}
+
+LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
+  follow(subdomain);
   LinearAnswer result{contacts_.impulses, base_};
   Vector d;
   if (solver_) {
     const Vector here = strain(base_);
-    const Vector change = solver_->solve(matrix_, network_.impulses * -here);  // of M^1/2 V
+    const Vector load = network_.impulses * -here;
+    const Vector change =  // of M^1/2 V
+        fields_ ? Vector(*fields_ * solver_->solve(matrix_, fields_->transpose() * load))
+                : solver_->solve(matrix_, load);
+    if (fields_) move(result.velocities, change.cwiseQuotient(network_.root));
     d = (here + network_.resting.transpose() * change) / -flexibility_;
   }
   Index column = 0;
@@ -57,7 +84,7 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
     // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
     r.t = statuses_[k] == ContactStatus::stick ? r.t + d[column++]
                                                : sliding_slope(statuses_[k], c.friction) * (r.n + c.pull);
-    apply_impulse(c, r - c.impulse, result.velocities);
+    if (!fields_) apply_impulse(c, r - c.impulse, result.velocities);
   }
   result.admissible = admits(result);
   return result;
@@ -76,6 +103,26 @@ bool LinearSubdomain::admits(const LinearAnswer& answer) const {
     if (status_of(law_, c) != statuses_[k]) return false;
   }
   return true;
+}
+
+void LinearSubdomain::move(std::vector<DiskVelocity>& velocities, const Vector& change) const {
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    const Index first = network_.rows[i].first;
+    if (first < 0) continue;
+    velocities[i].x += change[first];
+    velocities[i].y += change[first + 1];
+    velocities[i].rim += change[first + 2];
+  }
+}
+
+void LinearSubdomain::release(GranularSubdomain& subdomain) {
+  if (!fields_) return;
+  follow(subdomain);
+  subdomain.velocities = base_;
+  for (std::size_t k = 0; k < statuses_.size(); ++k) {
+    const DiskContact c = contacts_.contact(k, base_);
+    apply_impulse(c, subdomain.contacts.impulses[k] - c.impulse, subdomain.velocities);
+  }
 }
 
 SweepSums LinearSubdomain::take(LinearAnswer answer, GranularSubdomain& subdomain) {

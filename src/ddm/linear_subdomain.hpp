@@ -25,6 +25,12 @@ class LinearSubdomain {
   LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
                   double flexibility);
 
+  /// The same homogenised: V - V_0 - M^-1 F' is a combination of some fields, which coarse_velocities gives for the
+  /// network of the subdomain, and M (V - V_0) = G d + F' holds for their powers alone (Galerkin).
+  using Fields = std::function<SparseMatrix(const FrozenNetwork&)>;
+  LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
+                  double flexibility, const Fields& fields);
+
   bool regular() const { return !solver_ || regular_; }  ///< false: nothing else may be asked
 
   /// The answer at the present velocities of the subdomain, which are those last given or taken and what Stage 2 has
@@ -34,8 +40,14 @@ class LinearSubdomain {
   /// Gives the subdomain the impulses and velocities of an answer. Returns their sums.
   SweepSums take(LinearAnswer answer, GranularSubdomain& subdomain);
 
+  /// Gives the subdomain the velocities of its impulses, V_0 + M^-1 (H (r - r_0) + F'). Only homogenised ones differ.
+  void release(GranularSubdomain& subdomain);
+
  private:
+  void factorise();
+  void follow(const GranularSubdomain& subdomain);
   Vector strain(const std::vector<DiskVelocity>& velocities) const;
+  void move(std::vector<DiskVelocity>& velocities, const Vector& change) const;
   bool admits(const LinearAnswer& answer) const;
 
   ContactLaw law_;
@@ -45,7 +57,8 @@ class LinearSubdomain {
   std::vector<DiskVelocity> present_;  // of the subdomain when it was left last
   double flexibility_;
   FrozenNetwork network_;
-  SparseMatrix matrix_;  // alpha + M^-1/2 G N^T M^-1/2
+  SparseMatrix matrix_;                 // alpha + M^-1/2 G N^T M^-1/2, or that between the fields
+  std::optional<SparseMatrix> fields_;  // M^1/2 times them
   std::optional<SparseLu> solver_;
   bool regular_ = false;
 };

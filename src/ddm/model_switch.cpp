@@ -48,7 +48,12 @@ ModelSwitch::ModelSwitch(const GranularDecomposition& parts, Index subdomain, co
 
 bool ModelSwitch::linear_now(const GranularSubdomain& subdomain) {
   if (linear_ || record_.standing < rules_.after) return linear_.has_value();
-  linear_.emplace(subdomain, law_, statuses_, rules_.flexibility);
+  if (rules_.bodies.empty())
+    linear_.emplace(subdomain, law_, statuses_, rules_.flexibility);
+  else
+    linear_.emplace(subdomain, law_, statuses_, rules_.flexibility, [&](const FrozenNetwork& network) {
+      return coarse_velocities(network, rules_.bodies, rules_.cells);
+    });
   if (linear_->regular()) return true;
   linear_.reset();
   record_.standing = 0;
@@ -73,6 +78,7 @@ SweepSums ModelSwitch::stage_one(GranularSubdomain& subdomain, const Sweeps& swe
     ++record_.switched_iterations;
     return linear_->take(std::move(answer), subdomain);
   }
+  linear_->release(subdomain);
   linear_.reset();
   ++record_.switch_backs;
   const SweepSums sums = sweeps(subdomain);
@@ -88,6 +94,7 @@ RememberedModel ModelSwitch::report(const GranularSubdomain& subdomain, const Sw
   record.switched = linear_.has_value();
   if (!linear_) return record;
   GranularSubdomain copy = subdomain;
+  LinearSubdomain(*linear_).release(copy);
   sweeps(copy);
   compare(record, subdomain.velocities, copy.velocities, around);
   return record;

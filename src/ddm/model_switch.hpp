@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/coarse_mesh.hpp"
 #include "ddm/linear_subdomain.hpp"
 
 namespace nscdd {
 
 /// When a subdomain is switched, and what contacts then are.
 struct SwitchRules {
-  Index after = 100;       ///< k, iterations for which its statuses stand still
-  double flexibility = 0;  ///< alpha, 1/kg, see LinearSubdomain
+  Index after = 100;                    ///< k, iterations for which its statuses stand still
+  double flexibility = 0;               ///< alpha, 1/kg, see LinearSubdomain
+  std::array<Index, 2> cells{1, 1};     ///< of the mesh of a homogenised subdomain, see coarse_velocities
+  std::vector<PlacedBody> bodies = {};  ///< of a subdomain that is to be homogenised; empty for a linear one
 };
 
 /// A subdomain among the others: A_E, and the interface impulses F.

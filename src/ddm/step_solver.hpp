@@ -62,10 +62,11 @@ constexpr auto names_of(InterfaceMethod) {
 
 /// What a subdomain becomes once its statuses have stood still, see ModelSwitch.
 enum class SwitchedModel {
-  none,    ///< what it was: the contact law is solved everywhere
-  linear,  ///< its network at frozen statuses
+  none,         ///< what it was: the contact law is solved everywhere
+  linear,       ///< its network at frozen statuses
+  homogenised,  ///< the same on a coarse mesh
 };
-constexpr auto names_of(SwitchedModel) { return std::to_array<std::string_view>({"none", "linear"}); }
+constexpr auto names_of(SwitchedModel) { return std::to_array<std::string_view>({"none", "linear", "homogenised"}); }
 
 /// The flexibility eta of an enriched Stage 2 as a case has it: a Flexibility > 0, or "optimal" for the best one.
 struct EtaChoice {
@@ -116,6 +117,7 @@ struct StepSolver {
   Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`
   Index switch_after = 100;                           ///< k
   Flexibility switch_flexibility{1e-6, true};         ///< alpha, 1/kg
+  std::array<Index, 2> switch_cells{2, 2};            ///< of a homogenised subdomain
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
@@ -165,6 +167,8 @@ struct StepSolver {
                 .unit = "1/kg",
                 .minimum = 0,
                 .minimum_excluded = true});
+    visit("switch_cells", self.switch_cells,
+          Field{.description = "cells of the coarse mesh over a homogenised subdomain", .minimum = 1, .maximum = 1000});
   }
 };
 

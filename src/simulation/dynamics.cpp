@@ -81,7 +81,8 @@ struct Effect {
 };
 
 constexpr std::string_view with_friction = "coulomb or cohesive", opening = "coulomb, frictionless or cohesive",
-                           switched = "linear", divided = "generic or enriched", iterated = "nlgs, generic or enriched",
+                           switched = "linear or homogenised", divided = "generic or enriched",
+                           iterated = "nlgs, generic or enriched",
                            criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
 
 constexpr Effect effects[] = {
@@ -113,6 +114,7 @@ constexpr Effect effects[] = {
     {"solver.switch", "solver.interface_method", "richardson"},
     {"solver.switch", "interaction.law", opening},
     {"solver.switch_after", "solver.switch", switched},
+    {"solver.switch_cells", "solver.switch", "homogenised"},
     {"solver.switch_flexibility", "solver.switch", switched}};
 
 // The value of a parameter of the interaction, the motion or the solver as a text without quotes.

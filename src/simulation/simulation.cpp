@@ -156,9 +156,13 @@ PreparedStep prepare_solution(const Simulation& simulation) {
   }
   GranularTwoStage iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
-  if (switches_models(simulation))
-    iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{},
-                            problem.scale);
+  if (switches_models(simulation)) {
+    GranularTwoStage::Grains grains{{}, simulation.system.radius};
+    for (std::size_t i = 0; i < at(simulation.system.disks()); ++i)
+      grains.centre.push_back({simulation.state.x[i], simulation.state.y[i]});
+    iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{}, problem.scale,
+                            grains);
+  }
   return {std::move(problem), std::move(partition), std::move(enriched), report, std::move(iteration)};
 }
 
