@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 MM = 1 / 25.4  # widths are given in mm, matplotlib counts inches
-COLUMN, COLUMN_AND_HALF = 88 * MM, 140 * MM
+COLUMN, COLUMN_AND_HALF, FULL = 88 * MM, 140 * MM, 190 * MM
 
 # Flexibilities epsilon and eta as the program's tables declare them; one place, so that all labels agree.
 FLEXIBILITY = r"\mathrm{(1/kg)}"

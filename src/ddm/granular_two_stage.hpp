@@ -35,13 +35,14 @@ class GranularTwoStage {
   /// of the step before. A grain that other subdomains share now starts from zero.
   void start(const std::vector<RememberedGluing>& gluing);
 
-  /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
-  /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg.
-  /// `grains`: where they are, m, and how large; of use to homogenised subdomains alone.
+  /// Where grains are, m, and how large.
   struct Grains {
     std::vector<std::array<double, 2>> centre;
     std::span<const double> radius;
   };
+  /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
+  /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg. `grains` are of
+  /// use to homogenised subdomains alone.
   void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
 
   IterationRecord iterate();
