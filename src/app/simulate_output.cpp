@@ -145,12 +145,13 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "boundaries that leave no room, or a step or tolerance too coarse\n",
         totals.relative_overlap);
   const Index open = totals.steps - totals.converged;
-  if (open > 0 && (solver.criterion != Criterion::none || solves_undivided(solver.algorithm)))
-    text += fmt::format(
-        "attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n", open,
-        totals.steps, to_string(solves_undivided(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),
-        solver.tolerance, totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
-        solver.maximum_iterations);
+  if (open > 0 && (solver.criterion != Criterion::none || is_contact_solver(solver.algorithm)))
+    text +=
+        fmt::format("attention: {} of {} steps ended before {} fell to {}{}; --iterations allows more than {}\n", open,
+                    totals.steps,
+                    to_string(is_contact_solver(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),
+                    solver.tolerance, totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
+                    solver.maximum_iterations);
   if (totals.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
     text += fmt::format(
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "

@@ -6,15 +6,20 @@
 
 namespace nscdd {
 
-/// Plain nonlinear Gauss-Seidel; Algorithm 1 of [ADI12] in its generic or enriched form; or a contact solver on the
-/// contact problem of the whole packing (see FrictionAlgorithm).
-enum class StepAlgorithm { nlgs, generic, enriched, automatic, interior_point, admm, apgd };
+/// Plain nonlinear Gauss-Seidel; Algorithm 1 of [ADI12] in its generic or enriched form; a contact solver on the
+/// contact problem of the whole packing (see FrictionAlgorithm); or one whose linear systems are cut into subdomains
+/// (see CutContacts).
+enum class StepAlgorithm { nlgs, generic, enriched, automatic, interior_point, admm, apgd, two_stage_newton };
 constexpr auto names_of(StepAlgorithm) {
-  return std::to_array<std::string_view>({"nlgs", "generic", "enriched", "auto", "interior_point", "admm", "apgd"});
+  return std::to_array<std::string_view>(
+      {"nlgs", "generic", "enriched", "auto", "interior_point", "admm", "apgd", "two_stage_newton"});
 }
-/// Whether an algorithm cuts a step into subdomains, and whether it goes beyond Gauss-Seidel without cutting.
-constexpr bool decomposes(StepAlgorithm one) { return one == StepAlgorithm::generic || one == StepAlgorithm::enriched; }
-constexpr bool solves_undivided(StepAlgorithm one) { return !decomposes(one) && one != StepAlgorithm::nlgs; }
+/// Whether an algorithm is a contact solver, whose tolerance is on the natural map.
+constexpr bool is_contact_solver(StepAlgorithm one) { return one >= StepAlgorithm::automatic; }
+/// Whether an algorithm cuts a step into subdomains.
+constexpr bool decomposes(StepAlgorithm one) {
+  return one == StepAlgorithm::generic || one == StepAlgorithm::enriched || one == StepAlgorithm::two_stage_newton;
+}
 
 /// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
 enum class Criterion { zeta, interface_change, gluing, natural_map, quad_dv, mean_dv_over_r, none };
@@ -43,6 +48,14 @@ enum class StageTwoNetwork {
   active,  ///< those that carried an impulse in the last step
 };
 constexpr auto names_of(StageTwoNetwork) { return std::to_array<std::string_view>({"all", "active"}); }
+
+/// The network that stands in Stage 2 for the contacts of a linear system of the two-stage Newton method.
+enum class InterfaceNetwork {
+  none,    ///< X: inertia alone, as in the generic algorithm
+  all,     ///< X_eta of every contact considered, in both directions, as in the enriched algorithm
+  active,  ///< X_eta of both directions of contacts that stick and of the normal one of those that slide
+};
+constexpr auto names_of(InterfaceNetwork) { return std::to_array<std::string_view>({"none", "all", "active"}); }
 
 /// Where an enriched Stage 2 acts.
 enum class Enrichment {
@@ -113,6 +126,8 @@ struct StepSolver {
   Choice<Enrichment> enrichment = Enrichment::every_iteration;
   Choice<InterfaceMethod> interface_method = InterfaceMethod::richardson;
   double interface_relaxation = 1;  ///< omega
+  Choice<InterfaceNetwork> interface_network = InterfaceNetwork::active;
+  double interface_flexibility = 10;  ///< c, eta / alpha
   Index redecompose = 1;
   Choice<SwitchedModel> model = SwitchedModel::none;  ///< key `switch`
   Index switch_after = 100;                           ///< k
@@ -154,6 +169,13 @@ struct StepSolver {
     visit("interface_method", self.interface_method, Field{.description = "how Stage 2 uses its operator"});
     visit("interface_relaxation", self.interface_relaxation,
           Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
+    visit("interface_network", self.interface_network,
+          Field{.description = "contacts that precondition the interface of the two-stage Newton method"});
+    visit("interface_flexibility", self.interface_flexibility,
+          Field{.description = "c: these are so many times as flexible as the contacts of its linear systems",
+                .minimum = 0,
+                .minimum_excluded = true,
+                .maximum = 1e6});
     visit("redecompose", self.redecompose,
           Field{.description = "steps between two decompositions", .minimum = 1, .maximum = 1e9});
     visit("switch", self.model, Field{.description = "what a subdomain becomes whose statuses have stood still"});

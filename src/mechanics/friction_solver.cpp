@@ -124,8 +124,8 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
 }
 
 SolverRun::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
-                     const FrictionObserver& observer)
-    : problem(given), options(chosen), judged(judged_problem(given)), observer_(observer) {
+                     const FrictionObserver& observer, const RelationSolver& relations)
+    : problem(given), options(chosen), linear(relations), judged(judged_problem(given)), observer_(observer) {
   const Index contacts = given.contacts();
   now.impulses = guess.size() == 0 ? Vector::Zero(2 * contacts) : guess;
   now.status = FrictionStatus::maximum_reached;
@@ -217,18 +217,28 @@ void SolverRun::go_back(const FrictionSolution& earlier) {
   now.state = earlier.state;
 }
 
-Couplings::Couplings(const LocalFrictionProblem& problem)
+Couplings::Couplings(const LocalFrictionProblem& problem, const RelationSolver& solver)
     : symmetric(0.5 * (problem.w + SparseMatrix(problem.w.transpose()))),
       rest(problem.w - symmetric),
       normal(2 * problem.contacts()),
-      matrix(problem, symmetric) {
+      matrix(solver) {
+  if (!matrix.factorise) {
+    const auto whole = std::make_shared<ContactMatrix>(problem, symmetric);
+    matrix = {[=](std::vector<ContactRelation> relations) { return whole->factorise(std::move(relations)); },
+              [=](const Vector& b) { return whole->solve(b); }, [=] { return whole->take_operations(); }};
+  }
   for (Index c = 0; c < problem.contacts(); ++c) normal[2 * c] = normal[2 * c + 1] = problem.w.coeff(2 * c, 2 * c);
 }
 
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
                                 const Vector& guess, const FrictionObserver& observer) {
+  return solve_friction(problem, options, guess, observer, {});
+}
+
+FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
+                                const Vector& guess, const FrictionObserver& observer, const RelationSolver& linear) {
   check_options(problem, options, guess);
-  SolverRun run(problem, options, guess, observer);
+  SolverRun run(problem, options, guess, observer, linear);
   contact_solvers[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](run);
   FrictionSolution solution = options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
   solution.unsettled = run.unsettled();

@@ -82,7 +82,7 @@ struct Effect {
 
 constexpr std::string_view with_friction = "coulomb or cohesive", opening = "coulomb, frictionless or cohesive",
                            switched = "linear or homogenised", divided = "generic or enriched",
-                           iterated = "nlgs, generic or enriched",
+                           cut = "generic, enriched or two_stage_newton", iterated = "nlgs, generic or enriched",
                            criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
 
 constexpr Effect effects[] = {
@@ -100,7 +100,7 @@ constexpr Effect effects[] = {
     {"solver.order", "solver.algorithm", iterated},
     {"solver.gluing_tolerance", "solver.algorithm", divided},
     {"solver.gluing_tolerance", "solver.criterion", criteria},
-    {"solver.contact_relaxation", "solver.algorithm", "nlgs, generic, enriched or auto"},
+    {"solver.contact_relaxation", "solver.algorithm", "nlgs, generic, enriched, auto or two_stage_newton"},
     {"solver.seed", "solver.order", "random"},
     {"solver.eta", "solver.algorithm", "enriched"},
     {"solver.network", "solver.algorithm", "enriched"},
@@ -109,7 +109,10 @@ constexpr Effect effects[] = {
     {"solver.interface_method", "solver.algorithm", divided},
     {"solver.interface_relaxation", "solver.algorithm", divided},
     {"solver.interface_relaxation", "solver.interface_method", "richardson"},
-    {"solver.redecompose", "solver.algorithm", divided},
+    {"solver.interface_network", "solver.algorithm", "two_stage_newton"},
+    {"solver.interface_flexibility", "solver.algorithm", "two_stage_newton"},
+    {"solver.interface_flexibility", "solver.interface_network", "all or active"},
+    {"solver.redecompose", "solver.algorithm", cut},
     {"solver.switch", "solver.algorithm", divided},
     {"solver.switch", "solver.interface_method", "richardson"},
     {"solver.switch", "interaction.law", opening},
@@ -132,7 +135,7 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
     if (effect.path != path) return false;
-    if (effect.with == "solver.criterion" && solves_undivided(dynamics.solver.algorithm)) return false;
+    if (effect.with == "solver.criterion" && is_contact_solver(dynamics.solver.algorithm)) return false;
     const std::string value = value_of(dynamics, effect.with);
     if (effect.values == above_zero) return value == "0";
     std::string allowed = fmt::format(" {} ", effect.values);

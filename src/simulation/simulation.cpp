@@ -217,7 +217,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
   step.partition = std::move(prepared.partition);
   StepReport& report = step.report = prepared.report;
   report.setup_seconds = seconds_since(begin);
-  if (solves_undivided(simulation.dynamics.solver.algorithm))
+  if (is_contact_solver(simulation.dynamics.solver.algorithm))
     solve_undivided(step, simulation, sink);
   else
     iterate(step, prepared.iteration, simulation, sink);

@@ -73,8 +73,11 @@ struct StepReport {
   Index interface_size = 0;
   Interpenetration overlap = {};
   StepEnergy energy = {};
-  double eta = not_a_number;  ///< of the enriched algorithm, 1/kg
-  double scale = 0;           ///< W of the contacts considered, 1/kg
+  double eta = not_a_number;       ///< of the enriched algorithm, 1/kg
+  double scale = 0;                ///< W of the contacts considered, 1/kg
+  Index factorisations = 0;        ///< of matrices of contact solvers; one that is cut counts once
+  Index interface_systems = 0;     ///< solved by the two-stage Newton method; a refinement counts as one
+  Index interface_iterations = 0;  ///< of Stage 2 in all of them
   double setup_seconds = 0, solve_seconds = 0;
 
   bool broke_down() const { return status == SolverStatus::diverged || status == SolverStatus::no_number; }

@@ -66,6 +66,11 @@ const ResultColumns<StepReport>& step_columns() {
        {{"eta", "1/kg", "flexibility of the enriched Stage 2; nan for the other algorithms", &Step::eta},
         {"eta_relative", "1", "eta in multiples of mean_w_nn", [](const Step& step) { return step.eta / step.scale; }},
         {"mean_w_nn", "1/kg", "W, mean of W_nn over the contacts considered; 0 without contacts", &Step::scale},
+        {"factorisations", "1", "matrices factorised by contact solvers; one cut into subdomains counts once",
+         &Step::factorisations},
+        {"interface_systems", "1", "systems solved at the interface by the two-stage Newton method",
+         &Step::interface_systems},
+        {"interface_iterations", "1", "at the interface in all of them", &Step::interface_iterations},
         {"setup_seconds", "s", "finding contacts, decomposing, factorising", &Step::setup_seconds},
         {"solve_seconds", "s", "iterations, without the indicators", &Step::solve_seconds}}});
   return columns;

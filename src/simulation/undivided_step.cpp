@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/undivided_step.hpp"
 
-#include <nscdd/mechanics/friction_solver.hpp>
+#include "ddm/cut_contacts.hpp"
+#include "mechanics/contact_solvers/contact_solver.hpp"
 
 #include <chrono>
 
@@ -68,7 +69,14 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
                                 .maximum_sweeps = 100 * solver.maximum_iterations,
                                 .maximum_factorisations = solver.maximum_iterations,
                                 .relaxation = solver.contact_relaxation};
-  options.algorithm = std::string(to_string(StepAlgorithm{solver.algorithm}));
+  std::optional<CutContacts> cut;  // its answers are refined: their errors are about the square of its tolerance
+  if (decomposes(solver.algorithm))
+    cut.emplace(decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(step.partition)),
+                CutOptions{.network = solver.interface_network,
+                           .flexibility = solver.interface_flexibility,
+                           .tolerance = std::min(1e-4, 1e4 * solver.tolerance)});
+  else
+    options.algorithm = std::string(to_string(StepAlgorithm{solver.algorithm}));
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
@@ -83,16 +91,23 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
               .seconds = before});
     looking += seconds() - before;
   };
-  const FrictionSolution solution =
-      solve_friction(contacts, options, shifted_impulses(problem), [&](const FrictionSolution& check) {
+  const FrictionSolution solution = solve_friction(
+      contacts, options, shifted_impulses(problem),
+      [&](const FrictionSolution& check) {
         report.last = {.iteration = report.last.iteration + 1,
                        .sweeps = check.sweeps,
                        .zeta = not_a_number,
                        .impulses = check.impulses.squaredNorm()};
         if (sink.looks_at(report.last.iteration)) look(check.impulses);
         return true;
-      });
+      },
+      cut ? relation_solver(*cut, contacts.w) : RelationSolver{});
   report.solve_seconds = seconds();
+  report.factorisations = solution.factorisations;
+  if (cut) {
+    report.interface_systems = cut->work().solves;
+    report.interface_iterations = cut->work().iterations;
+  }
   if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
   report.status = status_of_step(solution.status);
   step.contacts = with_impulses(problem.contacts, solution.impulses);

@@ -181,17 +181,17 @@ void check_dynamics(const CaseSpec& spec) {
   subdomains(spec.partition);
   const StepSolver& solver = spec.dynamics->solver;
   const Interaction& interaction = spec.dynamics->interaction;
-  if (solves_undivided(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
+  if (is_contact_solver(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
     throw Error("solver.algorithm", fmt::format("expected nlgs, generic or enriched with law {}, met {}",
                                                 to_string(interaction.law), to_string(solver.algorithm)));
-  if (solves_undivided(solver.algorithm) && solver.tolerance == 0)
+  if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
     throw Error("solver.tolerance",
                 fmt::format("expected a number > 0 with solver.algorithm {}, met 0", to_string(solver.algorithm)));
   if (solver.criterion != Criterion::gluing) return;
   const auto refuse = [](std::string_view expected, std::string_view met) {
     throw Error("solver.criterion", fmt::format("expected {} with criterion gluing, met {}", expected, met));
   };
-  if (!decomposes(solver.algorithm))
+  if (!decomposes(solver.algorithm) || is_contact_solver(solver.algorithm))
     refuse("solver.algorithm generic or enriched",
            fmt::format("{}, which has no interface", to_string(solver.algorithm)));
   if (solver.algorithm == StepAlgorithm::enriched && solver.enrichment == Enrichment::semi_implicit)

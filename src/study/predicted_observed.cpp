@@ -92,7 +92,8 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
   const auto expect = [](bool right, const char* key, const char* expected, std::string_view met) {
     if (!right) fail("{}: expected {} for a rate that is predicted, met {}", key, expected, met);
   };
-  expect(decomposes(solver.algorithm), "solver.algorithm", "generic or enriched", to_string(solver.algorithm));
+  expect(decomposes(solver.algorithm) && !is_contact_solver(solver.algorithm), "solver.algorithm",
+         "generic or enriched", to_string(solver.algorithm));
   expect(subdomains(partitioner) > 1, "partition", "two subdomains or more", "one");
   expect(solver.interface_method == InterfaceMethod::richardson, "solver.interface_method", "richardson",
          to_string(solver.interface_method));

@@ -26,7 +26,7 @@ void automatic(SolverRun& run) {
       run.go_back(run.best());
     }
     if (run.spent()) continue;
-    if (!w) w.emplace(run.problem);
+    if (!w) w.emplace(run.problem, run.linear);
     const FrictionSolution swept = run.now;
     if (finish_by_newton(run, *w)) return;
     run.go_back(swept);

@@ -46,6 +46,14 @@ SparseMatrix with_places(const SparseMatrix& mass, const SparseMatrix& h) {
 
 }  // namespace
 
+Vector rest_of(const std::vector<ContactRelation>& relations, const SparseMatrix& w, const Vector& b, const Vector& r) {
+  const Vector u = w * r;
+  Vector rest = b;
+  for (Index c = 0; c < count(relations); ++c)
+    rest.segment<2>(2 * c) -= relations[at(c)].p * r.segment<2>(2 * c) + relations[at(c)].q * u.segment<2>(2 * c);
+  return rest;
+}
+
 ContactMatrix::ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w) : problem_(problem), w_(w) {
   if (problem.h.cols() > 0) constant_ = with_places(problem.mass, problem.h);
   if (problem.h.cols() > 0 && constant_.nonZeros() < w.nonZeros())
@@ -105,12 +113,8 @@ Vector ContactMatrix::solve_once(const Vector& b) const {
 }
 
 Vector ContactMatrix::solve(const Vector& b) const {
-  Vector r = solve_once(b);
-  const Vector u = w_ * r;
-  Vector rest = b;
-  for (Index c = 0; c < count(relations_); ++c)
-    rest.segment<2>(2 * c) -= relations_[at(c)].p * r.segment<2>(2 * c) + relations_[at(c)].q * u.segment<2>(2 * c);
-  return r + solve_once(rest);
+  const Vector r = solve_once(b);
+  return r + solve_once(rest_of(relations_, w_, b, r));
 }
 
 double ContactMatrix::take_operations() {

@@ -12,6 +12,9 @@ struct ContactRelation {
   Eigen::Matrix2d p = Eigen::Matrix2d::Identity(), q = Eigen::Matrix2d::Zero();
 };
 
+/// b - P r - Q W r, 2c entries, for a relation of each contact.
+Vector rest_of(const std::vector<ContactRelation>& relations, const SparseMatrix& w, const Vector& b, const Vector& r);
+
 /// The linear system  P r + Q W r = b  of all contacts, P and Q with a 2 x 2 block per contact, for many P and Q. It is
 /// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
 /// unknowns:
@@ -49,6 +52,14 @@ class ContactMatrix {
   std::vector<ContactRelation> relations_;
   std::optional<SparseLu> lu_;
   double taken_ = 0;  // of its operations
+};
+
+/// What solves such systems: a ContactMatrix, or another way with the same answers. A solution that is not found is not
+/// finite.
+struct RelationSolver {
+  std::function<bool(std::vector<ContactRelation>)> factorise;
+  std::function<Vector(const Vector&)> solve;
+  std::function<double()> take_operations;
 };
 
 }  // namespace nscdd

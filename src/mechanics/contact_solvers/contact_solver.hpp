@@ -30,10 +30,11 @@ struct JudgedProblem {
 class SolverRun {
  public:
   SolverRun(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess,
-            const FrictionObserver& observer);
+            const FrictionObserver& observer, const RelationSolver& linear = {});
 
   const LocalFrictionProblem& problem;
   const FrictionSolverOptions& options;
+  const RelationSolver linear;  ///< see Couplings
   const JudgedProblem judged;
   FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
 
@@ -73,17 +74,26 @@ class SolverRun {
 /// W as W_s + W_a with a symmetric W_s, as files of six digits need it, W_nn of its contact at each component, and what
 /// solves linear systems of contacts.
 struct Couplings {
-  explicit Couplings(const LocalFrictionProblem& problem);
+  /// `solver`: what solves the linear systems; by default a ContactMatrix.
+  explicit Couplings(const LocalFrictionProblem& problem, const RelationSolver& solver = {});
   Couplings(const Couplings&) = delete;  // `matrix` looks at `symmetric`
   Couplings& operator=(const Couplings&) = delete;
 
   SparseMatrix symmetric, rest;
   Vector normal;  ///< 2c entries, 1/kg
-  ContactMatrix matrix;
+  RelationSolver matrix;
 };
+
+/// As the public function of this name, with another way to solve the linear systems.
+FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
+                                const Vector& guess, const FrictionObserver& observer, const RelationSolver& linear);
 
 /// Sweeps until the run is over or `most` more are done. Returns whether it is over. See nlgs.cpp.
 bool sweep(SolverRun& run, Index most);
+
+/// What Newton's steps ask of a contact, u = W r + q + proximal (r - r_now). Open: r = 0. Stick: u = 0. Slide: u_n = 0
+/// and r_t = +- friction r_n.
+ContactRelation relation_of(ContactStatus status, double friction, double proximal);
 
 /// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
 bool finish_by_newton(SolverRun& run, Couplings& w);

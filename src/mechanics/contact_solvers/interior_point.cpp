@@ -233,7 +233,7 @@ bool follow_path(SolverRun& run, Couplings& w, double relative_gap) {
 
 void interior_point(SolverRun& run) {
   if (run.judge(run.now.impulses)) return;
-  Couplings w(run.problem);
+  Couplings w(run.problem, run.linear);
   for (const double relative_gap : {3.0, 0.3, 0.03}) {
     if (follow_path(run, w, relative_gap)) return;
     run.go_back(run.best());

@@ -53,21 +53,6 @@ double merit(const LocalFrictionProblem& problem, const Couplings& w, const Prox
   return std::sqrt(squares);
 }
 
-// Open: r = 0. Stick: u = 0. Slide: u_n = 0 and r_t = +- mu r_n. There u = W r + q + alpha W_nn (r - r_now).
-ContactRelation relation_of(ContactStatus status, double friction, double proximal) {
-  ContactRelation relation;
-  if (status == ContactStatus::open) return relation;
-  relation.p(0, 0) = proximal;
-  relation.q(0, 0) = 1;
-  if (status == ContactStatus::stick) {
-    relation.p(1, 1) = proximal;
-    relation.q(1, 1) = 1;
-  } else {
-    relation.p(1, 0) = status == ContactStatus::slide_backward ? -friction : friction;
-  }
-  return relation;
-}
-
 // The impulses r of these statuses; none if their matrix is singular or they are beyond all measure.
 std::optional<Vector> impulses_of(SolverRun& run, Couplings& w, const Statuses& statuses, const ProximalStep& step) {
   const Vector proximal = step.alpha * w.normal;
@@ -112,6 +97,20 @@ Ended solve_proximal_step(SolverRun& run, Couplings& w, double alpha, Index& ste
 
 }  // namespace
 
+ContactRelation relation_of(ContactStatus status, double friction, double proximal) {
+  ContactRelation relation;
+  if (status == ContactStatus::open) return relation;
+  relation.p(0, 0) = proximal;
+  relation.q(0, 0) = 1;
+  if (status == ContactStatus::stick) {
+    relation.p(1, 1) = proximal;
+    relation.q(1, 1) = 1;
+  } else {
+    relation.p(1, 0) = status == ContactStatus::slide_backward ? -friction : friction;
+  }
+  return relation;
+}
+
 bool finish_by_newton(SolverRun& run, Couplings& w) {
   const double first = run.now.state.residual;
   double alpha = first_proximal, last = first;
@@ -136,7 +135,7 @@ bool finish_by_newton(SolverRun& run, Couplings& w) {
 
 void newton(SolverRun& run) {
   if (sweep(run, std::min(first_sweeps, run.options.maximum_sweeps))) return;
-  Couplings w(run.problem);
+  Couplings w(run.problem, run.linear);
   double alpha = cold_proximal;
   while (!run.spent() && alpha <= hottest_proximal) {
     const FrictionSolution before = run.now;

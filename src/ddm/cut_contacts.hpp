@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/step_solver.hpp"
+#include "linalg/linear_iteration.hpp"
+#include "linalg/sparse_lu.hpp"
+#include "mechanics/contact_solvers/contact_matrix.hpp"
+#include <nscdd/ddm/interface_operator.hpp>
+
+namespace nscdd {
+
+struct CutOptions {
+  InterfaceNetwork network = InterfaceNetwork::active;
+  double flexibility = 10;  ///< c: links of Stage 2 are so many times as flexible as those of Stage 1
+  double tolerance = 1e-6;  ///< on the jumps that a solution leaves, relative to those without interface impulses
+  Index maximum_iterations = 500;
+};
+
+/// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix) cut in the FETI way, with grains as
+/// unknowns. E = P^-1 Q are the impulses that velocities cause.
+///   Stage 1  K_E V_E = H_E P^-1 b - A_E^T F,  K_E = M_E + H_E E H_E^T: one factorised solve per subdomain
+///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
+///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
+/// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. Then r = P^-1 b - E H_E^T V_E.
+/// No bit depends on the number of threads.
+class CutContacts {
+ public:
+  /// `parts`: a decomposition of a problem with two columns per contact, normal and tangential, side by side.
+  CutContacts(Decomposition parts, const CutOptions& options);
+
+  /// As ContactMatrix::factorise.
+  bool factorise(std::vector<ContactRelation> relations);
+  /// As ContactMatrix::solve; the iterations may end before their tolerance, see `work`.
+  Vector solve(const Vector& b);
+
+  /// As ContactMatrix::take_operations, of Stage 1.
+  double take_operations();
+
+  const Decomposition& parts() const { return parts_; }
+  const std::vector<ContactRelation>& relations() const { return relations_; }
+  Vector apply(const Vector& f) const;         ///< S F
+  Vector precondition(const Vector& g) const;  ///< P^-1 g
+  Matrix dense() const;                        ///< S
+  const std::optional<InterfaceOperator>& preconditioner() const { return preconditioner_; }
+
+  /// Counts since the beginning.
+  struct Work {
+    Index factorisations = 0, solves = 0, iterations = 0, most_iterations = 0, failures = 0;
+  };
+  const Work& work() const { return work_; }
+
+ private:
+  std::vector<Vector> velocities(const std::vector<Vector>& impulses) const;  // K_E^-1 of them
+
+  Decomposition parts_;
+  CutOptions options_;
+  std::vector<ContactRelation> relations_;
+  std::vector<Eigen::Matrix2d> e_;
+  std::vector<SparseMatrix> k_;  // K_E of each subdomain
+  std::vector<std::optional<SparseLu>> lu_;
+  std::optional<InterfaceOperator> preconditioner_;
+  bool symmetric_ = false;
+  Work work_;
+  double taken_ = 0;  // of its operations
+};
+
+/// Its functions, for a contact solver, with one step of iterative refinement: impulses are velocities over a small
+/// flexibility, and so are their errors. `w`: H^T M^-1 H. Both must outlive the functions.
+inline RelationSolver relation_solver(CutContacts& cut, const SparseMatrix& w) {
+  return {[&cut](std::vector<ContactRelation> relations) { return cut.factorise(std::move(relations)); },
+          [&cut, &w](const Vector& b) {
+            const Vector r = cut.solve(b);
+            return Vector(r + cut.solve(rest_of(cut.relations(), w, b, r)));
+          },
+          [&cut] { return cut.take_operations(); }};
+}
+
+}  // namespace nscdd

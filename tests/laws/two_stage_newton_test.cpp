@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The two-stage Newton method: steps solved by a contact solver whose linear systems are cut into subdomains.
+#include "../support/granular.hpp"
+#include "linalg/threads.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+constexpr double tolerance = 1e-10;
+
+Dynamics newton(const std::string& law, double restitution = 0) {
+  Dynamics dynamics = tight();
+  dynamics.interaction.law = law;
+  dynamics.interaction.friction = 0.5;
+  dynamics.interaction.cohesion = 20;
+  dynamics.interaction.restitution = dynamics.interaction.tangential_restitution = restitution;
+  dynamics.solver.algorithm = "two_stage_newton";
+  dynamics.solver.tolerance = tolerance;
+  return dynamics;
+}
+
+SolvedStep undivided(Simulation simulation) {
+  simulation.dynamics.solver.algorithm = "auto";
+  return solve_step(simulation);
+}
+
+// Of the velocities that are kept, by the routine that judges sweeps.
+double natural_map_of(const SolvedStep& step) {
+  return contact_residual(step.problem.law, step.contacts, step.velocities).relative_natural_map();
+}
+
+void check_solved(const Simulation& simulation, const SolvedStep& found, const SolvedStep& expected) {
+  CHECK(found.report.status == SolverStatus::converged);
+  CHECK(natural_map_of(found) < 10 * tolerance);
+  CHECK(found.report.residual.active == expected.report.residual.active);
+  // Impulses need not be unique; where grains go is, next to always.
+  const Index disks = simulation.system.disks();
+  CHECK(largest_difference(found.velocities, expected.velocities, disks) <
+        1e-6 * largest_speed(expected.velocities, disks));
+}
+
+}  // namespace
+
+TEST_CASE("steps cut into subdomains end as undivided ones do, with any law and any cut") {
+  for (const std::string law : {"coulomb", "frictionless", "cohesive"})
+    for (const double restitution : {0.0, 0.4})
+      for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {2, 2}, {4, 2}}) {
+        CAPTURE(law);
+        CAPTURE(restitution);
+        CAPTURE(grid[0] * grid[1]);
+        const Simulation simulation = shaken_lattice(10, 8, newton(law, restitution), grid);
+        const SolvedStep found = solve_step(simulation), expected = undivided(simulation);
+        check_solved(simulation, found, expected);
+        CHECK(found.report.interface_size > 0);
+        // Steps along the path and Newton's ones do not depend on the cut, to rounding.
+        const Index steps = expected.report.factorisations;
+        CHECK(found.report.last.sweeps == expected.report.last.sweeps);
+        CHECK(std::abs(found.report.factorisations - steps) <= 1 + steps / 10);
+        CHECK(found.report.interface_iterations >= found.report.factorisations);
+        if (law != "frictionless" || restitution == 0) CHECK(steps > 0);  // there sweeps do
+      }
+}
+
+TEST_CASE("every network of Stage 2 leads to the same answer") {
+  Simulation simulation = shaken_lattice(10, 8, newton("coulomb"), {3, 2});
+  const SolvedStep expected = undivided(simulation);
+  for (const std::string network : {"none", "all", "active"}) {
+    CAPTURE(network);
+    simulation.dynamics.solver.interface_network = network;
+    check_solved(simulation, solve_step(simulation), expected);
+  }
+}
+
+TEST_CASE("the two-stage Newton method gives the same bits for any number of threads") {
+  const Simulation simulation = shaken_lattice(10, 8, newton("coulomb"), {4, 2});
+  const auto with_threads = [&](Index threads) {
+    const ThreadLimit limit(threads);
+    return solve_step(simulation);
+  };
+  const SolvedStep one = with_threads(1), two = with_threads(2);
+  CHECK(one.report.interface_iterations == two.report.interface_iterations);
+  for (std::size_t k = 0; k < one.contacts.size(); ++k) {
+    CHECK(one.contacts[k].impulse.n == two.contacts[k].impulse.n);
+    CHECK(one.contacts[k].impulse.t == two.contacts[k].impulse.t);
+  }
+}
+
+TEST_CASE("the two-stage Newton method solves steps of one contact and of none") {
+  Dynamics dynamics = newton("coulomb");
+  dynamics.boundaries = {floor_wall()};
+  const Simulation falling = simulation_of({{.x = 0, .y = 5}}, dynamics, {2, 1});
+  const SolvedStep free = solve_step(falling);
+  CHECK(free.report.status == SolverStatus::converged);
+  CHECK(free.contacts.empty());
+  CHECK(free.velocities[0].y == doctest::Approx(-g * dynamics.time.step));
+  const Simulation resting = simulation_of({{.x = 0, .y = 0.5}}, dynamics, {2, 1});
+  const SolvedStep held = solve_step(resting);
+  CHECK(held.report.status == SolverStatus::converged);
+  REQUIRE(held.contacts.size() == 1);
+  CHECK(std::abs(held.contacts[0].impulse.n) == doctest::Approx(g * dynamics.time.step));
+  CHECK(std::abs(held.velocities[0].y) < 1e-9);
+}

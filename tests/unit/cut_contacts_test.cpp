@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ddm/cut_contacts.hpp"
+
+#include "../support/granular.hpp"
+#include "ddm/granular_two_stage.hpp"
+#include "linalg/random.hpp"
+#include "simulation/step_decomposition.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+double random_of(RandomStream& stream) { return 2 * stream.uniform() - 1; }
+
+Vector random_vector(RandomStream& stream, Index size) {
+  Vector result(size);
+  for (double& value : result) value = random_of(stream);
+  return result;
+}
+
+// A third of the contacts open, a third sticks, a third slides.
+std::vector<ContactRelation> relations(Index contacts, double alpha, bool slides) {
+  std::vector<ContactRelation> result(at(contacts));
+  for (Index c = 0; c < contacts; ++c) {
+    if (c % 3 == 0) continue;
+    ContactRelation& one = result[at(c)];
+    one.p(0, 0) = alpha;
+    one.q(0, 0) = 1;
+    if (c % 3 == 1 || !slides) {
+      one.p(1, 1) = alpha;
+      one.q(1, 1) = 1;
+    } else {
+      one.p(1, 0) = c % 2 == 0 ? 0.4 : -0.4;
+    }
+  }
+  return result;
+}
+
+struct Cut {
+  Decomposition parts;
+  SparseMatrix w;  // H^T M^-1 H of the undivided step
+};
+Cut cut_lattice(std::array<Index, 2> grid) {
+  Dynamics dynamics = tight();
+  dynamics.solver.algorithm = "two_stage_newton";
+  const Simulation simulation = shaken_lattice(6, 5, dynamics, grid);
+  const StepProblem problem = checked_problem(simulation);
+  const ReferenceProblem whole = reference_problem(problem, simulation.system.disks());
+  const SparseMatrix scaled = scaled_connectivity(whole.inertia, whole.h);
+  return {decompose(whole, partition_of_columns(partition_step(simulation, problem))), scaled.transpose() * scaled};
+}
+
+}  // namespace
+
+TEST_CASE("linear systems of contacts that are cut have the solutions of the whole ones") {
+  RandomStream stream(3);
+  for (const std::array<Index, 2> grid : {std::array<Index, 2>{1, 1}, {2, 1}, {3, 2}})
+    for (const bool slides : {false, true})
+      for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
+        const Cut one = cut_lattice(grid);
+        const Index contacts = one.parts.contacts / 2;
+        const std::vector<ContactRelation> relation = relations(contacts, 1e-3, slides);
+        Matrix p = Matrix::Zero(2 * contacts, 2 * contacts), q = p;
+        for (Index c = 0; c < contacts; ++c) {
+          p.block<2, 2>(2 * c, 2 * c) = relation[at(c)].p;
+          q.block<2, 2>(2 * c, 2 * c) = relation[at(c)].q;
+        }
+        const Vector b = random_vector(stream, 2 * contacts);
+        const Vector expected = (p + q * one.w).lu().solve(b);
+        CutContacts cut(one.parts, {.network = network, .tolerance = 1e-13});
+        REQUIRE(cut.factorise(relation));
+        const Vector found = cut.solve(b);
+        CHECK((found - expected).norm() < 1e-8 * expected.norm());
+        CHECK(cut.work().failures == 0);
+        CHECK((cut.work().iterations > 0) == (cut.parts().interface_size() > 0));
+        // S as a matrix is S as a map, and symmetric where no contact slides.
+        if (cut.parts().interface_size() == 0) continue;
+        const Matrix s = cut.dense();
+        const Vector f = random_vector(stream, s.rows());
+        CHECK((s * f - cut.apply(f)).norm() < 1e-10 * s.norm() * f.norm());
+        CHECK(((s - s.transpose()).norm() < 1e-10 * s.norm()) == !slides);
+      }
+}
+
+TEST_CASE("on active contacts of equal flexibility Stage 2 is Stage 1, and one iteration does") {
+  RandomStream stream(5);
+  const Cut one = cut_lattice({3, 2});
+  CutContacts cut(one.parts, {.flexibility = 1, .tolerance = 1e-8});
+  REQUIRE(cut.factorise(relations(one.parts.contacts / 2, 1e-2, false)));
+  cut.solve(random_vector(stream, one.parts.contacts));
+  CHECK(cut.work().iterations == 1);
+}
+
+TEST_CASE("iterations end with the solution, or say that they have not") {
+  RandomStream stream(7);
+  const Index n = 30;
+  Matrix a(n, n);
+  for (Index j = 0; j < n; ++j) a.col(j) = random_vector(stream, n);
+  const Vector b = random_vector(stream, n);
+  const LinearMap identity = [](const Vector& x) { return x; };
+  const auto map = [](const Matrix& m) -> LinearMap { return [&m](const Vector& x) -> Vector { return m * x; }; };
+  const Matrix normal = a.transpose() * a + Matrix::Identity(n, n), general = 8 * Matrix::Identity(n, n) + a;
+  const auto judge = [&](const Matrix& m, const IteratedSolution& found, double tolerance) {
+    const double residual = (b - m * found.x).norm() / b.norm();
+    CHECK(found.residual == doctest::Approx(residual).epsilon(1e-3).scale(1e-12));
+    CHECK(found.converged == (residual <= 1.01 * tolerance));
+  };
+  judge(normal, conjugate_gradients(map(normal), identity, b, {1e-10, 200}), 1e-10);
+  judge(general, generalised_minimal_residuals(map(general), identity, b, {1e-10, 200}), 1e-10);
+  judge(normal, conjugate_gradients(map(normal), identity, b, {1e-10, 4}), 1e-10);
+  judge(general, generalised_minimal_residuals(map(general), identity, b, {1e-10, 4}), 1e-10);
+  // As many iterations as there are eigenvalues.
+  Vector values = Vector::Ones(n);
+  values.tail(5).setConstant(3);
+  const Matrix two = values.asDiagonal();
+  CHECK(conjugate_gradients(map(two), identity, b, {1e-10, 200}).iterations == 2);
+  CHECK(generalised_minimal_residuals(map(two), identity, b, {1e-10, 200}).iterations == 2);
+  const IteratedSolution none = generalised_minimal_residuals(map(two), identity, Vector::Zero(n));
+  CHECK(none.iterations == 0);
+  CHECK(none.x.isZero(0));
+}
+
+TEST_CASE("the eigenvalues of a normal matrix say how many iterations it takes") {
+  RandomStream stream(11);
+  const Index n = 40;
+  const Matrix basis = Matrix::NullaryExpr(n, n, [&] { return random_of(stream); });
+  const Matrix q = basis.householderQr().householderQ();
+  Matrix turning = Matrix::Zero(n, n);
+  Eigen::VectorXcd eigenvalues(n);
+  for (Index k = 0; k < n; k += 2) {
+    const double re = 0.2 + 2 * stream.uniform(), im = stream.uniform();
+    turning.block<2, 2>(k, k) << re, -im, im, re;
+    eigenvalues[k] = {re, im};
+    eigenvalues[k + 1] = {re, -im};
+  }
+  const Matrix normal = q * turning * q.transpose();
+  const IterationLimits limits{1e-8, 200};
+  const IteratedSolution found =
+      generalised_minimal_residuals([&](const Vector& x) -> Vector { return normal * x; },
+                                    [](const Vector& x) { return x; }, q* Vector::Ones(n), limits);
+  CHECK(found.iterations > 15);
+  CHECK(found.iterations < n);
+  CHECK(predicted_iterations(eigenvalues, limits) == found.iterations);
+}
