@@ -18,7 +18,8 @@ struct Options {
   std::string name, subdomains, output, convergence;
   std::vector<ParameterOption> parameters{
       {"--algorithm", "WORD", "solver.algorithm",
-       "nlgs, generic, enriched, auto, interior_point, admm, apgd or two_stage_newton", all_names<StepAlgorithm>()},
+       "nlgs, generic, enriched, auto, interior_point, admm, apgd, two_stage_newton or two_stage_admm",
+       all_names<StepAlgorithm>()},
       {"--gauss-seidel-sweeps", "N", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
       {"--eta", "NUMBER[W]", "solver.eta",
        "flexibility of the enriched Stage 2: 1/kg, times the mean of W_nn (10W), or optimal"},
@@ -65,8 +66,10 @@ void require_effect(const Given& given, const CaseSpec& spec) {
     fail("{}: expected a parameter of the motion, met one of the linear study alone", given.option);
   const bool one_subdomain = subdomains(spec.partition) == 1;
   if (given.key.starts_with("partition.") && !decomposes(dynamics.solver.algorithm) && !one_subdomain)
-    fail("{}: expected --algorithm generic, enriched or two_stage_newton with it, met {}, which does not decompose",
-         given.option, to_string(dynamics.solver.algorithm));
+    fail(
+        "{}: expected --algorithm generic, enriched, two_stage_newton or two_stage_admm with it, met {}, which does "
+        "not decompose",
+        given.option, to_string(dynamics.solver.algorithm));
   nscdd::require_effect(dynamics, given.key, given.option);
   Dynamics undivided = dynamics;
   undivided.solver.algorithm = StepAlgorithm::nlgs;

@@ -64,15 +64,20 @@ class CutContacts {
   double taken_ = 0;  // of its operations
 };
 
-/// Its functions, for a contact solver, with one step of iterative refinement: impulses are velocities over a small
-/// flexibility, and so are their errors. `w`: H^T M^-1 H. Both must outlive the functions.
-inline RelationSolver relation_solver(CutContacts& cut, const SparseMatrix& w) {
+/// Its functions, for a contact solver. `cut` must outlive them.
+inline RelationSolver relation_solver(CutContacts& cut) {
   return {[&cut](std::vector<ContactRelation> relations) { return cut.factorise(std::move(relations)); },
-          [&cut, &w](const Vector& b) {
-            const Vector r = cut.solve(b);
-            return Vector(r + cut.solve(rest_of(cut.relations(), w, b, r)));
-          },
-          [&cut] { return cut.take_operations(); }};
+          [&cut](const Vector& b) { return cut.solve(b); }, [&cut] { return cut.take_operations(); }};
+}
+/// The same with one step of iterative refinement: where P is small impulses are velocities over it, and so are their
+/// errors. `w`: H^T M^-1 H; it too must outlive them.
+inline RelationSolver refined_solver(CutContacts& cut, const SparseMatrix& w) {
+  RelationSolver result = relation_solver(cut);
+  result.solve = [&cut, &w](const Vector& b) {
+    const Vector r = cut.solve(b);
+    return Vector(r + cut.solve(rest_of(cut.relations(), w, b, r)));
+  };
+  return result;
 }
 
 }  // namespace nscdd

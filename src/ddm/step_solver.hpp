@@ -9,16 +9,26 @@ namespace nscdd {
 /// Plain nonlinear Gauss-Seidel; Algorithm 1 of [ADI12] in its generic or enriched form; a contact solver on the
 /// contact problem of the whole packing (see FrictionAlgorithm); or one whose linear systems are cut into subdomains
 /// (see CutContacts).
-enum class StepAlgorithm { nlgs, generic, enriched, automatic, interior_point, admm, apgd, two_stage_newton };
+enum class StepAlgorithm {
+  nlgs,
+  generic,
+  enriched,
+  automatic,
+  interior_point,
+  admm,
+  apgd,
+  two_stage_newton,
+  two_stage_admm
+};
 constexpr auto names_of(StepAlgorithm) {
   return std::to_array<std::string_view>(
-      {"nlgs", "generic", "enriched", "auto", "interior_point", "admm", "apgd", "two_stage_newton"});
+      {"nlgs", "generic", "enriched", "auto", "interior_point", "admm", "apgd", "two_stage_newton", "two_stage_admm"});
 }
 /// Whether an algorithm is a contact solver, whose tolerance is on the natural map.
 constexpr bool is_contact_solver(StepAlgorithm one) { return one >= StepAlgorithm::automatic; }
 /// Whether an algorithm cuts a step into subdomains.
 constexpr bool decomposes(StepAlgorithm one) {
-  return one == StepAlgorithm::generic || one == StepAlgorithm::enriched || one == StepAlgorithm::two_stage_newton;
+  return one == StepAlgorithm::generic || one == StepAlgorithm::enriched || one >= StepAlgorithm::two_stage_newton;
 }
 
 /// Indicator that ends the iterations of a step (see IterationRecord and ContactResidual).
@@ -49,7 +59,7 @@ enum class StageTwoNetwork {
 };
 constexpr auto names_of(StageTwoNetwork) { return std::to_array<std::string_view>({"all", "active"}); }
 
-/// The network that stands in Stage 2 for the contacts of a linear system of the two-stage Newton method.
+/// The network that stands in Stage 2 for the contacts of a linear system of the two-stage Newton method or ADMM.
 enum class InterfaceNetwork {
   none,    ///< X: inertia alone, as in the generic algorithm
   all,     ///< X_eta of every contact considered, in both directions, as in the enriched algorithm
@@ -170,7 +180,7 @@ struct StepSolver {
     visit("interface_relaxation", self.interface_relaxation,
           Field{.description = "relaxation omega of Stage 2", .minimum = 0, .minimum_excluded = true, .maximum = 1000});
     visit("interface_network", self.interface_network,
-          Field{.description = "contacts that precondition the interface of the two-stage Newton method"});
+          Field{.description = "contacts that precondition the interface of the two-stage Newton method and ADMM"});
     visit("interface_flexibility", self.interface_flexibility,
           Field{.description = "c: these are so many times as flexible as the contacts of its linear systems",
                 .minimum = 0,

@@ -19,6 +19,7 @@ IteratedSolution conjugate_gradients(const LinearMap& a, const LinearMap& p_inve
     result.x += length * direction;
     residual -= length * image;
     result.residual = residual.norm() / size;
+    if (result.residual <= limits.tolerance) break;
     z = p_inverse(residual);
     const double next = residual.dot(z);
     direction = z + (next / product) * direction;

@@ -82,7 +82,9 @@ struct Effect {
 
 constexpr std::string_view with_friction = "coulomb or cohesive", opening = "coulomb, frictionless or cohesive",
                            switched = "linear or homogenised", divided = "generic or enriched",
-                           cut = "generic, enriched or two_stage_newton", iterated = "nlgs, generic or enriched",
+                           two_stages = "two_stage_newton or two_stage_admm",
+                           cut = "generic, enriched, two_stage_newton or two_stage_admm",
+                           iterated = "nlgs, generic or enriched",
                            criteria = "zeta, interface_change, gluing, natural_map, quad_dv or mean_dv_over_r";
 
 constexpr Effect effects[] = {
@@ -109,7 +111,7 @@ constexpr Effect effects[] = {
     {"solver.interface_method", "solver.algorithm", divided},
     {"solver.interface_relaxation", "solver.algorithm", divided},
     {"solver.interface_relaxation", "solver.interface_method", "richardson"},
-    {"solver.interface_network", "solver.algorithm", "two_stage_newton"},
+    {"solver.interface_network", "solver.algorithm", two_stages},
     {"solver.interface_flexibility", "solver.algorithm", "two_stage_newton"},
     {"solver.interface_flexibility", "solver.interface_network", "all or active"},
     {"solver.redecompose", "solver.algorithm", cut},

@@ -49,6 +49,29 @@ std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<
   return statuses;
 }
 
+FrictionSolverOptions options_of(const StepSolver& solver) {
+  FrictionSolverOptions options{.tolerance = solver.tolerance,
+                                .maximum_sweeps = 100 * solver.maximum_iterations,
+                                .maximum_factorisations = solver.maximum_iterations,
+                                .relaxation = solver.contact_relaxation};
+  if (solver.algorithm == StepAlgorithm::two_stage_newton)
+    options.algorithm = FrictionAlgorithm::automatic;
+  else if (solver.algorithm == StepAlgorithm::two_stage_admm)
+    options.algorithm = FrictionAlgorithm::admm;
+  else
+    options.algorithm = std::string(to_string(StepAlgorithm{solver.algorithm}));
+  return options;
+}
+
+// Answers of Newton's steps are refined: their errors are about the square of the tolerance.
+CutOptions cut_options(const StepSolver& solver) {
+  if (solver.algorithm == StepAlgorithm::two_stage_admm)
+    return {.network = solver.interface_network, .flexibility = 1, .tolerance = std::min(1e-8, solver.tolerance)};
+  return {.network = solver.interface_network,
+          .flexibility = solver.interface_flexibility,
+          .tolerance = std::min(1e-4, 1e4 * solver.tolerance)};
+}
+
 }  // namespace
 
 LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system) {
@@ -65,18 +88,14 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   StepReport& report = step.report;
   const auto start = Clock::now();
   const LocalFrictionProblem contacts = contact_problem(problem, simulation.system);
-  FrictionSolverOptions options{.tolerance = solver.tolerance,
-                                .maximum_sweeps = 100 * solver.maximum_iterations,
-                                .maximum_factorisations = solver.maximum_iterations,
-                                .relaxation = solver.contact_relaxation};
-  std::optional<CutContacts> cut;  // its answers are refined: their errors are about the square of its tolerance
-  if (decomposes(solver.algorithm))
+  std::optional<CutContacts> cut;
+  RelationSolver linear;
+  if (decomposes(solver.algorithm)) {
     cut.emplace(decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(step.partition)),
-                CutOptions{.network = solver.interface_network,
-                           .flexibility = solver.interface_flexibility,
-                           .tolerance = std::min(1e-4, 1e4 * solver.tolerance)});
-  else
-    options.algorithm = std::string(to_string(StepAlgorithm{solver.algorithm}));
+                cut_options(solver));
+    linear =
+        solver.algorithm == StepAlgorithm::two_stage_admm ? relation_solver(*cut) : refined_solver(*cut, contacts.w);
+  }
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
@@ -92,7 +111,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
     looking += seconds() - before;
   };
   const FrictionSolution solution = solve_friction(
-      contacts, options, shifted_impulses(problem),
+      contacts, options_of(solver), shifted_impulses(problem),
       [&](const FrictionSolution& check) {
         report.last = {.iteration = report.last.iteration + 1,
                        .sweeps = check.sweeps,
@@ -101,7 +120,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
         if (sink.looks_at(report.last.iteration)) look(check.impulses);
         return true;
       },
-      cut ? relation_solver(*cut, contacts.w) : RelationSolver{});
+      linear);
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
   if (cut) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The two-stage Newton method: steps solved by a contact solver whose linear systems are cut into subdomains.
+// The two-stage Newton method and ADMM: steps solved by a contact solver whose linear systems are cut into subdomains.
 #include "../support/granular.hpp"
 #include "linalg/threads.hpp"
 
@@ -23,8 +23,8 @@ Dynamics newton(const std::string& law, double restitution = 0) {
   return dynamics;
 }
 
-SolvedStep undivided(Simulation simulation) {
-  simulation.dynamics.solver.algorithm = "auto";
+SolvedStep undivided(Simulation simulation, const std::string& algorithm = "auto") {
+  simulation.dynamics.solver.algorithm = algorithm;
   return solve_step(simulation);
 }
 
@@ -75,17 +75,41 @@ TEST_CASE("every network of Stage 2 leads to the same answer") {
   }
 }
 
-TEST_CASE("the two-stage Newton method gives the same bits for any number of threads") {
-  const Simulation simulation = shaken_lattice(10, 8, newton("coulomb"), {4, 2});
-  const auto with_threads = [&](Index threads) {
-    const ThreadLimit limit(threads);
-    return solve_step(simulation);
-  };
-  const SolvedStep one = with_threads(1), two = with_threads(2);
-  CHECK(one.report.interface_iterations == two.report.interface_iterations);
-  for (std::size_t k = 0; k < one.contacts.size(); ++k) {
-    CHECK(one.contacts[k].impulse.n == two.contacts[k].impulse.n);
-    CHECK(one.contacts[k].impulse.t == two.contacts[k].impulse.t);
+TEST_CASE("two-stage ADMM takes the iterations of undivided ADMM, and one at the interface for each with X_rho") {
+  for (const std::string law : {"coulomb", "frictionless", "cohesive"})
+    for (const std::string network : {"active", "none"}) {
+      CAPTURE(law);
+      CAPTURE(network);
+      Simulation simulation = shaken_lattice(10, 8, newton(law), {4, 2});
+      simulation.dynamics.solver.algorithm = "two_stage_admm";
+      simulation.dynamics.solver.interface_network = network;
+      const SolvedStep found = solve_step(simulation), expected = undivided(simulation, "admm");
+      check_solved(simulation, found, expected);
+      const Index iterations = expected.report.last.sweeps;
+      CHECK(std::abs(found.report.last.sweeps - iterations) <= (network == "active" ? 0 : iterations / 20));
+      CHECK(found.report.factorisations == expected.report.factorisations);
+      CHECK(found.report.interface_systems == found.report.last.sweeps);
+      if (network == "active")
+        CHECK(found.report.interface_iterations == found.report.interface_systems);
+      else  // conjugate gradients, preconditioned by X
+        CHECK(found.report.interface_iterations > 5 * found.report.interface_systems);
+    }
+}
+
+TEST_CASE("steps cut into subdomains have the same bits for any number of threads") {
+  for (const std::string algorithm : {"two_stage_newton", "two_stage_admm"}) {
+    Simulation simulation = shaken_lattice(10, 8, newton("coulomb"), {4, 2});
+    simulation.dynamics.solver.algorithm = algorithm;
+    const auto with_threads = [&](Index threads) {
+      const ThreadLimit limit(threads);
+      return solve_step(simulation);
+    };
+    const SolvedStep one = with_threads(1), two = with_threads(2);
+    CHECK(one.report.interface_iterations == two.report.interface_iterations);
+    for (std::size_t k = 0; k < one.contacts.size(); ++k) {
+      CHECK(one.contacts[k].impulse.n == two.contacts[k].impulse.n);
+      CHECK(one.contacts[k].impulse.t == two.contacts[k].impulse.t);
+    }
   }
 }
 

@@ -95,10 +95,9 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   require_error(replaced(good, "warm_start = true", "enrichment = \"semi_implicit\""), "c.toml:18: solver.enrichment");
   require_error(replaced(good, "warm_start = true", "seed = 7"),
                 "c.toml:18: solver.seed: expected solver.order random with it, met natural");
-  require_error(
-      replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
-      "c.toml:18: solver.redecompose: expected solver.algorithm generic, enriched or two_stage_newton with it, met "
-      "nlgs");
+  require_error(replaced(replaced(good, "\"generic\"", "\"nlgs\""), "warm_start = true", "redecompose = 3"),
+                "c.toml:18: solver.redecompose: expected solver.algorithm generic, enriched, two_stage_newton or "
+                "two_stage_admm with it, met nlgs");
   require_error(replaced(good, "friction = 0.3", "cohesion = 3"),
                 "c.toml:12: interaction.cohesion: expected interaction.law cohesive with it, met coulomb");
   require_error(replaced(good, "friction = 0.3", "boundary_friction = -0.5"),

@@ -2,7 +2,7 @@
 // Alternating directions (ADMM): all couplings and no law, then the law and no coupling, in turns. With De Saxce's
 // shift s = mu |u_t| of the velocities that the law sees, u + s n = -rho D l, and D = W_nn of each contact,
 //     x <- (W + rho D)^-1 (rho D (z - l) - q - s n),   z <- P(x' + l),   l <- l + x' - z,   x' = 1.6 x - 0.6 z.
-// W + rho D is factorised once, and again where another rho is wanted.
+// W + rho D is factorised once, and again where another rho is wanted; or its system is cut into subdomains.
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/contact_solvers/stall_watch.hpp"
@@ -32,9 +32,11 @@ class AlternatingDirections {
   double weight() const { return weight_; }
 
  private:
+  bool factorise();
+
   SolverRun& run_;
   const Couplings& w_;
-  CholeskyAnalysis analysis_;
+  std::optional<CholeskyAnalysis> analysis_;  // none where the system is cut
   std::optional<SparseCholesky> cholesky_;
   double weight_ = first_weight;
   Vector impulses_, multiplier_, shift_, rest_;  // z, l, s, the antisymmetric part of W times z
@@ -44,10 +46,10 @@ class AlternatingDirections {
 AlternatingDirections::AlternatingDirections(SolverRun& run, const Couplings& w)
     : run_(run),
       w_(w),
-      analysis_(w.symmetric),
       impulses_(run.now.impulses),
       multiplier_(Vector::Zero(impulses_.size())),
       shift_(Vector::Zero(run.problem.contacts())) {
+  if (!run.linear.factorise) analysis_.emplace(w.symmetric);
   renew_rest();
   if (impulses_.isZero(0)) return;  // the velocities of no impulses are far from those of a solution
   multiplier_ = -run.now.state.velocities.cwiseQuotient(weight_ * w.normal);
@@ -57,16 +59,25 @@ AlternatingDirections::AlternatingDirections(SolverRun& run, const Couplings& w)
   }
 }
 
+bool AlternatingDirections::factorise() {
+  ++run_.now.factorisations;
+  if (run_.linear.factorise) {
+    std::vector<ContactRelation> relations(at(run_.problem.contacts()), {.q = Eigen::Matrix2d::Identity()});
+    for (Index c = 0; c < count(relations); ++c) relations[at(c)].p *= weight_ * w_.normal[2 * c];
+    return run_.linear.factorise(std::move(relations));
+  }
+  SparseMatrix matrix = w_.symmetric;
+  matrix.diagonal() += weight_ * w_.normal;
+  cholesky_.emplace(*analysis_, matrix);
+  run_.now.operations += cholesky_->factorisation_operations();
+  return cholesky_->positive_definite();
+}
+
 bool AlternatingDirections::change_weight(double weight) {
   for (; weight <= most_weight && !run_.spent(); weight *= 10) {
     multiplier_ *= weight_ / weight;
     weight_ = weight;
-    SparseMatrix matrix = w_.symmetric;
-    matrix.diagonal() += weight * w_.normal;
-    cholesky_.emplace(analysis_, matrix);
-    ++run_.now.factorisations;
-    run_.now.operations += cholesky_->factorisation_operations();
-    if (cholesky_->positive_definite()) return true;
+    if (factorise()) return true;
   }
   return false;
 }
@@ -78,7 +89,7 @@ void AlternatingDirections::iterate() {
     shift_[c] += renewed_part * (run_.problem.friction[c] * std::abs(velocities[2 * c + 1]) - shift_[c]);
     right[2 * c] -= shift_[c];
   }
-  const Vector coupled = cholesky_->solve(right);
+  const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : run_.linear.solve(right);
   const Vector relaxed = relaxation * coupled + (1 - relaxation) * impulses_, before = impulses_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
     const LocalVector moved = component(relaxed, c) + component(multiplier_, c);
@@ -88,7 +99,7 @@ void AlternatingDirections::iterate() {
   multiplier_ += relaxed - impulses_;
   primal_ = (coupled - impulses_).cwiseAbs2().dot(w_.normal);
   dual_ = (impulses_ - before).cwiseAbs2().dot(w_.normal);
-  run_.now.operations += cholesky_->solve_operations();
+  run_.now.operations += cholesky_ ? cholesky_->solve_operations() : run_.linear.take_operations();
 }
 
 double AlternatingDirections::balanced_weight() const {
@@ -103,7 +114,7 @@ void admm(SolverRun& run) {
   const FrictionSolverOptions& options = run.options;
   if (run.judge(run.now.impulses) || run.spent()) return;
   const OneBlasThread serial_blas;  // for all solves: that of each is then cheap
-  const Couplings w(run.problem);
+  const Couplings w(run.problem, run.linear);
   AlternatingDirections directions(run, w);
   bool regular = directions.change_weight(first_weight);
   StallWatch watch(run);
