@@ -63,7 +63,7 @@ def main():
               f"{'sweeps':>8}{'factorisations':>15}")
         for problem in problems:
             seconds = {}
-            for solver in ("auto", "interior_point", "newton", "nlgs", "admm", "apgd"):
+            for solver in ("auto", "continuation", "newton", "nlgs", "admm", "apgd"):
                 found = report_of(run(options.program, "solve", problem, "--solver", solver, "--tolerance",
                                       options.tolerance, "--maximum-sweeps", options.sweeps))
                 seconds[solver] = float(found["seconds"])

@@ -18,7 +18,7 @@ struct Options {
   std::string name, subdomains, output, convergence;
   std::vector<ParameterOption> parameters{
       {"--algorithm", "WORD", "solver.algorithm",
-       "nlgs, generic, enriched, auto, interior_point, admm, apgd, two_stage_newton or two_stage_admm",
+       "nlgs, generic, enriched, auto, continuation, newton, admm, apgd, two_stage_newton or two_stage_admm",
        all_names<StepAlgorithm>()},
       {"--gauss-seidel-sweeps", "N", "solver.gauss_seidel_sweeps", "sweeps n_GS per iteration"},
       {"--eta", "NUMBER[W]", "solver.eta",

@@ -31,7 +31,9 @@ ResultColumns<FrictionSolution> check_columns() {
   const ResultColumns<FrictionStep> of_step{
       {"proximal_weight", "1", "alpha of Newton's steps, rho of admm, over W_nn of each contact; nan for other steps",
        &FrictionStep::proximal_weight},
-      {"step_length", "1", "part of the step that was taken; nan where steps have no length", &FrictionStep::length}};
+      {"step_length", "1",
+       "part of Newton's step that was taken, length in log t along a curve; nan where steps have no length",
+       &FrictionStep::length}};
   return joined<FrictionSolution>(
       {{{"sweeps", "1", "Gauss-Seidel sweeps done, or iterations of admm and apgd", &FrictionSolution::sweeps}},
        columns_of(&FrictionSolution::state, of_state),
@@ -204,7 +206,7 @@ Action declare_solve(Command& command) {
   command.required("FILE", options->file,
                    "frictional contact problem in two dimensions, HDF5 of FCLIB; with --csv also a folder of them");
   Option& solver = command.add("--solver", options->algorithms,
-                               "auto (the default): sweeps, then interior point; or another alone; with --csv it "
+                               "auto (the default): sweeps, then continuation; or another alone; with --csv it "
                                "may be named again, and all stands for every one");
   solver.words = all_names<FrictionAlgorithm>();
   solver.words.emplace_back("all");

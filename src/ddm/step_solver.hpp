@@ -14,15 +14,16 @@ enum class StepAlgorithm {
   generic,
   enriched,
   automatic,
-  interior_point,
+  continuation,
+  newton,
   admm,
   apgd,
   two_stage_newton,
   two_stage_admm
 };
 constexpr auto names_of(StepAlgorithm) {
-  return std::to_array<std::string_view>(
-      {"nlgs", "generic", "enriched", "auto", "interior_point", "admm", "apgd", "two_stage_newton", "two_stage_admm"});
+  return std::to_array<std::string_view>({"nlgs", "generic", "enriched", "auto", "continuation", "newton", "admm",
+                                          "apgd", "two_stage_newton", "two_stage_admm"});
 }
 /// Whether an algorithm is a contact solver, whose tolerance is on the natural map.
 constexpr bool is_contact_solver(StepAlgorithm one) { return one >= StepAlgorithm::automatic; }

@@ -60,6 +60,12 @@ Vector SparseLu::solve(const SparseMatrix& a, const Vector& b) const {
   return x;
 }
 
+int SparseLu::determinant_sign() const {
+  double mantissa = 0, exponent = 0;
+  require_memory(umfpack_di_get_determinant(&mantissa, &exponent, factors_->numeric, factors_->info));
+  return mantissa < 0 ? -1 : 1;
+}
+
 double SparseLu::operations() const { return factors_->operations; }
 
 }  // namespace nscdd

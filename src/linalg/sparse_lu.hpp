@@ -19,6 +19,8 @@ class SparseLu {
   /// A^-1 b for the matrix factorised last, without iterative refinement.
   Vector solve(const SparseMatrix& a, const Vector& b) const;
   /// Floating-point operations of all factorisations and solves so far, as UMFPACK counts them.
+  /// Of the matrix factorised last, 1 or -1.
+  int determinant_sign() const;
   double operations() const;
 
  private:

@@ -15,7 +15,7 @@ constexpr Index checks_looked_back = 10;
 constexpr Index contacts_at_a_time = 512;  // that one thread looks at
 
 // The solvers by the places of FrictionAlgorithm.
-constexpr void (*contact_solvers[])(SolverRun&) = {automatic, interior_point, newton, nlgs, admm, apgd};
+constexpr void (*contact_solvers[])(SolverRun&) = {automatic, continuation, newton, nlgs, admm, apgd};
 
 // || r^1 ||: impulses of the contacts, each alone.
 double lone_impulses(const LocalFrictionProblem& problem) {
@@ -223,9 +223,14 @@ Couplings::Couplings(const LocalFrictionProblem& problem, const RelationSolver& 
       normal(2 * problem.contacts()),
       matrix(solver) {
   if (!matrix.factorise) {
-    const auto whole = std::make_shared<ContactMatrix>(problem, symmetric);
-    matrix = {[=](std::vector<ContactRelation> relations) { return whole->factorise(std::move(relations)); },
-              [=](const Vector& b) { return whole->solve(b); }, [=] { return whole->take_operations(); }};
+    const auto whole = std::make_shared<std::optional<ContactMatrix>>();  // made when it is asked for
+    matrix.factorise = [whole, this, &problem](std::vector<ContactRelation> relations) {
+      if (!*whole) whole->emplace(problem, symmetric);
+      return (*whole)->factorise(std::move(relations));
+    };
+    matrix.solve = [whole](const Vector& b) { return (*whole)->solve(b); };
+    matrix.take_operations = [whole] { return (*whole)->take_operations(); };
+    matrix.determinant_sign = [whole] { return (*whole)->determinant_sign(); };
   }
   for (Index c = 0; c < problem.contacts(); ++c) normal[2 * c] = normal[2 * c + 1] = problem.w.coeff(2 * c, 2 * c);
 }

@@ -14,7 +14,7 @@ LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSyst
 /// the whole packing, u = W r + q. Its tolerance is on the natural map. `maximum_iterations` bounds the matrices
 /// factorised, and 100 times as many the sweeps. The contacts of the law must open; with one that pulls, r + pull
 /// obeys Coulomb's law. Sets contacts, velocities, and of the report what the solver knows. An iteration is a check of
-/// the solver: ten sweeps, a step along the path, or one of Newton's.
+/// the solver: ten sweeps, a step along a curve, or one of Newton's.
 void solve_undivided(SolvedStep& step, const Simulation& simulation, const IterationSink& sink);
 
 }  // namespace nscdd

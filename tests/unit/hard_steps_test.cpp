@@ -31,19 +31,18 @@ LocalFrictionProblem problem_of(const Step& step) {
 
 }  // namespace
 
-TEST_CASE("the path solves steps on which it turns back where infeasibility falls faster than the gap") {
+TEST_CASE("continuation solves steps on whose way the smoothing has to grow again") {
   Index factorisations = 0;
-  for (const Step& step : {Step{0.5, 20}, Step{0.7, 18}, Step{0.7, 21}, Step{0.8, 23}, Step{0.9, 14}}) {
+  for (const Step& step : {Step{0.7, 20}, Step{0.7, 23}, Step{0.8, 4}, Step{0.9, 2}, Step{0.9, 21}}) {
     CAPTURE(step.friction);
     const LocalFrictionProblem problem = problem_of(step);
     CHECK(problem.contacts() > 200);
-    const FrictionSolution found = solve_friction(problem, {.algorithm = FrictionAlgorithm::interior_point});
+    const FrictionSolution found = solve_friction(problem, {.algorithm = FrictionAlgorithm::continuation});
     CHECK(found.status == FrictionStatus::converged);
     CHECK(friction_state(problem, found.impulses).residual <= 1e-8);
     factorisations += found.factorisations;
   }
-  CHECK(factorisations <=
-        250);  // 140 on the machine of this test; 400, and no solution, with infeasibility gone faster
+  CHECK(factorisations <= 600);  // 285 when written; 2 800 where the smoothing never grows
 }
 
 TEST_CASE("auto solves the same steps") {

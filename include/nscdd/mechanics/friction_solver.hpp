@@ -8,15 +8,15 @@ namespace nscdd {
 
 /// How a contact problem is solved.
 enum class FrictionAlgorithm {
-  automatic,       ///< sweeps, which settle easy problems; then `interior_point` from where they came to
-  interior_point,  ///< central path of the problem as a linear complementarity problem, then Newton on the statuses
-  newton,          ///< proximal semismooth Newton, from a few sweeps
-  nlgs,            ///< nonlinear Gauss-Seidel alone
-  admm,            ///< alternating directions: all couplings without the law, then the law without couplings
-  apgd,            ///< accelerated projected gradients, with De Saxce's shift renewed in an outer loop
+  automatic,     ///< sweeps, which settle easy problems; then `continuation` from where they came to
+  continuation,  ///< of a smoothed contact law along a curve to the law itself, then Newton on the statuses
+  newton,        ///< proximal semismooth Newton, from a few sweeps
+  nlgs,          ///< nonlinear Gauss-Seidel alone
+  admm,          ///< alternating directions: all couplings without the law, then the law without couplings
+  apgd,          ///< accelerated projected gradients, with De Saxce's shift renewed in an outer loop
 };
 constexpr auto names_of(FrictionAlgorithm) {
-  return std::to_array<std::string_view>({"auto", "interior_point", "newton", "nlgs", "admm", "apgd"});
+  return std::to_array<std::string_view>({"auto", "continuation", "newton", "nlgs", "admm", "apgd"});
 }
 
 /// The order in which a sweep goes through the contacts. Contacts are coupled where their block of W is stored.

@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps, Newton's steps and the central path in turns. None of them is sure: sweeps slow down, statuses cycle, and the
-// path turns where it begins too far away. Each turn begins nearer to a solution, or elsewhere.
+// Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
 namespace {
 
 constexpr Index first_sweeps = 500;
-// Of the path, over the residual of the sweeps. Where it is easy to get lost no value is the best one.
-constexpr double gaps[] = {100, 1000, 10, 1, 300, 30, 3, 0.1};
-constexpr double cold_gap = 3;  // of the path from unit impulses
+// Of the curve, over the residual of the sweeps: for a run from zero, and for one that goes on from given impulses.
+constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
 
 }  // namespace
 
 void automatic(SolverRun& run) {
   const FrictionSolverOptions& options = run.options;
+  const auto& smoothings = run.now.impulses.isZero(0) ? cold_smoothings : warm_smoothings;
   std::optional<Couplings> w;
   std::optional<FrictionStatus> given_up;  // how sweeps ended, once they are of no more use
-  for (Index turn = 0; turn < std::ssize(gaps); ++turn) {
-    const Index most = std::min(first_sweeps << turn, options.maximum_sweeps - run.now.sweeps);
+  for (Index turn = 0; turn < std::ssize(smoothings); ++turn) {
+    const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
     if (!given_up && sweep(run, most)) {
       given_up = run.now.status;
       if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return;
@@ -30,9 +29,7 @@ void automatic(SolverRun& run) {
     const FrictionSolution swept = run.now;
     if (finish_by_newton(run, *w)) return;
     run.go_back(swept);
-    if (follow_path(run, *w, gaps[turn] * swept.state.residual)) return;
-    // Further sweeps cost more than a second path, which begins where all contacts are alike.
-    if (turn == 0 && (run.judge(Vector::Zero(swept.impulses.size())) || follow_path(run, *w, cold_gap))) return;
+    if (follow_curve(run, *w, smoothings[turn] * swept.state.residual)) return;
     run.go_back(run.best());
   }
   const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);

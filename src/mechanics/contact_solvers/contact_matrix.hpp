@@ -29,6 +29,8 @@ class ContactMatrix {
   bool factorise(std::vector<ContactRelation> relations);
   /// r, 2c entries, for b of the same length and the relations given last.
   Vector solve(const Vector& b) const;
+  /// Of P + Q W with the relations given last, 1 or -1, for P with positive determinants.
+  int determinant_sign() const { return lu_->determinant_sign(); }
   /// Floating-point operations of the factorisations and solves since this was asked last.
   double take_operations();
 
@@ -60,6 +62,7 @@ struct RelationSolver {
   std::function<bool(std::vector<ContactRelation>)> factorise;
   std::function<Vector(const Vector&)> solve;
   std::function<double()> take_operations;
+  std::function<int()> determinant_sign = [] { return 1; };  ///< by default: not known
 };
 
 }  // namespace nscdd

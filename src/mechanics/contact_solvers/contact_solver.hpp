@@ -98,13 +98,13 @@ ContactRelation relation_of(ContactStatus status, double friction, double proxim
 /// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
 bool finish_by_newton(SolverRun& run, Couplings& w);
 
-/// Follows the central path from next to the present impulses (if they vanish: unit ones), where the gap is so many
-/// times their mean square. Returns whether the run is over. See interior_point.cpp.
-bool follow_path(SolverRun& run, Couplings& w, double relative_gap);
+/// Follows the curve of a smoothed contact law from the present impulses (if they vanish: equal ones), where the
+/// smoothing is so many times their mean square. Returns whether the run is over. See continuation.cpp.
+bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing);
 
 /// The solvers.
 void nlgs(SolverRun& run);
-void interior_point(SolverRun& run);
+void continuation(SolverRun& run);
 void newton(SolverRun& run);
 void automatic(SolverRun& run);
 void admm(SolverRun& run);

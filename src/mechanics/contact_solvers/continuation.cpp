@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Continuation (Allgower and Georg 1990, chapters 2 and 6) of a smoothed contact law. With z = r - rho u, rho = 1 /
+// W_nn of each contact, Coulomb's law is r = P(z). The positive part in P becomes (z + sqrt(z^2 + 4 t)) / 2 and the
+// clamp to
+// +- b becomes (sqrt((z + b)^2 + 4 t) - sqrt((z - b)^2 + 4 t)) / 2, as in Chen, Harker, Kanzow and Smale, so that
+//     F(z, t) = rho (W P_t(z) + q) - P_t(z) + z = t F_0 / t_0,   F_0 = F(z_0, t_0),
+// is a smooth curve from (z_0, t_0), any point, to a solution at t = 0. Friction makes t turn on the way: where the
+// determinant of dF/dz is negative the curve goes on towards larger t.
+#include "mechanics/contact_solvers/contact_solver.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr Index most_factorisations = 300;
+constexpr double first_length = 0.5;  // of steps, in log t
+constexpr double growth = 4, shrinking = 0.7, retreat = 0.3, least_length = 1e-5;
+constexpr double largest_change = 10;     // of a component of z in a step, in units of sqrt(z^2 + 4 t)
+constexpr double largest_residual = 0.3;  // after a step, likewise
+constexpr double lost = 100;              // Newton's step back to the curve, likewise: from here it is not found ...
+constexpr double near_curve = 30;         // ... here it is taken together with the next step ...
+constexpr double on_curve = 0.1;          // ... and here the point is one to come back to
+constexpr double contraction = 0.6;       // wanted of Newton's steps onto the curve
+constexpr Index calm_steps = 4;           // after a retreat, for which steps begin on the curve
+constexpr double newton_from = 1e-3;      // residual from which Newton's method is tried ...
+constexpr double newton_after = 0.2;      // ... and again at this part of the residual of the last trial
+
+// P_t(z) of a contact and its derivatives by z, and by t.
+struct SmoothedLaw {
+  LocalVector impulse;
+  Eigen::Matrix2d by_z;
+  Eigen::Vector2d by_t;
+};
+
+SmoothedLaw smoothed_law(LocalVector z, double friction, double t) {
+  const double root = 2 * std::sqrt(t), h = std::hypot(z.n, root);
+  SmoothedLaw law;
+  law.impulse.n = z.n > 0 ? (z.n + h) / 2 : 2 * t / (h - z.n);
+  const double edge = friction * law.impulse.n, n = law.impulse.n / h;
+  const double forward = std::hypot(z.t + edge, root), backward = std::hypot(z.t - edge, root);
+  law.impulse.t = 2 * z.t * edge / (forward + backward);
+  const double f = (z.t + edge) / forward, b = (z.t - edge) / backward;
+  law.by_z << n, 0, friction * n * (f + b) / 2, (f - b) / 2;
+  law.by_t << 1 / h, 1 / forward - 1 / backward + friction * (f + b) / (2 * h);
+  return law;
+}
+
+struct Point {
+  Vector z;
+  double t;  // (N s)^2
+};
+
+// What is known of the curve near a point: log t is the parameter.
+struct Course {
+  Point point;
+  Vector tangent;                // dz / dlog t
+  Vector correction;             // Newton's step to the curve, at right angles to it ...
+  double direction;              // of log t along the curve, -1 or 1
+  double log_correction = 0;     // ... and that of log t
+  double steepest = 0, off = 0;  // largest components of tangent and correction, in units of sqrt(z^2 + 4 t)
+  double length = first_length;
+};
+
+class SmoothedCurve {
+ public:
+  SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoothing);
+
+  const Point& start() const { return start_; }
+  /// None if the matrix is singular to rounding.
+  std::optional<Course> course(const Point& point);
+  /// Where a step of this length leads, the correction taken with it.
+  static Point ahead(const Course& course, double length);
+  Vector impulses(const Point& point) const;
+  /// The largest component of F - t F_0 / t_0, in units of sqrt(z^2 + 4 t).
+  double residual(const Point& point) const;
+
+ private:
+  Vector weight(const Point& point) const { return (point.z.array().square() + 4 * point.t).rsqrt(); }
+  Vector defect(const Point& point) const;
+  Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.symmetric * r); }  // rho W r
+
+  SolverRun& run_;
+  Couplings& w_;
+  Vector rho_, q_, slope_;  // slope_: F_0 / t_0
+  Point start_;
+};
+
+SmoothedCurve::SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoothing)
+    : run_(run), w_(w), rho_(w.normal.cwiseInverse()) {
+  Vector r = run.now.impulses;
+  q_ = rho_.cwiseProduct(run.problem.q + w.rest * r);
+  if (r.isZero(0))
+    for (Index c = 0; c < run.problem.contacts(); ++c) r[2 * c] = q_.norm() / std::sqrt(static_cast<double>(q_.size()));
+  start_ = {r - velocities(r) - q_, relative_smoothing * r.squaredNorm() / static_cast<double>(r.size())};
+  slope_ = Vector::Zero(r.size());
+  slope_ = defect(start_) / start_.t;
+}
+
+Vector SmoothedCurve::impulses(const Point& point) const {
+  Vector r(point.z.size());
+  for (Index c = 0; c < run_.problem.contacts(); ++c) {
+    const LocalVector own = smoothed_law(component(point.z, c), run_.problem.friction[c], point.t).impulse;
+    r.segment<2>(2 * c) << own.n, own.t;
+  }
+  return r;
+}
+
+// F - t F_0 / t_0, N s.
+Vector SmoothedCurve::defect(const Point& point) const {
+  const Vector r = impulses(point);
+  return velocities(r) + q_ - r + point.z - point.t * slope_;
+}
+
+double SmoothedCurve::residual(const Point& point) const {
+  return defect(point).cwiseProduct(weight(point)).cwiseAbs().maxCoeff();
+}
+
+// With r = P_t(z), dr = P' dz + dP/dt dt leaves  (1 - P') dr + P' rho W dr = ...  of the derivatives of F.
+std::optional<Course> SmoothedCurve::course(const Point& point) {
+  const Vector defects = defect(point);
+  std::vector<ContactRelation> relations(at(run_.problem.contacts()));
+  Vector along(point.z.size()), across(point.z.size());
+  for (Index c = 0; c < run_.problem.contacts(); ++c) {
+    const SmoothedLaw law = smoothed_law(component(point.z, c), run_.problem.friction[c], point.t);
+    ContactRelation& relation = relations[at(c)];
+    relation.p = Eigen::Matrix2d::Identity() - law.by_z;
+    relation.p.diagonal() = relation.p.diagonal().cwiseMax(1e-14);
+    relation.q = rho_[2 * c] * law.by_z;
+    along.segment<2>(2 * c) = point.t * (law.by_t + law.by_z * slope_.segment<2>(2 * c));
+    across.segment<2>(2 * c) = -law.by_z * defects.segment<2>(2 * c);
+  }
+  ++run_.now.factorisations;
+  if (!w_.matrix.factorise(std::move(relations))) return std::nullopt;
+  along = w_.matrix.solve(along);
+  across = w_.matrix.solve(across);
+  Course found{.point = point,
+               .tangent = along - velocities(along) + point.t * slope_,
+               .correction = across - velocities(across) - defects,
+               .direction = w_.matrix.determinant_sign() < 0 ? 1.0 : -1.0};
+  run_.now.operations += w_.matrix.take_operations();
+  // Lengths along the curve: the mean of the squared relative changes of z, and the square of that of log t.
+  const Vector unit = weight(point), relative = found.tangent.cwiseProduct(unit);
+  const double count = static_cast<double>(unit.size());
+  found.log_correction = found.correction.cwiseProduct(unit).dot(relative) / (relative.squaredNorm() + count);
+  found.correction -= found.log_correction * found.tangent;
+  found.log_correction = -found.log_correction;
+  found.steepest = relative.cwiseAbs().maxCoeff();
+  found.off = std::max(found.correction.cwiseProduct(unit).cwiseAbs().maxCoeff(), std::abs(found.log_correction));
+  return found;
+}
+
+Point SmoothedCurve::ahead(const Course& course, double length) {
+  const double change = course.direction * length;
+  return {course.point.z + course.correction + change * course.tangent,
+          course.point.t * std::exp(change + course.log_correction)};
+}
+
+}  // namespace
+
+bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
+  if (run.problem.q.isZero(0)) return run.judge(Vector::Zero(run.now.impulses.size()));
+  SmoothedCurve curve(run, w, relative_smoothing);
+  Point point = curve.start();
+  std::optional<Course> safe;  // the last one on the curve
+  Index corrections = 0, calm = calm_steps;
+  double length = first_length, last_off = infinity, last_trial = newton_from / newton_after;
+  for (Index step = 0; step < most_factorisations && !run.spent(); ++step) {
+    std::optional<Course> here = curve.course(point);
+    if (!here || !(here->off <= (corrections > 0 ? std::min(lost, contraction * last_off) : lost))) {
+      if (!safe || safe->length < least_length) return false;
+      length = safe->length *= retreat;
+      point = SmoothedCurve::ahead(*safe, length);
+      corrections = calm = 0;
+      continue;
+    }
+    last_off = here->off;
+    if (here->off > (calm < calm_steps ? on_curve : near_curve)) {
+      ++corrections;
+      point = SmoothedCurve::ahead(*here, 0);
+      continue;
+    }
+    corrections = 0;
+    ++calm;
+    length = std::min(largest_change / here->steepest, growth * length);
+    for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
+      point = SmoothedCurve::ahead(*here, length);
+      if (curve.residual(point) <= largest_residual) break;
+    }
+    here->length = length;
+    if (!safe || here->off <= on_curve) safe = std::move(here);
+    const Vector impulses = curve.impulses(point);
+    if (!run.plausible(impulses)) return false;
+    if (run.judge(impulses, {.length = length})) {
+      if (run.now.status != FrictionStatus::converged) return true;
+      const FrictionSolution inner = run.now;  // no contact is open or slides while t > 0
+      if (!run.judge(run.projected())) run.now = inner;
+      return true;
+    }
+    if (run.now.state.residual > newton_after * last_trial) continue;
+    last_trial = run.now.state.residual;
+    if (finish_by_newton(run, w)) return true;
+  }
+  return false;
+}
+
+void continuation(SolverRun& run) {
+  if (run.judge(run.now.impulses)) return;
+  Couplings w(run.problem, run.linear);
+  for (const double relative_smoothing : {3.0, 0.3, 0.03}) {
+    if (follow_curve(run, w, relative_smoothing)) return;
+    run.go_back(run.best());
+  }
+  if (!run.spent()) run.now.status = FrictionStatus::stalled;
+}
+
+}  // namespace nscdd
