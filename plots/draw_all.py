@@ -12,6 +12,7 @@ import figures_2_3_4
 import figures_8_10
 import figures_9_11
 import inexact_stage_one
+import newton_scalability
 import observed_rate
 import optimal_eta
 import partition
@@ -44,6 +45,7 @@ DRAW = {
     "predicted-observed": predicted_observed.draw,
     "profiles": profiles.draw,
     "switch": switch.draw,
+    "newton-scalability": newton_scalability.draw,
 }
 WITHOUT_FIGURE = ["semi-implicit"]
 

@@ -102,15 +102,17 @@ SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
-GeneralEigen general_eigen(Matrix a) {
+GeneralEigen general_eigen(Matrix a, Eigenvectors vectors) {
   const auto n = static_cast<lapack_int>(a.rows());
   Vector real(n), imaginary(n), scale(n);
-  GeneralEigen result{{}, Matrix(n, n)};
+  const bool wanted = vectors == Eigenvectors::wanted;
+  GeneralEigen result{{}, Matrix(wanted ? n : 1, wanted ? n : 1)};
   lapack_int low = 0, high = 0;
   double norm = 0;
   // Not balanced ('N' first): where entries are next to 0, balancing costs eigenvectors half of their digits.
-  if (LAPACKE_dgeevx(LAPACK_COL_MAJOR, 'N', 'N', 'V', 'N', n, a.data(), n, real.data(), imaginary.data(), nullptr, 1,
-                     result.packed.data(), n, &low, &high, scale.data(), &norm, nullptr, nullptr) == 0)
+  if (LAPACKE_dgeevx(LAPACK_COL_MAJOR, 'N', 'N', wanted ? 'V' : 'N', 'N', n, a.data(), n, real.data(), imaginary.data(),
+                     nullptr, 1, result.packed.data(), wanted ? n : 1, &low, &high, scale.data(), &norm, nullptr,
+                     nullptr) == 0)
     result.values = real + std::complex<double>(0, 1) * imaginary;
   return result;
 }

@@ -36,15 +36,15 @@ SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvect
 /// The same of a tridiagonal matrix, given by its diagonal and the line below it.
 SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
-/// All eigenvalues of a square matrix that need not be symmetric, n >= 1, and its eigenvectors (LAPACK). There are no
-/// values if the iteration of LAPACK fails.
+/// All eigenvalues of a square matrix that need not be symmetric, n >= 1, and its eigenvectors or none (LAPACK). There
+/// are no values if the iteration of LAPACK fails.
 struct GeneralEigen {
   Eigen::VectorXcd values;
   Matrix packed;  ///< a column per real eigenvalue; real and imaginary part for the two of a pair, the upper one first
 
   Eigen::VectorXcd vector(Index k) const;
 };
-GeneralEigen general_eigen(Matrix a);
+GeneralEigen general_eigen(Matrix a, Eigenvectors vectors = Eigenvectors::wanted);
 
 /// B -> A^+ B, the least-squares solutions of smallest norm, by a complete orthogonal decomposition: pivots below
 /// `threshold` times the largest count as zero.

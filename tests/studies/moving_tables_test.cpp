@@ -201,3 +201,46 @@ TEST_CASE("contact_solvers: names that there are, each once, and a law whose con
   refused("contact_solvers", "vary = { \"interaction.law\" = [\"linear_viscous\"], \"interaction.epsilon\" = [1] }\n",
           "interaction.law: expected a law with open contacts, met linear_viscous");
 }
+
+TEST_CASE("interface_iterations: a row has the step as its solver takes it, and what its spectrum predicts") {
+  const std::string more = "steps = [2]\n[table.vary]\n\"partition.grid\" = [\"2,1\", \"3,2\"]\n";
+  const auto study = [&](const std::string& algorithm) {
+    std::string text = moving_case();
+    const std::string generic =
+        "algorithm = \"generic\"\nwarm_start = true\nmaximum_iterations = 40\norder = \"natural\"";
+    text.replace(text.find(generic), generic.size(),
+                 "algorithm = \"" + algorithm + "\"\ntolerance = 1e-8\nmaximum_iterations = 20000");
+    const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
+    return parse_study("[[table]]\nname = \"t\"\nobservable = \"interface_iterations\"\ncases = [\"small\"]\n" + more,
+                       "s/study.toml", read)
+        .tables[0];
+  };
+  CHECK_THROWS_WITH_AS(study("auto"), doctest::Contains("expected two_stage_newton, met auto"), Error);
+  const StudyTable work = study("two_stage_newton");
+  const Table table = run(work);
+  REQUIRE(table.rows.size() == 2);
+  for (std::size_t row = 0; row < 2; ++row) {
+    LeadIn lead_in;
+    const VariedCase varied = varied_case(work, static_cast<Index>(row));
+    const SolvedStep step = solve_step(lead_in.at(varied.one, 1).simulation);
+    CHECK(integer(table, row, "subdomains") == (row == 0 ? 2 : 6));
+    CHECK(integer(table, row, "outer_steps") == step.report.factorisations);
+    CHECK(integer(table, row, "outer_steps") == integer(table, row, "outer_steps_undivided"));
+    CHECK(number(table, row, "iterations_per_system") * static_cast<double>(integer(table, row, "systems")) ==
+          doctest::Approx(static_cast<double>(step.report.interface_iterations)));
+    CHECK(number(table, row, "natural_map") <= 1e-7);
+    Simulation rival = lead_in.at(varied.one, 1).simulation;
+    rival.dynamics.solver.algorithm = "admm";
+    CHECK(integer(table, row, "admm_iterations") == solve_step(rival).report.last.sweeps);
+    for (const std::string name : {"generic", "enriched", "admm"}) {
+      CAPTURE(name);
+      CHECK(std::get<bool>(table.rows[row][table.column(name + "_converged")]));
+      CHECK(integer(table, row, name + "_iterations") > 0);
+    }
+    for (const std::string network : {"none", "all", "active"}) {
+      const auto measured = static_cast<double>(integer(table, row, "iterations_" + network));
+      CHECK(std::abs(measured - number(table, row, "predicted_" + network)) <= 3 + 0.2 * measured);
+    }
+    CHECK(integer(table, row, "iterations_active") < integer(table, row, "iterations_none"));
+  }
+}

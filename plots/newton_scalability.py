@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Outer steps and iterations at the interface of the two-stage Newton method against the number of subdomains."""
+import sys
+
+import numpy as np
+import style
+
+NETWORKS = [("none", "no contacts (generic)", style.GREY), ("all", "all contacts (enriched)", "#1f5f99"),
+            ("active", "active contacts", "#b03a2e")]
+CUTS = [("blocks", "blocks", {"marker": "s", "linestyle": "-"}),
+        ("strips", "strips", {"marker": "^", "linestyle": (0, (1, 1.3))}),
+        ("metis", "METIS", {"marker": "o", "linestyle": (0, (4, 2))})]
+DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.3))
+PREDICTED = {"linestyle": "none", "marker": "x", "markersize": 4, "markeredgewidth": 0.8, "zorder": 4}
+RIVALS = ["generic", "enriched", "admm"]
+NUMBERS = " ".join(["subdomains", "outer_steps", "outer_steps_undivided", "systems", "iterations_per_system",
+                    *[f"{rival}_iterations" for rival in RIVALS],
+                    *[f"{kind}_{network}" for network, *_ in NETWORKS
+                      for kind in ("iterations", "predicted", "richardson")]])
+
+
+def rows_of(results, table):
+    rows = style.read_table(results, f"newton-scalability/{table}.csv", numbers=NUMBERS,
+                            flags=" ".join(f"{rival}_converged" for rival in RIVALS))
+    return sorted(rows, key=lambda row: row["subdomains"])
+
+
+def line(axes, rows, values, colour, look):
+    """VALUES is a column, or one number for each row."""
+    values = style.column(rows, values) if isinstance(values, str) else values
+    return axes.plot(style.column(rows, "subdomains"), values, color=colour, **look)[0]
+
+
+def draw_outer(axes, tables):
+    undivided = tables["blocks"][0]["outer_steps_undivided"]
+    axes.axhspan(0.8 * undivided, 1.2 * undivided, color=style.GREY, alpha=0.15, linewidth=0)
+    axes.axhline(undivided, color=style.GREY, linewidth=0.6, zorder=0.5)
+    for cut, _, look in CUTS:
+        line(axes, tables[cut], "outer_steps", "black", look)
+    axes.annotate("one subdomain, ± 20 %", (0.5, 0.8 * undivided), xycoords=("axes fraction", "data"),
+                  xytext=(0, -4), textcoords="offset points", ha="center", va="top", fontsize=7)
+    axes.set(ylim=(0, 1.6 * undivided), ylabel="matrices factorised")
+
+
+def draw_krylov(axes, tables):
+    for cut, _, look in CUTS:
+        for network, _, colour in NETWORKS:
+            line(axes, tables[cut], f"iterations_{network}", colour, look)
+            line(axes, tables[cut], f"predicted_{network}", "black", PREDICTED)
+    style.log_axis(axes.yaxis, 10, 1500)
+    axes.set(ylabel="iterations per linear system")
+
+
+def draw_fixed_size(axes, tables):
+    for network, _, colour in NETWORKS:
+        line(axes, tables["fixed-size"], f"iterations_{network}", colour, {"marker": "D", "linestyle": "-"})
+        line(axes, tables["fixed-size"], f"predicted_{network}", "black", PREDICTED)
+    style.log_axis(axes.yaxis, 5, 1500)
+    axes.set(ylabel="iterations per linear system")
+
+
+def draw_methods(axes, tables):
+    """Richardson's iteration beside Krylov's for one system; then all iterations at the interface in the step."""
+    rows = tables["blocks"]
+    richardson = [row["richardson_none"] if np.isfinite(row["richardson_none"]) else np.nan for row in rows]
+    handles = [line(axes, rows, richardson, style.GREY,
+                    {"marker": "s", "linestyle": DASHED, "markerfacecolor": "white"})]
+    newton = [row["systems"] * row["iterations_per_system"] for row in rows]
+    handles.append(line(axes, rows, newton, "#b03a2e", {"marker": "s", "linestyle": "-"}))
+    for rival, colour, look in (("admm", "#3d7a3d", {"marker": "v", "linestyle": "-"}),
+                                ("generic", style.GREY, {"marker": "D", "markersize": 6.5, "markerfacecolor": "none",
+                                                         "linestyle": "-"}),
+                                ("enriched", "#1f5f99", {"marker": "D", "linestyle": DOTTED})):
+        there = [row for row in rows if row[f"{rival}_converged"]]
+        handles.append(line(axes, there, f"{rival}_iterations", colour, look))
+    style.log_axis(axes.yaxis, 1e3, 3e6)
+    axes.set(ylabel="iterations at the interface")
+    axes.legend(handles, ["Richardson, one system, no contacts", "two-stage Newton, the step",
+                          "two-stage ADMM, the step", r"Algorithm 1, generic, to $\zeta = 10^{-4}$",
+                          r"Algorithm 1, enriched, to $\zeta = 10^{-4}$"],
+                loc="upper left", fontsize=7)
+
+
+def draw(results, output, formats):
+    tables = {name: rows_of(results, name) for name in ("blocks", "strips", "metis", "fixed-size")}
+    fig, ((outer, krylov), (fixed, methods)) = style.figure(style.COLUMN_AND_HALF, 130, 2, 2)
+    draw_outer(outer, tables)
+    draw_krylov(krylov, tables)
+    draw_fixed_size(fixed, tables)
+    draw_methods(methods, tables)
+    titles = ("outer steps, 780 grains", "Krylov's method, 780 grains", "the same, 32 grains in each",
+              "methods, 780 grains in blocks")
+    for axes, letter, title in zip((outer, krylov, fixed, methods), "abcd", titles):
+        style.log_axis(axes.xaxis, 1.6, 82)
+        axes.set_xticks([2, 4, 8, 16, 32, 64], labels=["2", "4", "8", "16", "32", "64"])
+        axes.set_xticks([], minor=True)
+        axes.set(xlabel="number of subdomains")
+        style.panel(axes, letter, title)
+    handles = [outer.plot([], [], color=colour, linewidth=3)[0] for *_, colour in NETWORKS]
+    handles += [outer.plot([], [], color="black", **PREDICTED)[0]]
+    handles += [outer.plot([], [], color="black", **entry)[0] for *_, entry in CUTS]
+    labels = [label for _, label, _ in NETWORKS] + ["predicted"] + [label for _, label, _ in CUTS]
+    style.legend_above(fig, handles, labels, 4)
+    return style.save(fig, output, "newton-scalability", formats)
+
+
+if __name__ == "__main__":
+    sys.exit(style.run(__doc__, draw))

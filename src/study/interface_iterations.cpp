@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/interface_iterations.hpp"
+
+#include "ddm/cut_contacts.hpp"
+#include "ddm/granular_two_stage.hpp"
+#include "linalg/pencil.hpp"
+#include "mechanics/contact_solvers/contact_solver.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr Index most_eigenvalues = 2500;
+constexpr Index most_iterations = 3000;
+
+// A linear system of Newton's method at the end of a step: its relations and its right-hand side.
+struct FrozenSystem {
+  std::vector<ContactRelation> relations;
+  Vector right;
+};
+
+FrozenSystem frozen_system(const SolvedStep& step) {
+  const double alpha = frozen_proximal * step.problem.scale;
+  FrozenSystem system{{}, Vector(2 * count(step.contacts))};
+  for (Index c = 0; c < count(step.contacts); ++c) {
+    const DiskContact& contact = step.contacts[at(c)];
+    const ContactRelation relation = relation_of(status_of(step.problem.law, contact), contact.friction, alpha);
+    const LocalVector u = relative_velocity(contact, step.problem.free) + contact.bias;
+    const LocalVector b = alpha * contact.impulse - u;
+    system.right.segment<2>(2 * c) = relation.q * Eigen::Vector2d(b.n, b.t);
+    system.relations.push_back(relation);
+  }
+  return system;
+}
+
+FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem& system, InterfaceNetwork network,
+                                 double flexibility) {
+  CutContacts cut(parts, {network, flexibility, frozen_tolerance, most_iterations});
+  FrozenInterface result;
+  if (parts.interface_size() == 0 || !cut.factorise(system.relations)) return result;
+  cut.solve(system.right);
+  result.iterations = cut.work().iterations;
+  if (parts.interface_size() > most_eigenvalues) return result;
+  Matrix map = cut.dense();
+  for (Index k = 0; k < map.cols(); ++k) map.col(k) = cut.precondition(map.col(k));
+  const Eigen::VectorXcd eigenvalues = general_eigen(std::move(map), Eigenvectors::not_wanted).values;
+  if (eigenvalues.size() == 0) return result;
+  result.predicted = static_cast<double>(predicted_iterations(eigenvalues, {frozen_tolerance, most_iterations}));
+  const double radius = (1.0 - eigenvalues.array()).abs().maxCoeff();
+  result.richardson = radius < 1 ? std::ceil(std::log(frozen_tolerance) / std::log(radius)) : infinity;
+  return result;
+}
+
+InterfaceIterations::Rival by_algorithm_1(Simulation simulation, StepAlgorithm algorithm) {
+  const Index most = simulation.dynamics.solver.maximum_iterations;
+  simulation.dynamics.solver = {.algorithm = algorithm, .maximum_iterations = most};
+  const StepReport report = solve_step(simulation).report;
+  return {report.last.iteration, report.status == SolverStatus::converged};
+}
+
+InterfaceIterations::Rival by_admm(Simulation simulation) {
+  StepSolver& solver = simulation.dynamics.solver;
+  solver.algorithm = StepAlgorithm::two_stage_admm;
+  solver.maximum_iterations = std::max<Index>(solver.maximum_iterations / 100, 1);  // 100 of these in each
+  const StepReport report = solve_step(simulation).report;
+  return {report.last.sweeps, report.status == SolverStatus::converged};
+}
+
+}  // namespace
+
+InterfaceIterations interface_iterations(const Simulation& simulation) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  const SolvedStep step = solve_step(simulation);
+  InterfaceIterations result;
+  result.report = step.report;
+  result.subdomains = step.partition.subdomains;
+  result.systems = step.report.interface_systems;
+  for (const DiskContact& contact : step.contacts) {
+    const ContactStatus status = status_of(step.problem.law, contact);
+    result.stick += status == ContactStatus::stick;
+    result.slide += status != ContactStatus::stick && status != ContactStatus::open;
+  }
+  const Decomposition parts =
+      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition));
+  const FrozenSystem system = frozen_system(step);
+  result.none = frozen_interface(parts, system, InterfaceNetwork::none, solver.interface_flexibility);
+  result.all = frozen_interface(parts, system, InterfaceNetwork::all, solver.interface_flexibility);
+  result.active = frozen_interface(parts, system, InterfaceNetwork::active, solver.interface_flexibility);
+  Simulation undivided = simulation;
+  undivided.partitioner = GridPartitioner{.grid = {1, 1}};
+  undivided.state.decomposed_at = -1;
+  result.undivided_factorisations = solve_step(undivided).report.factorisations;
+  result.generic = by_algorithm_1(simulation, StepAlgorithm::generic);
+  result.enriched = by_algorithm_1(simulation, StepAlgorithm::enriched);
+  result.admm = by_admm(simulation);
+  return result;
+}
+
+}  // namespace nscdd
