@@ -76,8 +76,9 @@ struct SaddlePointFamily {
   // interface grain or of two, and nowhere else.
   SparseMatrix matrix(double epsilon, double eta, double sigma) const;
 
-  // One pattern for all. All copies of a grain and the gluing of these copies are eliminated together, a
-  // contact impulse with the later of its grains.
+  // One pattern for all. For infinite eta the gluing is a group by itself for each grain: all velocities are then
+  // eliminated before, once for all sigma. For finite eta sqrt(sigma) A_E ties them to it, and all copies of a grain
+  // and the gluing of these copies are eliminated together. A contact impulse goes with the later of its grains.
   InertiaPattern pattern() const;
 
   // What Response has, of a solution x for these epsilon, eta and sigma.
@@ -146,25 +147,28 @@ SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma)
 
 InertiaPattern SaddlePointFamily::pattern() const {
   const Decomposition& system = contraction.system.parts();
-  std::vector<Index> grain;
-  grain.reserve(at(rows()));
-  const auto add = [&](Index g) { grain.insert(grain.end(), at(system.dofs_per_grain()), g); };
+  const Index grains = system.interface.grains();
+  std::vector<Index> group;  // at first by keys: grains, and behind them copies that are groups of their own
+  group.reserve(at(rows()));
+  Index keys = grains;
+  const auto add = [&](Index key) { group.insert(group.end(), at(system.dofs_per_grain()), key); };
   const auto add_grains = [&](const Decomposition& parts) {
-    for (const Subdomain& subdomain : parts.subdomains) std::ranges::for_each(subdomain.grains, add);
+    for (const Subdomain& subdomain : parts.subdomains)
+      for (const Index grain : subdomain.grains) add(generic ? keys++ : grain);
   };
   add_grains(system);
-  grain.insert(grain.end(), at(system_size - grain_rows), -1);
+  group.insert(group.end(), at(system_size - grain_rows), -1);
   if (!generic) add_grains(contraction.preconditioner.parts());
   for (const Gluing& row : system.interface.gluing()) add(row.grain);
-  std::vector<Index> number(at(system.interface.grains()), -1);  // of a grain, as it is met
+  std::vector<Index> number(at(keys), -1);  // of a key, as it is met
   Index next = 0;
-  for (Index& g : grain) {
+  for (Index& g : group) {
     if (g < 0) continue;
     Index& n = number[at(g)];
     if (n < 0) n = next++;
     g = n;
   }
-  return {inertia, grain, interface_size()};
+  return {inertia, group, interface_size()};
 }
 
 ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma) const {

@@ -13,7 +13,7 @@ namespace {
 class Multifrontal {
  public:
   explicit Multifrontal(const InertiaPattern& pattern)
-      : analysis_(pattern.lower, pattern.group, {}, last_rows(pattern)) {}
+      : analysis_(pattern.lower, pattern.group, groups_of_border(pattern), last_rows(pattern)) {}
 
   InertiaFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
     const SymmetricFactor factor(interior(lower, parameters), lower);
@@ -36,6 +36,15 @@ class Multifrontal {
     std::vector<Index> rows(at(pattern.border));
     std::iota(rows.begin(), rows.end(), pattern.lower.rows() - pattern.border);
     return rows;
+  }
+
+  // Marks groups that have no other row; none if there are none.
+  static std::vector<char> groups_of_border(const InertiaPattern& pattern) {
+    const Index groups = pattern.group.empty() ? 0 : *std::max_element(pattern.group.begin(), pattern.group.end()) + 1;
+    std::vector<char> of_border(at(groups), 1);
+    for (Index i = 0; i < pattern.lower.rows() - pattern.border; ++i)
+      if (const Index g = pattern.group[at(i)]; g >= 0) of_border[at(g)] = 0;
+    return std::ranges::count(of_border, 1) > 0 ? of_border : std::vector<char>{};
   }
 
   SymmetricInterior interior(const SparseMatrix& lower, const std::array<double, 2>& parameters) {

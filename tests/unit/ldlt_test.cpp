@@ -2,6 +2,7 @@
 // The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
 #include "../support/matrices.hpp"
 #include "linalg/ldlt/factor.hpp"
+#include "linalg/ldlt/last_groups.hpp"
 #include "linalg/random.hpp"
 
 #include <doctest/doctest.h>
@@ -119,6 +120,24 @@ TEST_CASE("symmetric factor: groups eliminated last, and the inverse on their ro
       CHECK(backward_error(problem.lower, factor.solve(b), b) < 1e-11);
     }
   }
+}
+
+TEST_CASE("symmetric factor: the groups of a chain of parts are eliminated last, segment by segment from both ends") {
+  // Four parts of a strip and three cuts between them, three nodes wide, numbered row by row.
+  const Index columns = 15, rows = 3;
+  Graph graph;
+  std::vector<char> last;
+  for (Index node = 0; node < columns * rows; ++node) {
+    const Index x = node % columns, y = node / columns;
+    last.push_back(x % 4 == 3);
+    if (y > 0) graph.neighbours.push_back(static_cast<int>(node - columns));
+    if (x > 0) graph.neighbours.push_back(static_cast<int>(node - 1));
+    if (x + 1 < columns) graph.neighbours.push_back(static_cast<int>(node + 1));
+    if (y + 1 < rows) graph.neighbours.push_back(static_cast<int>(node + columns));
+    graph.start.push_back(static_cast<int>(graph.neighbours.size()));
+  }
+  const std::vector<int> weight(last.size(), 2);
+  CHECK(order_of_last(graph, weight, last) == std::vector<int>{3, 18, 33, 11, 26, 41, 7, 22, 37});
 }
 
 TEST_CASE("symmetric factor: what is apart from the border serves a family, to the bit") {

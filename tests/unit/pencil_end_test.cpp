@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace nscdd;
@@ -45,6 +46,24 @@ std::vector<Problem> some_problems() {
 }
 
 }  // namespace
+
+TEST_CASE("shifted pencil: with infinite eta all velocities are the interior, and the gluing alone is the border") {
+  for (const double eta : {infinity, 0.5}) {
+    CAPTURE(eta);
+    const Problem problem(random_lattice(2, 8, 6, {3, 2}), 0.05, eta);
+    InertiaPattern seen;
+    const ShiftedPencilFamily family(problem.b, SystemForm::condensed, {"looks on", [&](const InertiaPattern& pattern) {
+                                                                          seen = pattern;
+                                                                          return InertiaFamily{};
+                                                                        }});
+    const auto border = seen.group.end() - seen.border;
+    Index shared = 0;  // velocities in a group with gluing
+    for (auto group = seen.group.begin(); group != border; ++group)
+      shared += std::find(border, seen.group.end(), *group) != seen.group.end();
+    CHECK(seen.border == problem.b.rows());
+    CHECK((shared == 0) == std::isinf(eta));
+  }
+}
 
 TEST_CASE("pencil end: without bounds, with loose bounds, with exact ones") {
   for (Problem& problem : some_problems())

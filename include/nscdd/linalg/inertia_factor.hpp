@@ -21,7 +21,8 @@ struct InertiaFactor {
 struct InertiaPattern {
   SparseMatrix lower;  ///< n x n, lower triangle, values ignored
   /// For each row the number of its group, 0 ... groups - 1, or -1: with any of the groups that the row touches. Rows
-  /// of a group should be eliminated together: a multiplier of a saddle point belongs with what it ties.
+  /// of a group should be eliminated together: a multiplier of a saddle point belongs with what it ties, unless what it
+  /// ties is definite. Groups of border rows alone may be eliminated after all others, which leaves the border small.
   std::vector<Index> group;
   Index border = 0;  ///< m, the number of the last rows; all rows apart from their groups are the interior
 };

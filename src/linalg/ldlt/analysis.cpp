@@ -2,6 +2,7 @@
 #include "linalg/ldlt/analysis.hpp"
 
 #include "linalg/ldlt/factor.hpp"
+#include "linalg/ldlt/last_groups.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 
@@ -15,15 +16,13 @@ constexpr int seed = 1;             // of METIS
 std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>& weight,
                                       const std::vector<char>& last) {
   if (last.empty()) return nested_dissection(graph, weight, seed);
-  std::vector<int> kept, number(weight.size(), -1), kept_weight, order, tail;
-  for (std::size_t g = 0; g < weight.size(); ++g)
-    if (last[g]) {
-      tail.push_back(static_cast<int>(g));
-    } else {
-      number[g] = static_cast<int>(kept.size());
-      kept.push_back(static_cast<int>(g));
-      kept_weight.push_back(weight[g]);
-    }
+  std::vector<int> kept, number(weight.size(), -1), kept_weight, order;
+  for (std::size_t g = 0; g < weight.size(); ++g) {
+    if (last[g]) continue;
+    number[g] = static_cast<int>(kept.size());
+    kept.push_back(static_cast<int>(g));
+    kept_weight.push_back(weight[g]);
+  }
   Graph inner;
   for (const int g : kept) {
     for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
@@ -31,6 +30,7 @@ std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>
     inner.start.push_back(static_cast<int>(inner.neighbours.size()));
   }
   for (const int k : nested_dissection(inner, kept_weight, seed)) order.push_back(kept[at(k)]);
+  const std::vector<int> tail = order_of_last(graph, weight, last);
   order.insert(order.end(), tail.begin(), tail.end());
   return order;
 }

@@ -30,20 +30,42 @@ Index negative_pivots(const Block& diagonal, const double* e) {
   return negative;
 }
 
-// target -= left right^T on and below the diagonal of the target, by blocks of columns.
-void subtract_product(Block target, const Block& left, const Matrix& right) {
+// target -= left right^T on and below the diagonal of the target, by blocks of columns. `fresh`: it has no values yet.
+template <class Right>
+void subtract_product(Block target, const Block& left, const Right& right, bool fresh) {
   const Index blocks = (target.cols() + block_columns - 1) / block_columns;
   const auto one = [&](Index b) {
     const Index first = b * block_columns, width = std::min(block_columns, target.cols() - first);
     const Index height = target.rows() - first;
-    target.block(first, first, height, width).noalias() -=
-        left.bottomRows(height) * right.middleRows(first, width).transpose();
+    auto block = target.block(first, first, height, width);
+    if (fresh) block.setZero();
+    block.noalias() -= left.bottomRows(height) * right.middleRows(first, width).transpose();
   };
   if (blocks > 1) {
     tbb::parallel_for(Index{0}, blocks, one);
   } else if (blocks == 1) {  // most fronts are small
     one(0);
   }
+}
+
+// Update rows first ... first + length - 1 of a child that follow each other in its parent too, from `place` on.
+struct Run {
+  Index first, place, length;
+};
+
+std::vector<Run> runs_of(const int* place, Index rows) {
+  std::vector<Run> runs;
+  for (Index i = 0; i < rows; ++i)
+    if (i > 0 && place[i] == place[i - 1] + 1) {
+      ++runs.back().length;
+    } else {
+      runs.push_back({i, place[i], 1});
+    }
+  return runs;
+}
+
+void add(const double* from, double* to, Index length) {
+  for (Index i = 0; i < length; ++i) to[i] += from[i];
 }
 
 // Eliminates fronts of one matrix, children before parents.
@@ -60,42 +82,48 @@ class Elimination {
     own.off = Vector::Zero(front.pivots);
     Matrix& update = result_.updates[at(s)];
     const Index below = front.update_rows();
-    update = Matrix::Zero(below, below);
+    const bool leaf = front.children.empty();
+    update.resize(below, below);
+    if (!leaf) update.setZero();
     Block columns(own.columns, front.rows, front.pivots, Eigen::OuterStride<>(front.rows));
     columns.setZero();
     assemble(s, columns, update);
-    Matrix multiples(front.rows, 0);  // L D of the panel at hand
-    Matrix below_multiples(below, front.pivots);
+    Matrix multiples(front.rows, front.pivots);  // L D below each panel
     for (Index panel = 0, first = 0; panel < count(front.panels); ++panel) {
-      const Index width = front.panels[at(panel)] - first, rest = front.rows - first - width;
-      Block diagonal(&columns(first, first), width, width, Eigen::OuterStride<>(front.rows));
-      const auto n = static_cast<lapack_int>(width), stride = static_cast<lapack_int>(front.rows);
-      lapack_int* swaps = own.swaps.data() + first;
-      if (!factorise_panel(diagonal, n, stride, swaps, own.off.data() + first)) return;
-      Block left(columns.data() + first * front.rows + first + width, rest, width, Eigen::OuterStride<>(front.rows));
-      interchange(swaps, width, [&](Index i, Index j) {
-        if (i != j) left.col(i).swap(left.col(j));
-      });
-      diagonal.triangularView<Eigen::UnitLower>().transpose().template solveInPlace<Eigen::OnTheRight>(left);
-      multiples = left;  // L D
-      Matrix transposed = left.transpose();
-      solve_diagonal(diagonal, own.off.data() + first, transposed);
-      left = transposed.transpose();  // L
-      const Index columns_left = front.pivots - first - width;
-      if (columns_left > 0) {
-        Block target(&columns(first + width, first + width), rest, columns_left, Eigen::OuterStride<>(front.rows));
-        subtract_product(target, left, multiples.topRows(columns_left));
-      }
-      below_multiples.middleCols(first, width) = multiples.bottomRows(below);
+      const Index width = front.panels[at(panel)] - first;
+      if (!eliminate_panel(own, columns, multiples, first, width)) return;
       first += width;
     }
     if (below > 0) {
       const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
-      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, below_multiples);
+      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left,
+                       multiples.bottomRows(below), leaf);
     }
   }
 
  private:
+  // The columns of a panel become L with D on its diagonal; those to the right of it lose its product.
+  bool eliminate_panel(FrontFactor& own, Block& columns, Matrix& multiples, Index first, Index width) const {
+    const Index rows = columns.rows(), next = first + width, rest = rows - next, columns_left = columns.cols() - next;
+    Block diagonal(&columns(first, first), width, width, Eigen::OuterStride<>(rows));
+    lapack_int* const swaps = own.swaps.data() + first;
+    double* const off = own.off.data() + first;
+    if (!factorise_panel(diagonal, static_cast<lapack_int>(width), static_cast<lapack_int>(rows), swaps, off))
+      return false;
+    if (rest == 0) return true;
+    Block left(&columns(next, first), rest, width, Eigen::OuterStride<>(rows));
+    interchange(swaps, width, [&](Index i, Index j) {
+      if (i != j) left.col(i).swap(left.col(j));
+    });
+    diagonal.triangularView<Eigen::UnitLower>().transpose().template solveInPlace<Eigen::OnTheRight>(left);
+    multiples.block(next, first, rest, width) = left;  // L D
+    solve_diagonal(diagonal, off, left.transpose());   // L
+    if (columns_left > 0)
+      subtract_product(Block(&columns(next, next), rest, columns_left, Eigen::OuterStride<>(rows)), left,
+                       multiples.block(next, first, columns_left, width), false);
+    return true;
+  }
+
   bool factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps, double* off) const {
     double query = 0;
     LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, &query, -1);
@@ -123,12 +151,16 @@ class Elimination {
       const bool kept = child.on_border != front.on_border;
       const Matrix& from = (kept ? *below_ : result_).updates[at(c)];
       const int* place = tree_.places_of_updates(child);
+      const std::vector<Run> runs = runs_of(place, from.rows());
+      auto run = runs.begin();  // of the entry on the diagonal
       for (Index j = 0; j < from.cols(); ++j) {
+        if (j == run->first + run->length) ++run;
         const Index column = place[j];
         double* to = column < front.pivots ? &columns(0, column)
                                            : update.data() + (column - front.pivots) * update.rows() - front.pivots;
-        const double* source = from.data() + j * from.rows();
-        for (Index i = j; i < from.rows(); ++i) to[place[i]] += source[i];
+        add(from.data() + j * from.rows() + j, to + column, run->first + run->length - j);
+        for (auto other = run + 1; other != runs.end(); ++other)
+          add(from.data() + j * from.rows() + other->first, to + other->place, other->length);
       }
       if (!kept) result_.updates[at(c)].resize(0, 0);
     }
