@@ -5,8 +5,8 @@
 The peers (benchmarks/peers/) are the best straightforward method found in either language: local factorisations, a
 dense interface matrix, its largest eigenvalue. They are timed by their own clocks, without their set-up, over a few
 values of epsilon. nscdd is timed as a whole process, packing file read and contacts found, over 20 values of epsilon
-from 1e-4 to 1e2, at a tolerance of 1e-8, for both ends of the spectrum. Radii must agree to 2e-8 wherever both have
-them.
+from 1e-4 to 1e2, at a tolerance of 1e-8, for both ends of the spectrum. Seconds and ratios are averages over these
+values, or those of the peer. Radii must agree to 2e-8 wherever both have them.
 
 usage: large_packings.py [--program PATH] [--grains N] [--strips 2,16] [--peers octave,scipy] [--peer-epsilons 2]
        large_packings.py --scaling [--sizes 10000,100000,1000000]     cost of one point against N, 16 strips
@@ -24,6 +24,13 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 EPSILONS = 20
+
+
+def machine():
+    """Processor and cores at hand."""
+    with open("/proc/cpuinfo", encoding="ascii") as file:
+        models = [line.split(":", 1)[1].strip() for line in file if line.startswith("model name")]
+    return f"{(models or ['unknown processor'])[0]}, {len(os.sched_getaffinity(0))} cores"
 
 
 def lattice(path, grains):
@@ -66,15 +73,19 @@ def peer(name, grains, strips, count):
         command = ["/usr/bin/python3", os.path.join(HERE, "peers", "spectral_scipy.py"), str(grains), str(strips),
                    str(count), "1e-8", "1e9", "dense"]
     output, _, memory = timed(command)
-    first, last = (float(re.search(rf"rho\({which}\)=([0-9.e+-]+)", output).group(1)) for which in ("first", "last"))
-    return {"radii": {1e-4: first, 1e2: last} if count > 1 else {1e-4: first},
+    # Of one value, Octave's logspace gives the last and NumPy's the first.
+    values = {1e-4: "first", 1e2: "last"} if count > 1 else {1e2 if name == "octave" else 1e-4: "first"}
+    radii = {epsilon: float(re.search(rf"rho\({which}\)=([0-9.e+-]+)", output).group(1))
+             for epsilon, which in values.items()}
+    return {"radii": radii,
             "seconds": float(re.search(r"total=([0-9.]+)s", output).group(1)) / count, "memory": memory}
 
 
 def compare(options, folder):
     packing = os.path.join(folder, "lattice.csv")
     lattice(packing, options.grains)
-    print(f"{options.grains} disks; seconds per epsilon, peak memory in MiB")
+    print(f"{options.grains} disks; seconds per epsilon, the average of {EPSILONS} values ({options.peer_epsilons} of a "
+          f"peer), and their ratio; peak memory in MiB")
     print("strips  unknowns  solver        program  s/epsilon  ratio  memory  ratio  largest difference")
     for strips in options.strips:
         own = nscdd(options.program, packing, strips, f"1e-4:1e2:{EPSILONS}")
@@ -135,6 +146,7 @@ def main():
     parser.add_argument("--deposits", action="store_true")
     parser.add_argument("--sizes", type=numbers)
     options = parser.parse_args()
+    print(machine())
     with tempfile.TemporaryDirectory() as folder:
         (scale if options.scaling else deposits if options.deposits else compare)(options, folder)
 
