@@ -54,6 +54,7 @@ CutContacts::CutContacts(Decomposition parts, const CutOptions& options)
 bool CutContacts::factorise(std::vector<ContactRelation> relations) {
   ++work_.factorisations;
   relations_ = std::move(relations);
+  longest_ = {};
   e_.clear();
   for (const ContactRelation& relation : relations_) e_.push_back(relation.p.inverse() * relation.q);
   std::vector<char> regular(parts_.subdomains.size(), 1);
@@ -80,6 +81,13 @@ std::vector<Vector> CutContacts::velocities(const std::vector<Vector>& impulses)
     result[at(i)] = lu_[at(i)] ? lu_[at(i)]->solve(k_[at(i)], impulses[at(i)]) : impulses[at(i)];
   });
   return result;
+}
+
+int CutContacts::determinant_sign() const {
+  int sign = longest_.determinant_sign;
+  for (const std::optional<SparseLu>& lu : lu_)
+    if (lu) sign *= lu->determinant_sign();
+  return sign;
 }
 
 double CutContacts::take_operations() {
@@ -127,6 +135,7 @@ Vector CutContacts::solve(const Vector& b) {
     work_.iterations += f.iterations;
     work_.most_iterations = std::max(work_.most_iterations, f.iterations);
     work_.failures += Index{!f.converged};
+    if (f.iterations > longest_.iterations) longest_ = f;
     for (std::size_t i = 0; i < right.size(); ++i) right[i] -= parts_.interface.distribute(static_cast<Index>(i), f.x);
     v = velocities(right);
   }

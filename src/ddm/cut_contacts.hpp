@@ -33,6 +33,9 @@ class CutContacts {
   /// As ContactMatrix::solve; the iterations may end before their tolerance, see `work`.
   Vector solve(const Vector& b);
 
+  /// As ContactMatrix::determinant_sign, once something has been solved: that of Stage 1 times that of P^-1 S on the
+  /// largest Krylov space of Stage 2. An eigenvalue that no right-hand side has a part in is not seen.
+  int determinant_sign() const;
   /// As ContactMatrix::take_operations, of Stage 1.
   double take_operations();
 
@@ -60,6 +63,7 @@ class CutContacts {
   std::vector<std::optional<SparseLu>> lu_;
   std::optional<InterfaceOperator> preconditioner_;
   bool symmetric_ = false;
+  IteratedSolution longest_;  // of the relations given last
   Work work_;
   double taken_ = 0;  // of its operations
 };
@@ -67,7 +71,8 @@ class CutContacts {
 /// Its functions, for a contact solver. `cut` must outlive them.
 inline RelationSolver relation_solver(CutContacts& cut) {
   return {[&cut](std::vector<ContactRelation> relations) { return cut.factorise(std::move(relations)); },
-          [&cut](const Vector& b) { return cut.solve(b); }, [&cut] { return cut.take_operations(); }};
+          [&cut](const Vector& b) { return cut.solve(b); }, [&cut] { return cut.take_operations(); },
+          [&cut] { return cut.determinant_sign(); }};
 }
 /// The same with one step of iterative refinement: where P is small impulses are velocities over it, and so are their
 /// errors. `w`: H^T M^-1 H; it too must outlive them.

@@ -81,6 +81,8 @@ IteratedSolution generalised_minimal_residuals(const LinearMap& a, const LinearM
     result.x += parts[at(k)] * directions[at(k)];
   }
   result.converged = result.residual <= limits.tolerance;
+  // All diagonal entries of the triangle are positive, and the last turn is not one of that square matrix.
+  result.determinant_sign = !turns.empty() && turns.back()[0] < 0 ? -1 : 1;
   return result;
 }
 

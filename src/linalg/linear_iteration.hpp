@@ -16,6 +16,7 @@ struct IteratedSolution {
   Index iterations = 0;  ///< products with A
   double residual = 0;   ///< || b - A x || / || b ||, as the iteration has it
   bool converged = true;
+  int determinant_sign = 1;  ///< of the matrix that P^-1 A is on the Krylov space; without iterations 1
 };
 
 /// Preconditioned conjugate gradients, A and P symmetric positive definite; `p_inverse`: x -> P^-1 x.

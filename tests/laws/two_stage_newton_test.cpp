@@ -56,7 +56,7 @@ TEST_CASE("steps cut into subdomains end as undivided ones do, with any law and 
         const SolvedStep found = solve_step(simulation), expected = undivided(simulation);
         check_solved(simulation, found, expected);
         CHECK(found.report.interface_size > 0);
-        // Steps along the path and Newton's ones do not depend on the cut, to rounding.
+        // Steps along the curve and Newton's ones do not depend on the cut, to rounding.
         const Index steps = expected.report.factorisations;
         CHECK(found.report.last.sweeps == expected.report.last.sweeps);
         CHECK(std::abs(found.report.factorisations - steps) <= 1 + steps / 10);

@@ -87,6 +87,31 @@ TEST_CASE("linear systems of contacts that are cut have the solutions of the who
       }
 }
 
+TEST_CASE("the sign of the determinant of systems that are cut is that of the whole ones") {
+  RandomStream stream(13);
+  std::array<int, 2> seen{};
+  const Cut one = cut_lattice({3, 2});
+  for (int trial = 0; trial < 40; ++trial) {
+    std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 0.1, true);
+    for (ContactRelation& each : relation)  // sliding with frictions that turn the determinant now and then
+      if (each.p(1, 0) != 0) each.p(1, 0) = 6 * random_of(stream);
+    const Index size = one.parts.contacts;
+    Matrix p = Matrix::Zero(size, size), q = p;
+    for (Index c = 0; c < size / 2; ++c) {
+      p.block<2, 2>(2 * c, 2 * c) = relation[at(c)].p;
+      q.block<2, 2>(2 * c, 2 * c) = relation[at(c)].q;
+    }
+    const double determinant = (p + q * one.w).partialPivLu().determinant();
+    CutContacts cut(one.parts, {.tolerance = 1e-10});
+    REQUIRE(cut.factorise(relation));
+    cut.solve(random_vector(stream, size));
+    CHECK(cut.determinant_sign() == (determinant < 0 ? -1 : 1));
+    ++seen[determinant < 0 ? 0 : 1];
+  }
+  CHECK(seen[0] > 5);
+  CHECK(seen[1] > 5);
+}
+
 TEST_CASE("on active contacts of equal flexibility Stage 2 is Stage 1, and one iteration does") {
   RandomStream stream(5);
   const Cut one = cut_lattice({3, 2});
