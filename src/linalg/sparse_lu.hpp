@@ -18,9 +18,9 @@ class SparseLu {
   bool factorise(const SparseMatrix& a);
   /// A^-1 b for the matrix factorised last, without iterative refinement.
   Vector solve(const SparseMatrix& a, const Vector& b) const;
-  /// Floating-point operations of all factorisations and solves so far, as UMFPACK counts them.
   /// Of the matrix factorised last, 1 or -1.
   int determinant_sign() const;
+  /// Floating-point operations of all factorisations and solves so far, as UMFPACK counts them.
   double operations() const;
 
  private:

@@ -102,7 +102,7 @@ constexpr Effect effects[] = {
     {"solver.order", "solver.algorithm", iterated},
     {"solver.gluing_tolerance", "solver.algorithm", divided},
     {"solver.gluing_tolerance", "solver.criterion", criteria},
-    {"solver.contact_relaxation", "solver.algorithm", "nlgs, generic, enriched, auto or two_stage_newton"},
+    {"solver.contact_relaxation", "solver.algorithm", "nlgs, generic, enriched, auto, newton or two_stage_newton"},
     {"solver.seed", "solver.order", "random"},
     {"solver.eta", "solver.algorithm", "enriched"},
     {"solver.network", "solver.algorithm", "enriched"},

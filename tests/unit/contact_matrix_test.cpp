@@ -12,7 +12,7 @@ using namespace nscdd::testing;
 
 namespace {
 
-// Contacts that open, stick and slide under a proximal term, and full blocks as the central path has them.
+// Contacts that open, stick and slide under a proximal term, and full blocks as a smoothed law has them.
 std::vector<ContactRelation> random_relations(RandomStream& random, Index contacts, double smallest) {
   std::vector<ContactRelation> relations(static_cast<std::size_t>(contacts));
   for (ContactRelation& relation : relations) {
@@ -27,6 +27,7 @@ std::vector<ContactRelation> random_relations(RandomStream& random, Index contac
     relation.q(1, 1) = 1;
     relation.p(1, 1) = kind < 0.6 ? size : std::pow(smallest, random.uniform());
     if (kind > 0.6) relation.p(1, 0) = size * (random.uniform() - 0.5);
+    if (kind > 0.8) relation.q(1, 0) = 2 * (random.uniform() - 0.5);
   }
   return relations;
 }
@@ -44,6 +45,7 @@ Matrix literal(const Matrix& w, const std::vector<ContactRelation>& relations) {
 
 // 10 bodies with 40 contacts: fewer entries with the bodies as unknowns. 30 with 31: fewer with the contacts.
 TEST_CASE("linear systems of contacts are solved alike with contacts and with bodies as unknowns") {
+  Index negative = 0;
   for (const Index bodies : {10, 30})
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const Index contacts = bodies == 10 ? 40 : 31;
@@ -61,6 +63,10 @@ TEST_CASE("linear systems of contacts are solved alike with contacts and with bo
         const Vector b = dense * r, expected = dense.fullPivLu().solve(b);
         REQUIRE(matrix.factorise(relations));
         REQUIRE(of_contacts.factorise(relations));
+        const int sign = dense.determinant() < 0 ? -1 : 1;
+        negative += sign < 0;
+        CHECK(matrix.determinant_sign() == sign);
+        CHECK(of_contacts.determinant_sign() == sign);
         // The matrix is as badly conditioned as `smallest` says: residuals tell what impulses cannot.
         for (const Vector& found : {matrix.solve(b), of_contacts.solve(b)}) {
           CHECK((dense * found - b).norm() <= 1e-13 * b.norm());
@@ -68,6 +74,7 @@ TEST_CASE("linear systems of contacts are solved alike with contacts and with bo
         }
       }
     }
+  CHECK(negative >= 2);
 }
 
 TEST_CASE("a contact of which nothing is asked leaves a matrix that is not factorised") {

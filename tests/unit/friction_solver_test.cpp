@@ -183,7 +183,7 @@ TEST_CASE("the curve of a smoothed law is short on hyperstatic problems, from ze
     sweeps.maximum_sweeps = 100;
     warm += solve_friction(problem, options, solve_friction(problem, sweeps).impulses).factorisations;
   }
-  CHECK(cold <= 140);  // 130 and 100 when written
+  CHECK(cold <= 160);  // 137 and 100 when written
   CHECK(warm <= 110);
 }
 

@@ -84,7 +84,7 @@ constexpr auto names_of(FrictionStatus) {
 /// The step that led to impulses; not a number where a solver has no such thing.
 struct FrictionStep {
   double proximal_weight = not_a_number;  ///< alpha of Newton's steps, rho of admm, over W_nn of each contact
-  double length = not_a_number;           ///< the part of the step that was taken
+  double length = not_a_number;           ///< part of Newton's step that was taken; along a curve in log t
 };
 
 struct FrictionSolution {

@@ -98,8 +98,8 @@ ContactRelation relation_of(ContactStatus status, double friction, double proxim
 /// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
 bool finish_by_newton(SolverRun& run, Couplings& w);
 
-/// Follows the curve of a smoothed contact law from the present impulses (if they vanish: equal ones), where the
-/// smoothing is so many times their mean square. Returns whether the run is over. See continuation.cpp.
+/// Follows the curve of a smoothed contact law from the present impulses (if they are next to none: equal ones), where
+/// the smoothing is so many times their mean square. Returns whether the run is over. See continuation.cpp.
 bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing);
 
 /// The solvers.

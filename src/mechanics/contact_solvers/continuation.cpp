@@ -12,7 +12,9 @@ namespace nscdd {
 namespace {
 
 constexpr Index most_factorisations = 300;
-constexpr double first_length = 0.5;  // of steps, in log t
+constexpr double least_start = 0.1;        // of first impulses, over rho q
+constexpr double least_smoothing = 1e-32;  // of t, over its first value: rounding
+constexpr double first_length = 0.5;       // of steps, in log t
 constexpr double growth = 4, shrinking = 0.7, retreat = 0.3, least_length = 1e-5;
 constexpr double largest_change = 10;     // of a component of z in a step, in units of sqrt(z^2 + 4 t)
 constexpr double largest_residual = 0.3;  // after a step, likewise
@@ -21,8 +23,8 @@ constexpr double near_curve = 30;         // ... here it is taken together with 
 constexpr double on_curve = 0.1;          // ... and here the point is one to come back to
 constexpr double contraction = 0.6;       // wanted of Newton's steps onto the curve
 constexpr Index calm_steps = 4;           // after a retreat, for which steps begin on the curve
-constexpr double newton_from = 1e-3;      // residual from which Newton's method is tried ...
-constexpr double newton_after = 0.2;      // ... and again at this part of the residual of the last trial
+constexpr double newton_from = 1e-4;      // residual from which Newton's method is tried ...
+constexpr double newton_after = 0.1;      // ... and again at this part of the residual of the last trial
 
 // P_t(z) of a contact and its derivatives by z, and by t.
 struct SmoothedLaw {
@@ -88,8 +90,9 @@ SmoothedCurve::SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoot
     : run_(run), w_(w), rho_(w.normal.cwiseInverse()) {
   Vector r = run.now.impulses;
   q_ = rho_.cwiseProduct(run.problem.q + w.rest * r);
-  if (r.isZero(0))
-    for (Index c = 0; c < run.problem.contacts(); ++c) r[2 * c] = q_.norm() / std::sqrt(static_cast<double>(q_.size()));
+  if (r.norm() < least_start * q_.norm())
+    for (Index c = 0; c < run.problem.contacts(); ++c)
+      r[2 * c] = std::max(r[2 * c], q_.norm() / std::sqrt(static_cast<double>(q_.size())));
   start_ = {r - velocities(r) - q_, relative_smoothing * r.squaredNorm() / static_cast<double>(r.size())};
   slope_ = Vector::Zero(r.size());
   slope_ = defect(start_) / start_.t;
@@ -111,7 +114,7 @@ Vector SmoothedCurve::defect(const Point& point) const {
 }
 
 double SmoothedCurve::residual(const Point& point) const {
-  return defect(point).cwiseProduct(weight(point)).cwiseAbs().maxCoeff();
+  return defect(point).cwiseProduct(weight(point)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
 // With r = P_t(z), dr = P' dz + dP/dt dt leaves  (1 - P') dr + P' rho W dr = ...  of the derivatives of F.
@@ -129,7 +132,10 @@ std::optional<Course> SmoothedCurve::course(const Point& point) {
     across.segment<2>(2 * c) = -law.by_z * defects.segment<2>(2 * c);
   }
   ++run_.now.factorisations;
-  if (!w_.matrix.factorise(std::move(relations))) return std::nullopt;
+  if (!w_.matrix.factorise(std::move(relations))) {
+    run_.now.operations += w_.matrix.take_operations();
+    return std::nullopt;
+  }
   along = w_.matrix.solve(along);
   across = w_.matrix.solve(across);
   Course found{.point = point,
@@ -183,7 +189,7 @@ bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
     length = std::min(largest_change / here->steepest, growth * length);
     for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
       point = SmoothedCurve::ahead(*here, length);
-      if (curve.residual(point) <= largest_residual) break;
+      if (curve.residual(point) <= largest_residual && run.plausible(curve.impulses(point))) break;
     }
     here->length = length;
     if (!safe || here->off <= on_curve) safe = std::move(here);
@@ -192,9 +198,10 @@ bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
     if (run.judge(impulses, {.length = length})) {
       if (run.now.status != FrictionStatus::converged) return true;
       const FrictionSolution inner = run.now;  // no contact is open or slides while t > 0
-      if (!run.judge(run.projected())) run.now = inner;
+      if (!run.judge(run.projected()) || run.now.status != FrictionStatus::converged) run.now = inner;
       return true;
     }
+    if (point.t < least_smoothing * curve.start().t) return finish_by_newton(run, w);
     if (run.now.state.residual > newton_after * last_trial) continue;
     last_trial = run.now.state.residual;
     if (finish_by_newton(run, w)) return true;
