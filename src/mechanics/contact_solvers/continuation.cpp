@@ -90,7 +90,8 @@ SmoothedCurve::SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoot
     : run_(run), w_(w), rho_(w.normal.cwiseInverse()) {
   Vector r = run.now.impulses;
   q_ = rho_.cwiseProduct(run.problem.q + w.rest * r);
-  if (r.norm() < least_start * q_.norm())
+  // Sweeps know better than any rule how small impulses are.
+  if (r.norm() <= (run.now.sweeps > 0 ? 0.0 : least_start) * q_.norm())
     for (Index c = 0; c < run.problem.contacts(); ++c)
       r[2 * c] = std::max(r[2 * c], q_.norm() / std::sqrt(static_cast<double>(q_.size())));
   start_ = {r - velocities(r) - q_, relative_smoothing * r.squaredNorm() / static_cast<double>(r.size())};
