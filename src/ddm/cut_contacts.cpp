@@ -49,6 +49,8 @@ Decomposition stage_two(const Decomposition& parts, const std::vector<Eigen::Mat
 CutContacts::CutContacts(Decomposition parts, const CutOptions& options)
     : parts_(std::move(parts)), options_(options), k_(parts_.subdomains.size()), lu_(parts_.subdomains.size()) {
   if (parts_.contacts % 2 != 0) fail("contacts: expected two columns for each, met {} columns", parts_.contacts);
+  if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
+    preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, whatever the relations are
 }
 
 bool CutContacts::factorise(std::vector<ContactRelation> relations) {
@@ -68,10 +70,8 @@ bool CutContacts::factorise(std::vector<ContactRelation> relations) {
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
   symmetric_ = std::ranges::all_of(e_, [](const Eigen::Matrix2d& block) { return block(0, 1) == block(1, 0); });
-  if (parts_.interface_size() > 0)
-    preconditioner_ = options_.network == InterfaceNetwork::none
-                          ? InterfaceFamily(parts_, 0).at(infinity)
-                          : InterfaceFamily(stage_two(parts_, e_, options_.network), 0).at(options_.flexibility);
+  if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
+    preconditioner_ = InterfaceFamily(stage_two(parts_, e_, options_.network), 0).at(options_.flexibility);
   return std::ranges::all_of(regular, [](char one) { return one != 0; });
 }
 

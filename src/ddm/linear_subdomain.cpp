@@ -4,18 +4,6 @@
 namespace nscdd {
 
 LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law,
-                                 std::vector<ContactStatus> statuses, double flexibility)
-    : law_(law),
-      statuses_(std::move(statuses)),
-      contacts_(subdomain.contacts),
-      base_(subdomain.velocities),
-      present_(subdomain.velocities),
-      flexibility_(flexibility),
-      network_(frozen_network(subdomain, statuses_)) {
-  factorise();
-}
-
-LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law,
                                  std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
     : law_(law),
       statuses_(std::move(statuses)),
@@ -23,8 +11,8 @@ LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const Conta
       base_(subdomain.velocities),
       present_(subdomain.velocities),
       flexibility_(flexibility),
-      network_(frozen_network(subdomain, statuses_)),
-      fields_(fields(network_)) {
+      network_(frozen_network(subdomain, statuses_)) {
+  if (fields) fields_ = fields(network_);
   factorise();
 }
 

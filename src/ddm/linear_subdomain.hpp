@@ -21,15 +21,13 @@ struct LinearAnswer {
 /// are those of an exact Stage 1 at these statuses. An open contact has no impulse.
 class LinearSubdomain {
  public:
-  /// `statuses`: of the present impulses of the contacts. `flexibility`: alpha > 0, 1/kg.
-  LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
-                  double flexibility);
-
-  /// The same homogenised: V - V_0 - M^-1 F' is a combination of some fields, which coarse_velocities gives for the
-  /// network of the subdomain, and M (V - V_0) = G d + F' holds for their powers alone (Galerkin).
   using Fields = std::function<SparseMatrix(const FrozenNetwork&)>;
+
+  /// `statuses`: of the present impulses of the contacts. `flexibility`: alpha > 0, 1/kg. With `fields` it is
+  /// homogenised: V - V_0 - M^-1 F' is a combination of some fields, which coarse_velocities gives for the network of
+  /// the subdomain, and M (V - V_0) = G d + F' holds for their powers alone (Galerkin).
   LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
-                  double flexibility, const Fields& fields);
+                  double flexibility, const Fields& fields = {});
 
   bool regular() const { return !solver_ || regular_; }  ///< false: nothing else may be asked
 

@@ -198,6 +198,9 @@ TEST_CASE("continuation needs no sweeps, and nothing but a judgement where the g
   const FrictionSolution again = solve_friction(problem, curve, found.impulses);
   CHECK(again.factorisations == 0);
   CHECK(again.impulses == found.impulses);
+  const FrictionSolution lifted = solve_friction(problem, curve, 1e-9 * found.impulses);  // next to no guess
+  CHECK(lifted.status == FrictionStatus::converged);
+  CHECK(lifted.factorisations <= 2 * found.factorisations);
   LocalFrictionProblem parting = problem;  // all contacts part
   for (Index c = 0; c < 30; ++c) parting.q[2 * c] = 1;
   CHECK(solve_friction(parting, curve).impulses == Vector::Zero(60));

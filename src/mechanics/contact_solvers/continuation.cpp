@@ -72,12 +72,12 @@ class SmoothedCurve {
   /// Where a step of this length leads, the correction taken with it.
   static Point ahead(const Course& course, double length);
   Vector impulses(const Point& point) const;
-  /// The largest component of F - t F_0 / t_0, in units of sqrt(z^2 + 4 t).
-  double residual(const Point& point) const;
+  /// The largest component of F - t F_0 / t_0 with P_t(z) = `impulses`, in units of sqrt(z^2 + 4 t).
+  double residual(const Point& point, const Vector& impulses) const;
 
  private:
   Vector weight(const Point& point) const { return (point.z.array().square() + 4 * point.t).rsqrt(); }
-  Vector defect(const Point& point) const;
+  Vector defect(const Point& point, const Vector& impulses) const;
   Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.symmetric * r); }  // rho W r
 
   SolverRun& run_;
@@ -96,7 +96,7 @@ SmoothedCurve::SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoot
       r[2 * c] = std::max(r[2 * c], q_.norm() / std::sqrt(static_cast<double>(q_.size())));
   start_ = {r - velocities(r) - q_, relative_smoothing * r.squaredNorm() / static_cast<double>(r.size())};
   slope_ = Vector::Zero(r.size());
-  slope_ = defect(start_) / start_.t;
+  slope_ = defect(start_, impulses(start_)) / start_.t;
 }
 
 Vector SmoothedCurve::impulses(const Point& point) const {
@@ -109,18 +109,17 @@ Vector SmoothedCurve::impulses(const Point& point) const {
 }
 
 // F - t F_0 / t_0, N s.
-Vector SmoothedCurve::defect(const Point& point) const {
-  const Vector r = impulses(point);
+Vector SmoothedCurve::defect(const Point& point, const Vector& r) const {
   return velocities(r) + q_ - r + point.z - point.t * slope_;
 }
 
-double SmoothedCurve::residual(const Point& point) const {
-  return defect(point).cwiseProduct(weight(point)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+double SmoothedCurve::residual(const Point& point, const Vector& r) const {
+  return defect(point, r).cwiseProduct(weight(point)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
 // With r = P_t(z), dr = P' dz + dP/dt dt leaves  (1 - P') dr + P' rho W dr = ...  of the derivatives of F.
 std::optional<Course> SmoothedCurve::course(const Point& point) {
-  const Vector defects = defect(point);
+  const Vector defects = defect(point, impulses(point));
   std::vector<ContactRelation> relations(at(run_.problem.contacts()));
   Vector along(point.z.size()), across(point.z.size());
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
@@ -147,9 +146,9 @@ std::optional<Course> SmoothedCurve::course(const Point& point) {
   // Lengths along the curve: the mean of the squared relative changes of z, and the square of that of log t.
   const Vector unit = weight(point), relative = found.tangent.cwiseProduct(unit);
   const double count = static_cast<double>(unit.size());
-  found.log_correction = found.correction.cwiseProduct(unit).dot(relative) / (relative.squaredNorm() + count);
-  found.correction -= found.log_correction * found.tangent;
-  found.log_correction = -found.log_correction;
+  const double along_tangent = found.correction.cwiseProduct(unit).dot(relative) / (relative.squaredNorm() + count);
+  found.correction -= along_tangent * found.tangent;
+  found.log_correction = -along_tangent;
   found.steepest = relative.cwiseAbs().maxCoeff();
   found.off = std::max(found.correction.cwiseProduct(unit).cwiseAbs().maxCoeff(), std::abs(found.log_correction));
   return found;
@@ -188,13 +187,14 @@ bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
     corrections = 0;
     ++calm;
     length = std::min(largest_change / here->steepest, growth * length);
+    Vector impulses;
     for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
       point = SmoothedCurve::ahead(*here, length);
-      if (curve.residual(point) <= largest_residual && run.plausible(curve.impulses(point))) break;
+      impulses = curve.impulses(point);
+      if (curve.residual(point, impulses) <= largest_residual && run.plausible(impulses)) break;
     }
     here->length = length;
     if (!safe || here->off <= on_curve) safe = std::move(here);
-    const Vector impulses = curve.impulses(point);
     if (!run.plausible(impulses)) return false;
     if (run.judge(impulses, {.length = length})) {
       if (run.now.status != FrictionStatus::converged) return true;
