@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rates with friction: what the frozen statuses predict against what the run shows."""
+"""Rates with friction: what the frozen statuses predict against what a run shows, from zero and next to the solution."""
+import os
 import sys
 
 import numpy as np
@@ -10,7 +11,7 @@ MARKERS = {1: "o", 10: "s", 100: "^"}
 
 
 def label_two_and_five(axis, low, high):
-    """Labels at 1, 2 and 5 of each decade: the rates span less than two decades."""
+    """Labels at 1, 2 and 5 of each decade, for axes of less than two."""
     ticks = {}
     for exponent in range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high)))):
         for digit in (1, 2, 5):
@@ -20,38 +21,56 @@ def label_two_and_five(axis, low, high):
     axis.set_ticks(list(ticks), labels=list(ticks.values()))
 
 
-def draw(results, output, formats):
-    rows = style.read_table(results, "predicted-observed/rate.csv", texts="case algorithm",
+def read(results, name):
+    rows = style.read_table(results, name, texts="case algorithm",
                             numbers="grains gauss_seidel_sweeps predicted observed relative_gap", flags="agree")
-    known = [r for r in rows if np.isfinite(r["observed"]) and np.isfinite(r["predicted"])]
-    if not known:
-        raise style.DataError("predicted-observed/rate.csv: no row with both rates")
-    fig, (rates, gaps) = style.figure(style.COLUMN_AND_HALF, 86, 1, 2)
-    both = [1 - r[c] for r in known for c in ("predicted", "observed")]
-    low, high = min(g for g in both if g > 0) / 2, max(both) * 2
+    return [r for r in rows if np.isfinite(r["observed"]) and np.isfinite(r["predicted"])]
+
+
+def compare(rates, gaps, rows, filled, face):
+    """|1 - rho| as observed and the gap, both against the prediction; markers are filled where FILLED(row)."""
+    distance = {c: np.abs(1 - style.column(rows, c)) for c in ("predicted", "observed")}
+    low, high = min(map(min, distance.values())) / 2, max(map(max, distance.values())) * 2
     rates.plot([low, high], [low, high], color=style.GREY, linewidth=0.6)
-    gaps.axhline(0.01, color=style.GREY, linewidth=0.6)
     for algorithm, colour in (("generic", "black"), ("enriched", "#b03a2e")):
         for sweeps, marker in MARKERS.items():
-            own = style.where(known, algorithm=algorithm, gauss_seidel_sweeps=float(sweeps))
+            own = style.where(rows, algorithm=algorithm, gauss_seidel_sweeps=float(sweeps))
             look = {"color": colour, "markersize": 4.5, "linestyle": "none", "marker": marker}
-            if own:
-                rates.plot(1 - style.column(own, "predicted"), 1 - style.column(own, "observed"),
-                           markerfacecolor="none", label=rf"{algorithm}, $n_{{\mathrm{{GS}}}} = {sweeps}$", **look)
-            for agree, face in ((True, "none"), (False, "0.7")):
-                some = [r for r in own if r["agree"] == agree]
-                if some:
-                    gaps.plot(1 - style.column(some, "predicted"), style.column(some, "relative_gap"),
-                              markerfacecolor=face, zorder=2 if agree else 3, **look)
+            rates.plot([], [], markerfacecolor="none", label=rf"{algorithm}, $n_{{\mathrm{{GS}}}} = {sweeps}$", **look)
+            for fill in (False, True):
+                some = [r for r in own if filled(r) == fill]
+                for axes, y in ((rates, np.abs(1 - style.column(some, "observed"))),
+                                (gaps, style.column(some, "relative_gap"))):
+                    axes.plot(np.abs(1 - style.column(some, "predicted")), y, zorder=2 + fill,
+                              markerfacecolor=face if fill else "none", **look)
     for axis in (rates.xaxis, rates.yaxis, gaps.xaxis):
         style.log_axis(axis, low, high)
-        label_two_and_five(axis, low, high)
+        if high < 100 * low:
+            label_two_and_five(axis, low, high)
     gaps.set_yscale("log")
-    rates.set_ylabel(r"observed in the run, $1 - \rho$")
-    gaps.set_ylabel(r"$|$observed $-$ predicted$|$ / ($1 - \rho$)")
-    for axes, letter, title in ((rates, "a", "rates"), (gaps, "b", "their gap (grey: do not agree)")):
-        axes.set_xlabel(r"predicted at frozen statuses, $1 - \rho$")
-        style.panel(axes, letter, title)
+
+
+def draw(results, output, formats):
+    run = read(results, "predicted-observed/rate.csv")
+    near = read(results, "predicted-observed/solution.csv")
+    if os.path.exists(os.path.join(results, "predicted-observed/solution-large.csv")):  # run on demand only
+        near += read(results, "predicted-observed/solution-large.csv")
+    for rows, name in ((run, "rate"), (near, "solution")):
+        if not rows:
+            raise style.DataError(f"predicted-observed/{name}.csv: no row with both rates")
+    fig, ((rates, gaps), (near_rates, near_gaps)) = style.figure(style.COLUMN_AND_HALF, 146, 2, 2)
+    gaps.axhline(0.01, color=style.GREY, linewidth=0.6)
+    compare(rates, gaps, run, lambda r: not r["agree"], "0.7")
+    compare(near_rates, near_gaps, near, lambda r: r["predicted"] > 1, "0.7")
+    for pair, sign in (((rates, gaps), r"1 - \rho"), ((near_rates, near_gaps), r"|1 - \rho|")):
+        pair[0].set_ylabel(rf"observed, ${sign}$")
+        pair[1].set_ylabel(r"$|$observed $-$ predicted$|$ / $|1 - \rho|$")
+        for axes in pair:
+            axes.set_xlabel(rf"predicted at frozen statuses, ${sign}$")
+    style.panel(rates, "a", "in a run from zero")
+    style.panel(gaps, "b", "their gap (grey: do not agree)")
+    style.panel(near_rates, "c", r"next to the solution (grey: $\rho > 1$)")
+    style.panel(near_gaps, "d", "their gap")
     handles, labels = rates.get_legend_handles_labels()
     style.legend_above(fig, handles, labels, 3)
     return style.save(fig, output, "predicted-observed", formats)

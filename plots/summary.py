@@ -159,7 +159,12 @@ def figure_11(results):
 
 
 def predicted_observed(results):
-    rows = style.read_table(results, "predicted-observed/rate.csv", texts="case algorithm",
+    for table, where in (("rate", ""), ("solution", " next to the solution")):
+        yield from gaps_of_rates(results, table, where)
+
+
+def gaps_of_rates(results, table, where):
+    rows = style.read_table(results, f"predicted-observed/{table}.csv", texts="case algorithm",
                             numbers="grains gauss_seidel_sweeps predicted observed")
     for grains in sorted({r["grains"] for r in rows}):
         own = [r for r in style.where(rows, grains=grains)
@@ -167,7 +172,7 @@ def predicted_observed(results):
         if own:
             gap = [abs(r["observed"] - r["predicted"]) / (1 - r["predicted"]) for r in own]
             yield ("predicted-observed", f"{grains:.0f} grains",
-                   f"{len(own)} runs: |observed - predicted| / (1 - predicted) at most {max(gap):.2g}, "
+                   f"{len(own)} runs{where}: |observed - predicted| / (1 - predicted) at most {max(gap):.2g}, "
                    f"median {np.median(gap):.2g}")
 
 

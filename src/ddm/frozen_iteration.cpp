@@ -75,32 +75,27 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, std::vector<Contac
   range_ = std::make_shared<RangeProjector>(impulses.matrix(size, columns + parts_.interface_size()));
 }
 
-Vector FrozenIteration::apply(const Vector& y) const {
+Vector FrozenIteration::apply(const Vector& y, Index iterations) const {
   GranularDecomposition work = resting_;
   const Vector velocities = y.cwiseQuotient(root_);
   Index k = 0;
-  for (std::size_t e = 0; e < work.subdomains.size(); ++e) {
-    for (DiskVelocity& v : work.subdomains[e].velocities) {
+  for (GranularSubdomain& subdomain : work.subdomains)
+    for (DiskVelocity& v : subdomain.velocities) {
       if (v.inverse_mass == 0) continue;
       v = {velocities[k], velocities[k + 1], velocities[k + 2], v.inverse_mass};
       k += 3;
     }
+  for (Index i = 0; i < iterations; ++i) iterate(work);
+  return project(free_velocities(work).cwiseProduct(root_));
+}
+
+void FrozenIteration::iterate(GranularDecomposition& work) const {
+  for (std::size_t e = 0; e < work.subdomains.size(); ++e)
     for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], statuses_, work.subdomains[e].velocities);
-  }
-  if (work.interface_size() > 0) {
-    const Vector jumps = interface_jumps(work);
-    apply_interface_impulses(
-        work, relaxation_ * (enriched_ ? enriched_->solve(jumps) : generic_interface_solve(work, jumps)));
-  }
-  Vector image(y.size());
-  k = 0;
-  for (const GranularSubdomain& subdomain : work.subdomains)
-    for (const DiskVelocity& v : subdomain.velocities) {
-      if (v.inverse_mass == 0) continue;
-      image.segment<3>(k) << v.x, v.y, v.rim;
-      k += 3;
-    }
-  return project(image.cwiseProduct(root_));
+  if (work.interface_size() == 0) return;
+  const Vector jumps = interface_jumps(work);
+  apply_interface_impulses(work,
+                           relaxation_ * (enriched_ ? enriched_->solve(jumps) : generic_interface_solve(work, jumps)));
 }
 
 Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
@@ -131,10 +126,12 @@ MapRadius frozen_radius(const Matrix& contraction) {
   return map_radius(contraction, {.tolerance = radius_tolerance}, UnitEigenvalues::passed_over);
 }
 
-MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options) {
-  const LinearMap map = [&](const Vector& y) { return iteration.apply(y); };
-  return map_radius(iteration.rows(), map, {.tolerance = radius_tolerance, .arpack = options},
-                    UnitEigenvalues::passed_over);
+MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options, Index power) {
+  const LinearMap map = [&](const Vector& y) { return iteration.apply(y, power); };
+  MapRadius radius = map_radius(iteration.rows(), map, {.tolerance = radius_tolerance, .arpack = options},
+                                UnitEigenvalues::passed_over);
+  if (power > 1) radius.value = std::pow(radius.value, 1 / static_cast<double>(power));
+  return radius;
 }
 
 }  // namespace nscdd

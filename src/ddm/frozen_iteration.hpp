@@ -22,10 +22,13 @@ class FrozenIteration {
   FrozenIteration(GranularDecomposition parts, std::vector<ContactStatus> statuses, Index sweeps,
                   std::optional<InterfaceOperator> enriched, double relaxation = 1);
   Index rows() const { return root_.size(); }
-  Vector apply(const Vector& y) const;
+  /// So many iterations. The image is projected once: that costs as much as dozens of sweeps.
+  Vector apply(const Vector& y, Index iterations = 1) const;
   Vector project(const Vector& y) const { return range_->apply(y); }
 
  private:
+  void iterate(GranularDecomposition& work) const;
+
   GranularDecomposition parts_;
   GranularDecomposition resting_;  // the same at rest and without contacts: what an application changes
   std::vector<ContactStatus> statuses_;
@@ -44,8 +47,9 @@ Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
 
 /// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks carry
-/// either way. It is converged if its residual is at most 1e-6.
-MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options = {});
+/// either way. It is converged if its residual is at most 1e-6. Where moduli crowd at 1, a power of the map tells them
+/// apart sooner: `value` is the root of its radius, all else is of the power. An odd one keeps real eigenvalues apart.
+MapRadius frozen_radius(const FrozenIteration& iteration, const ArpackOptions& options = {}, Index power = 1);
 MapRadius frozen_radius(const Matrix& contraction);
 
 }  // namespace nscdd

@@ -172,6 +172,14 @@ Vector interface_jumps(const GranularDecomposition& parts) {
   });
 }
 
+Vector free_velocities(const GranularDecomposition& parts) {
+  std::vector<double> values;
+  for (const GranularSubdomain& subdomain : parts.subdomains)
+    for (const DiskVelocity& v : subdomain.velocities)
+      if (v.inverse_mass > 0) values.insert(values.end(), {v.x, v.y, v.rim});
+  return Vector::Map(values.data(), count(values));
+}
+
 double glued_speed_squared(const GranularDecomposition& parts) {
   double sum = 0;
   Index before = -1;

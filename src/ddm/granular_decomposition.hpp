@@ -40,6 +40,9 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
 /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma.
 Vector interface_jumps(const GranularDecomposition& parts);
 
+/// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
+Vector free_velocities(const GranularDecomposition& parts);
+
 /// Sum over the copies of shared grains of |V|^2, rim speed included.
 double glued_speed_squared(const GranularDecomposition& parts);
 

@@ -68,6 +68,29 @@ void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   correct(f);
 }
 
+Vector GranularTwoStage::state() const {
+  Index contacts = 0;
+  for (const GranularSubdomain& subdomain : parts_.subdomains) contacts += count(subdomain.numbers);
+  Vector z(2 * contacts + parts_.interface_size());
+  for (const GranularSubdomain& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+      z.segment<2>(2 * subdomain.numbers[k]) << subdomain.contacts.impulses[k].n, subdomain.contacts.impulses[k].t;
+  z.tail(parts_.interface_size()) = interface_impulses_;
+  return z;
+}
+
+void GranularTwoStage::restart(const Vector& z) {
+  for (GranularSubdomain& subdomain : parts_.subdomains)
+    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
+      LocalVector& r = subdomain.contacts.impulses[k];
+      const Index first = 2 * subdomain.numbers[k];
+      const LocalVector before = std::exchange(r, {z[first], z[first + 1]});
+      apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r - before, subdomain.velocities);
+    }
+  correct(z.tail(parts_.interface_size()) - interface_impulses_);
+  direction_.resize(0);
+}
+
 // n_GS sweeps; the change is that of all of them together.
 SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
   const bool compare = solver_.gauss_seidel_sweeps > 1;

@@ -35,6 +35,11 @@ class GranularTwoStage {
   /// of the step before. A grain that other subdomains share now starts from zero.
   void start(const std::vector<RememberedGluing>& gluing);
 
+  /// What the algorithm goes on from, z = (r, F_Gamma): 2c impulses (n, t) in the numbers of the step problem, then
+  /// n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew.
+  Vector state() const;
+  void restart(const Vector& z);
+
   /// Where grains are, m, and how large.
   struct Grains {
     std::vector<std::array<double, 2>> centre;

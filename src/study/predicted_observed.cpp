@@ -12,7 +12,6 @@ constexpr double rounding = 1e-13;   // below this the second differences of F a
 constexpr double least_change = 10;  // the half that is fitted must fall, or grow, by at least this factor
 constexpr double largest_drift = 0.1;
 constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
-constexpr Index dense_grains = 1500;  // up to which the exact Stage 1 is worth its dense factorisations
 
 // Iterations without a change of status.
 struct Stretch {
@@ -81,10 +80,10 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
 
 }  // namespace
 
-double PredictedObserved::relative_gap() const { return std::abs((observed - predicted) / (1 - predicted)); }
+double relative_gap(double observed, double predicted) { return std::abs((observed - predicted) / (1 - predicted)); }
 
-bool PredictedObserved::agree() const {
-  return relative_gap() <= 0.01 || std::abs(observed - predicted) <= 3 * observed_error;
+bool rates_agree(double observed, double predicted, double error) {
+  return relative_gap(observed, predicted) <= 0.01 || std::abs(observed - predicted) <= 3 * error;
 }
 
 void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner) {
@@ -132,7 +131,7 @@ PredictedObserved predicted_observed(const Simulation& simulation) {
   result.predicted = frozen.value;
   result.complex_pair = frozen.dominant.imag() > 0;
   result.converged = frozen.converged;
-  if (simulation.system.disks() <= dense_grains)
+  if (simulation.system.disks() <= dense_rate_disks)
     result.predicted_exact =
         frozen_radius(frozen_contraction(parts, best.statuses, step.enriched, solver.interface_relaxation)).value;
   return result;

@@ -5,6 +5,12 @@
 
 namespace nscdd {
 
+/// |observed - predicted| / |1 - predicted|, the relative error of the number of iterations to come. NaN if either rate
+/// is not known.
+double relative_gap(double observed, double predicted);
+/// Whether that gap is at most 1 %, or the rates differ by at most three times `error`.
+bool rates_agree(double observed, double predicted, double error);
+
 /// A run of a step beside the local theory of its convergence.
 struct PredictedObserved {
   StepReport report;                       ///< of the run, without what its end adds
@@ -18,11 +24,8 @@ struct PredictedObserved {
   double rate_z = not_a_number;            ///< factor per iteration of Z itself over the stretch fitted
   Index first = 0, last = 0;               ///< iterations of the stretch fitted
 
-  /// |observed - predicted| / (1 - predicted), the relative error of the number of iterations to come. NaN if
-  /// either rate is not known.
-  double relative_gap() const;
-  /// Whether the gap is at most 1 %, or the rates differ by at most three times `observed_error`.
-  bool agree() const;
+  double relative_gap() const { return nscdd::relative_gap(observed, predicted); }
+  bool agree() const { return rates_agree(observed, predicted, observed_error); }
 };
 
 /// Compares the rate of one step with the local theory, as follows.
@@ -37,6 +40,9 @@ struct PredictedObserved {
 /// 4. Compare it with the radius of the frozen iteration at the statuses of that stretch.
 /// Throws Error as require_comparable.
 PredictedObserved predicted_observed(const Simulation& simulation);
+
+/// Disks up to which the rate with an exact Stage 1 is worth its dense factorisations.
+inline constexpr Index dense_rate_disks = 1500;
 
 /// Throws Error naming the key for settings whose rate is not predicted. Plain Gauss-Seidel and one subdomain
 /// have no interface. The frozen iteration has no conjugate gradients, no enrichment but that of every

@@ -38,13 +38,23 @@ struct Observable {
 
 namespace observables {
 extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration, force_chains,
-    predicted_observed, runs, switching, contact_solvers, interface_iterations;
+    predicted_observed, rate_at_solution, runs, switching, contact_solvers, interface_iterations;
 
 /// Every observable, in the order of `nscdd list`.
-inline constexpr std::array all{
-    &spectral_radius,     &optimum,      &observed_rate,      &links, &grains,    &indicators,
-    &configuration,       &force_chains, &predicted_observed, &runs,  &switching, &contact_solvers,
-    &interface_iterations};
+inline constexpr std::array all{&spectral_radius,
+                                &optimum,
+                                &observed_rate,
+                                &links,
+                                &grains,
+                                &indicators,
+                                &configuration,
+                                &force_chains,
+                                &predicted_observed,
+                                &rate_at_solution,
+                                &runs,
+                                &switching,
+                                &contact_solvers,
+                                &interface_iterations};
 }  // namespace observables
 
 /// A case parameter taken through a list of values, such as packing.grains.

@@ -6,6 +6,7 @@
 #include "ddm/frozen_iteration.hpp"
 #include "simulation/step_decomposition.hpp"
 #include "study/predicted_observed.hpp"
+#include "study/rate_at_solution.hpp"
 #include <nscdd/ddm/contraction.hpp>
 
 #include <doctest/doctest.h>
@@ -112,6 +113,10 @@ TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding cont
     const double exact = frozen_radius(frozen_contraction(parts, statuses, {})).value;
     const double many = frozen_radius(FrozenIteration(parts, statuses, 20000, {})).value;
     CHECK(many == doctest::Approx(exact).epsilon(1e-6));
+    const FrozenIteration few(parts, statuses, 3, {});
+    const Vector y = few.project(Vector::LinSpaced(few.rows(), -1, 1));
+    CHECK((few.apply(y, 2) - few.apply(few.apply(y))).norm() < 1e-12 * y.norm());
+    CHECK(frozen_radius(few, {}, 5).value == doctest::Approx(frozen_radius(few).value).epsilon(1e-9));
   }
 }
 
@@ -185,6 +190,95 @@ TEST_CASE("predicted and observed rates agree with friction, where contacts slid
         CHECK(std::abs(result.observed - result.predicted) < 1e-4 * (1 - result.predicted));
       }
   }
+}
+
+TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algorithm 1 with its interface impulses") {
+  for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {3, 2}})
+    for (const std::string algorithm : {"generic", "enriched"})
+      for (const Index sweeps : {1, 3}) {
+        CAPTURE(grid[1]);
+        CAPTURE(algorithm);
+        CAPTURE(sweeps);
+        Simulation simulation = box_with_turning_walls(60, 2);
+        StepSolver& solver = simulation.dynamics.solver;
+        solver = {.algorithm = "auto", .criterion = Criterion::natural_map, .tolerance = 1e-13, .eta = "0.1"};
+        const SolvedStep solution = solve_step(simulation);
+        REQUIRE(solution.report.residual.relative_natural_map() < 1e-12);
+        simulation.partitioner = GridPartitioner{grid};
+        solver.algorithm = algorithm;
+        solver.gauss_seidel_sweeps = sweeps;
+        PreparedStep step = prepare_solution(simulation);
+        const Vector z = restart_at(step.iteration, solution.contacts);
+        REQUIRE(z.tail(step.report.interface_size).norm() > 0.1 * z.norm());
+        CHECK((step.iteration.state() - z).norm() < 1e-14 * z.norm());
+        // Every copy has the velocity of its grain in the undivided packing.
+        const double speed = largest_speed(solution.velocities, simulation.system.disks());
+        for (const GranularSubdomain& subdomain : step.iteration.parts().subdomains)
+          for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+            const DiskVelocity &copy = subdomain.velocities[i], &whole = solution.velocities[at(subdomain.bodies[i])];
+            CHECK(std::hypot(copy.x - whole.x, copy.y - whole.y, copy.rim - whole.rim) < 1e-12 * speed);
+          }
+        for (int k = 0; k < 20; ++k) step.iteration.iterate();
+        CHECK((step.iteration.state() - z).norm() < 1e-10 * z.norm());
+        // Other interface impulses are left at once.
+        Vector other = z;
+        other.tail(step.report.interface_size) *= 1.001;
+        step.iteration.restart(other);
+        step.iteration.iterate();
+        CHECK((step.iteration.state() - other).norm() > 1e-6 * z.norm());
+      }
+}
+
+TEST_CASE("next to the solution of a step the rate of Algorithm 1 is the radius of its frozen iteration") {
+  for (const Index grains : {40, 60})
+    for (const Index sweeps : {1, 10})
+      for (const std::string algorithm : {"generic", "enriched"}) {
+        CAPTURE(grains);
+        CAPTURE(sweeps);
+        CAPTURE(algorithm);
+        Simulation simulation = box_with_turning_walls(grains, grains == 40 ? 1 : 2);
+        StepSolver& solver = simulation.dynamics.solver;
+        solver.algorithm = algorithm;
+        solver.eta = "0.1";
+        solver.gauss_seidel_sweeps = sweeps;
+        solver.maximum_iterations = 10000;
+        const RateAtSolution rate = rate_at_solution(simulation);
+        REQUIRE(rate.converged);
+        CHECK(rate.report.residual.relative_natural_map() < 1e-12);
+        CHECK(rate.drift < 1e-11);
+        CHECK(rate.changed == 0);
+        CHECK(rate.iterations == 10000);
+        CHECK(rate.slide > 10);
+        CHECK(rate.stick > 10);
+        CHECK(relative_gap(rate.observed, rate.predicted) < 1e-5);
+        if (sweeps == 10) CHECK(rate.predicted_exact < rate.predicted);
+      }
+}
+
+TEST_CASE("margin of a status: what an impulse or a velocity lacks to the next corner of the law") {
+  std::vector<DiskVelocity> v{{.inverse_mass = 0}, {.inverse_mass = 2}};
+  DiskContact c{.a = 0, .b = 1, .normal = {0, 1}, .inverse_w = disk_delassus(v[0], v[1]), .friction = 0.5};
+  const auto margin = [&](const ContactLaw& law) { return status_margin(law, c, v); };
+  v[1].y = 3;  // parts at 3 m/s; W_nn is 2/kg, W_tt 6/kg
+  CHECK(margin(Coulomb{}) == doctest::Approx(1.5));
+  c.bias.n = -1;
+  CHECK(margin(Coulomb{}) == doctest::Approx(1));
+  c.bias.n = v[1].y = 0;
+  c.impulse = {4, -1.8};  // sticks; the edge is at 2
+  CHECK(margin(Coulomb{}) == doctest::Approx(0.2));
+  CHECK(margin(Frictionless{}) == doctest::Approx(4));
+  c.impulse = {4, 0};
+  CHECK(margin(Coulomb{}) == doctest::Approx(2));
+  c.friction = 3;
+  CHECK(margin(Coulomb{}) == doctest::Approx(4));
+  c.friction = 0.5;
+  c.impulse = {4, -2};  // slides at 6 m/s
+  v[1].x = -6;
+  CHECK(margin(Coulomb{}) == doctest::Approx(1));
+  v[1].x = 0;
+  c.impulse = {-2, 0};  // held by a pull of 3
+  c.pull = 3;
+  CHECK(margin(Cohesive{3}) == doctest::Approx(0.5));
 }
 
 TEST_CASE("a rate is not predicted for iterations that are not the frozen one") {

@@ -178,3 +178,26 @@ TEST_CASE("predicted-observed: rates agree with few sweeps and small beds, and a
       if (sweeps < 100) CHECK(generic < gaps.at(name + "generic").at(10 * sweeps));
     }
 }
+
+TEST_CASE("predicted-observed: next to the solution rates agree, and that of 2 000 grains repels") {
+  const Table small = baseline("predicted-observed", 2), large = baseline("predicted-observed", 3);
+  REQUIRE(small.rows.size() == 18);
+  REQUIRE(large.rows.size() == 6);
+  const Table far = baseline("predicted-observed");
+  for (const Table* table : {&small, &large})
+    for (std::size_t i = 0; i < table->rows.size(); ++i) {
+      const Row& row = table->rows[i];
+      CAPTURE(text(*table, row, "case"));
+      CAPTURE(number(*table, row, "gauss_seidel_sweeps"));
+      CHECK(text(*table, row, "converged") == "true");
+      CHECK(text(*table, row, "agree") == "true");
+      CHECK(number(*table, row, "natural_map") < 1e-13);
+      CHECK(number(*table, row, "drift") < 1e-11);
+      CHECK(number(*table, row, "changed") == 0);
+      const double predicted = number(*table, row, "predicted"), observed = number(*table, row, "observed");
+      CHECK(std::abs(observed - predicted) < 1e-4 * std::abs(1 - predicted));
+      CHECK((predicted > 1) == (table == &large));
+      // The runs from zero meet the same rates to within their own errors, apart from those known to differ.
+      if (table == &small) CHECK(predicted == doctest::Approx(number(far, far.rows[i], "predicted")).epsilon(1e-5));
+    }
+}

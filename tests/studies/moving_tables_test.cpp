@@ -140,9 +140,11 @@ TEST_CASE("a relative comparison sees small numbers that an absolute one lets pa
 
 TEST_CASE("a wrong rate does not pass: predicted and observed are compared within parts of 1 - rho") {
   const Study study = read_study("predicted-observed");
-  const std::string path = baseline_path(study, 0);
-  const CsvText baseline = parse_csv(read_text(path), path);
-  for (const StudyTable& work : study.tables) {
+  for (std::size_t i = 0; i < study.tables.size(); ++i) {
+    const StudyTable& work = study.tables[i];
+    if (!work.baseline) continue;
+    const std::string path = baseline_path(study, i);
+    const CsvText baseline = parse_csv(read_text(path), path);
     const Table right = untyped_table(baseline);
     REQUIRE(compare(right, baseline, work.check_tolerance, work.column_tolerance) == "");
     for (const char* column : {"predicted", "predicted_exact", "observed"})

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/rate_at_solution.hpp"
+
+#include "ddm/frozen_iteration.hpp"
+#include "linalg/random.hpp"
+#include "study/moving_tables.hpp"
+#include "study/predicted_observed.hpp"
+
+namespace nscdd {
+namespace {
+
+constexpr double solved = 1e-10, rounding = 1e-13;  // natural map of a solution, and the one that is asked for
+constexpr double near = 1e-6;                       // margin of a contact that is near another status
+constexpr double perturbation = 1e-6;               // of F_Gamma
+constexpr double size_of_errors = 1e-7;             // of the velocities, at the beginning of a part
+constexpr Index parts_of_run = 100, parts_of_tenth = 10;
+constexpr Index sweeps_of_power = 100;  // in the power of the frozen iteration whose radius is sought
+constexpr double least_angle = 1e-12;   // sine between errors that are multiples of each other
+
+// The solution of the next step, as exact as rounding lets it be.
+SolvedStep solution_of(Simulation simulation) {
+  simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
+                                .criterion = Criterion::natural_map,
+                                .tolerance = rounding,
+                                .warm_start = true};
+  return solve_step(simulation);
+}
+
+void describe(RateAtSolution& result, const SolvedStep& solution) {
+  double squares = 0;
+  std::vector<double> margins;
+  for (const DiskContact& contact : solution.contacts) {
+    squares += squared(contact.impulse);
+    margins.push_back(status_margin(solution.problem.law, contact, solution.velocities));
+  }
+  const double scale = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, margins.size())));
+  for (double& margin : margins) margin /= scale;
+  if (!margins.empty()) result.margin = *std::ranges::min_element(margins);
+  result.near_edge = std::ranges::count_if(margins, [](double margin) { return margin <= near; });
+}
+
+// An error of the velocities of length exp(logarithm).
+struct ErrorVector {
+  Vector direction;
+  double logarithm = 0;
+};
+
+struct Rate {
+  double value = not_a_number;  // per tenth of the run
+  Index modes = 1;
+};
+
+Rate of_one_mode(const ErrorVector& e1, const ErrorVector& e2) { return {std::exp(e2.logarithm - e1.logarithm), 1}; }
+
+// The larger root of x^2 = a x + b in modulus, with the a and b that fit e_2 = a e_1 + b e_0 best.
+Rate of_two_modes(const ErrorVector& e0, const ErrorVector& e1, const ErrorVector& e2) {
+  const Vector second = std::exp(e1.logarithm - e0.logarithm) * e1.direction;
+  const Vector third = std::exp(e2.logarithm - e0.logarithm) * e2.direction;
+  const Vector across = second - e0.direction.dot(second) * e0.direction;
+  if (!(across.norm() > least_angle * second.norm())) return {not_a_number, 2};
+  const double a = across.dot(third) / across.squaredNorm();
+  const double b = e0.direction.dot(third - a * second), discriminant = a * a / 4 + b;
+  return {discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant), 2};
+}
+
+// A run next to a solution, from a tenth of it to the next.
+class NearbyRun {
+ public:
+  NearbyRun(GranularTwoStage& iteration, Vector solution, Index iterations)
+      : iteration_(iteration),
+        solution_(std::move(solution)),
+        length_(std::max<Index>(1, iterations / parts_of_run)),
+        speed_(free_velocities(iteration.parts()).norm()) {
+    run();
+    statuses_ = iteration_.statuses();
+    end_ = iteration_.state();
+    end_velocities_ = free_velocities(iteration_.parts());
+    const Vector f = solution_.tail(iteration_.parts().interface_size());
+    const Vector direction = RandomStream(1).normal_vector(f.size());
+    error_ = Vector::Zero(solution_.size());
+    error_.tail(f.size()) = perturbation * f.norm() / direction.norm() * direction;
+  }
+
+  // A tenth of the run.
+  ErrorVector advance() {
+    Vector velocities;
+    for (Index part = 0; part < parts_of_tenth; ++part) {
+      iteration_.restart(solution_ + error_);
+      run();
+      velocities = free_velocities(iteration_.parts()) - end_velocities_;
+      const double factor = size_of_errors * speed_ / velocities.norm();
+      error_ = factor * (iteration_.state() - end_);
+      velocities *= factor;
+      scaled_ += std::log(factor);
+    }
+    const double size = velocities.norm();
+    return {velocities / size, std::log(size) - scaled_};
+  }
+
+  Index tenth() const { return parts_of_tenth * length_; }  // iterations
+  Index changed() const { return changed_; }                // iterations with other statuses
+  const std::vector<ContactStatus>& statuses() const { return statuses_; }
+
+ private:
+  void run() {
+    for (Index i = 0; i < length_; ++i) {
+      iteration_.iterate();
+      changed_ += !statuses_.empty() && iteration_.statuses() != statuses_;
+    }
+  }
+
+  GranularTwoStage& iteration_;
+  Vector solution_, end_, error_;  // states: of the solution, where a part takes it, and what is added to it
+  Vector end_velocities_;
+  std::vector<ContactStatus> statuses_;
+  Index length_, changed_ = 0;
+  double speed_, scaled_ = 0;  // the logarithm of all factors
+};
+
+void observe(RateAtSolution& result, NearbyRun& run) {
+  std::vector<ErrorVector> errors;
+  std::array<Rate, 2> now;
+  std::array<double, 2> change{};
+  for (Index k = 0; k < parts_of_run / parts_of_tenth; ++k) {
+    errors.push_back(run.advance());
+    if (errors.size() < 3) continue;
+    const std::span<const ErrorVector> last = std::span(errors).last(3);
+    const std::array<Rate, 2> before =
+        std::exchange(now, {of_one_mode(last[1], last[2]), of_two_modes(last[0], last[1], last[2])});
+    for (std::size_t i = 0; i < 2; ++i) change[i] = std::abs(std::log(now[i].value / before[i].value));
+  }
+  const std::size_t best = change[1] < change[0] ? 1 : 0;
+  const auto tenth = static_cast<double>(run.tenth());
+  result.iterations = run.tenth() * parts_of_run / parts_of_tenth;
+  result.changed = run.changed();
+  if (result.changed > 0) return;
+  result.observed = std::pow(now[best].value, 1 / tenth);
+  result.observed_error = result.observed * change[best] / tenth;
+  result.modes = now[best].modes;
+}
+
+}  // namespace
+
+double status_margin(const ContactLaw& law, const DiskContact& contact, const std::vector<DiskVelocity>& velocities) {
+  const LocalVector stop = stopping_impulse(contact, velocities);
+  const double n = stop.n + contact.pull;
+  const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
+  if (n <= 0) return -n;
+  return rubs ? std::min(n, std::abs(contact.friction * n - std::abs(stop.t))) : n;
+}
+
+Vector restart_at(GranularTwoStage& iteration, const std::vector<DiskContact>& contacts) {
+  const Index unknowns = iteration.parts().interface_size();
+  Vector z = Vector::Zero(2 * count(contacts) + unknowns);
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    z.segment<2>(static_cast<Index>(2 * c)) << contacts[c].impulse.n, contacts[c].impulse.t;
+  iteration.restart(z);
+  z.tail(unknowns) = generic_interface_solve(iteration.parts(), interface_jumps(iteration.parts()));
+  iteration.restart(z);
+  return z;
+}
+
+RateAtSolution rate_at_solution(const Simulation& simulation) {
+  require_comparable(simulation.dynamics, simulation.partitioner);
+  const StepSolver& solver = simulation.dynamics.solver;
+  PreparedStep step = prepare_solution(simulation);
+  const SolvedStep solution = solution_of(simulation);
+  RateAtSolution result{.report = solution.report};
+  result.report.interface_size = step.report.interface_size;
+  result.report.eta = step.report.eta;
+  describe(result, solution);
+  if (!(result.report.residual.relative_natural_map() <= solved)) return result;
+
+  const Vector z = restart_at(step.iteration, solution.contacts);
+  const Vector before = free_velocities(step.iteration.parts());
+  step.iteration.iterate();
+  result.drift = (free_velocities(step.iteration.parts()) - before).norm() / before.norm();
+  step.iteration.restart(z);
+  NearbyRun run(step.iteration, z, solver.maximum_iterations);
+  const std::vector<ContactStatus>& statuses = run.statuses();
+  result.active = count(statuses) - std::ranges::count(statuses, ContactStatus::open);
+  result.stick = std::ranges::count(statuses, ContactStatus::stick);
+  result.slide = result.active - result.stick;
+  observe(result, run);
+
+  const GranularDecomposition& parts = step.iteration.parts();
+  const Index sweeps = solver.gauss_seidel_sweeps;
+  const MapRadius frozen =
+      frozen_radius(FrozenIteration(parts, statuses, sweeps, step.enriched, solver.interface_relaxation), {},
+                    1 + sweeps_of_power / sweeps / 2 * 2);
+  result.predicted = frozen.value;
+  result.complex_pair = frozen.dominant.imag() > 0;
+  if (simulation.system.disks() <= dense_rate_disks)
+    result.predicted_exact =
+        frozen_radius(frozen_contraction(parts, statuses, step.enriched, solver.interface_relaxation)).value;
+  result.converged = frozen.converged && !std::isnan(result.observed);
+  return result;
+}
+
+namespace {
+
+struct SolvedRate {
+  SolvedCase solver;
+  Index step = 0;  // from 1
+  RateAtSolution rate;
+};
+
+const ResultColumns<SolvedRate>& solved_rate_columns() {
+  using At = RateAtSolution;
+  static const ResultColumns<At> rates{
+      {"natural_map", "1", "|natural map| / |r| of the solution",
+       [](const At& r) { return r.report.residual.relative_natural_map(); }},
+      {"drift", "1", "|V_1 - V| / |V| of one iteration from the solution", &At::drift},
+      {"active", "1", "contacts with an impulse at the solution", &At::active},
+      {"stick", "1", "of them sticking", &At::stick},
+      {"slide", "1", "of them sliding", &At::slide},
+      {"margin", "1", "how far the contact nearest to another status is from it, over the mean impulse", &At::margin},
+      {"near_edge", "1", "contacts that are within 1e-6", &At::near_edge},
+      {"predicted", "1", "spectral radius of the frozen iteration with n_GS sweeps", &At::predicted},
+      {"complex_pair", "", "whether its dominant eigenvalue is one of a complex pair", &At::complex_pair},
+      {"predicted_exact", "1", "radius with an exact Stage 1; nan for large packings", &At::predicted_exact},
+      {"observed", "1", "factor per iteration of the error of the velocities; nan if a status changed", &At::observed},
+      {"observed_error", "1", "by how much it still changed over a tenth of the run", &At::observed_error},
+      {"modes", "1", "modes that the observation tells apart", &At::modes},
+      {"relative_gap", "1", "|observed - predicted| / |1 - predicted|",
+       [](const At& r) { return relative_gap(r.observed, r.predicted); }},
+      {"agree", "", "whether that is at most 1 %, or the rates differ by at most three errors",
+       [](const At& r) { return rates_agree(r.observed, r.predicted, r.observed_error); }},
+      {"iterations", "1", "iterations run", &At::iterations},
+      {"changed", "1", "of them those in which a contact had another status than in the solution", &At::changed},
+      {"converged", "", "whether solution, prediction and observation are known", &At::converged}};
+  static const auto columns = joined<SolvedRate>({columns_of(&SolvedRate::solver, solver_columns()),
+                                                  {{"step", "1", "step examined, from 1", &SolvedRate::step}},
+                                                  columns_of(&SolvedRate::rate, rates)});
+  return columns;
+}
+
+Index rates_at_solution(const ObservedCase& work, Index step, const Sink<SolvedRate>& sink) {
+  const Simulation simulation = simulation_at(work, step - 1);
+  const RateAtSolution rate = rate_at_solution(simulation);
+  sink({{work.one.spec.name, simulation, rate.report}, step, rate});
+  return Index{!rate.converged};
+}
+
+}  // namespace
+
+constinit const Observable observables::rate_at_solution = at_steps<solved_rate_columns, rates_at_solution>(
+    {.name = "rate_at_solution",
+     .summary = "rate of Algorithm 1 next to the solution of a step with friction, predicted and observed",
+     .rows = row_per_step,
+     .known = known_step,
+     .check = [](const CaseSpec& spec) { require_comparable(*spec.dynamics, spec.partition); }});
+
+}  // namespace nscdd
