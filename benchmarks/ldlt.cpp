@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Our multifrontal L D L^T (src/linalg/ldlt) against sequential MUMPS in one run: the shifted pencils of a
+// Our multifrontal L D L^T (src/linalg/multifrontal) against sequential MUMPS in one run: the shifted pencils of a
 // deposit in vertical strips, factorised at several shifts. Both are asked the same: analyse the pattern
 // once, then for each shift factorise, count the negative eigenvalues and solve on the interface.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/ldlt/factor.hpp"
+#include "linalg/multifrontal/factor.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/ldlt/factor.hpp"
+#include "linalg/multifrontal/factor.hpp"
 
 namespace nscdd {
 

@@ -6,7 +6,7 @@
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "ddm/pencil_end.hpp"
-#include "linalg/ldlt/factor.hpp"
+#include "linalg/multifrontal/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>

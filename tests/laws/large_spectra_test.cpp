@@ -4,7 +4,7 @@
 #include "../support/problems.hpp"
 #include "../support/spectra.hpp"
 #include "ddm/continuation.hpp"
-#include "linalg/ldlt/factor.hpp"
+#include "linalg/multifrontal/factor.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
 #include "../support/matrices.hpp"
-#include "linalg/ldlt/factor.hpp"
-#include "linalg/ldlt/last_groups.hpp"
+#include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/last_groups.hpp"
 #include "linalg/random.hpp"
 
 #include <doctest/doctest.h>

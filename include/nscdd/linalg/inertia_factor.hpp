@@ -40,7 +40,7 @@ struct InertiaMethod {
   std::function<InertiaFamily(const InertiaPattern&)> analyse;
 };
 
-/// Our own multifrontal factorisation (src/linalg/ldlt/README.md). It keeps the interior, and solves on the border
+/// Our own factorisation (src/linalg/multifrontal/README.md). It keeps the interior, and solves on the border
 /// without a walk over it. The bits do not depend on the number of threads.
 InertiaMethod multifrontal();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/ldlt/last_groups.hpp"
+#include "linalg/multifrontal/last_groups.hpp"
 
 #include <map>
 

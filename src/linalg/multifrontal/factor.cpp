@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/ldlt/factor.hpp"
+#include "linalg/multifrontal/factor.hpp"
 
-#include "linalg/ldlt/fronts.hpp"
+#include "linalg/multifrontal/fronts.hpp"
 #include "linalg/threads.hpp"
 
 #include <sys/mman.h>

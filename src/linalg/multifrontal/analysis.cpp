@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/ldlt/analysis.hpp"
+#include "linalg/multifrontal/analysis.hpp"
 
-#include "linalg/ldlt/factor.hpp"
-#include "linalg/ldlt/last_groups.hpp"
+#include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/last_groups.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/ldlt/analysis.hpp"
+#include "linalg/multifrontal/analysis.hpp"
 
 #include <lapacke.h>
 
