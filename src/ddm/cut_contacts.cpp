@@ -47,7 +47,7 @@ Decomposition stage_two(const Decomposition& parts, const std::vector<Eigen::Mat
 }  // namespace
 
 CutContacts::CutContacts(Decomposition parts, const CutOptions& options)
-    : parts_(std::move(parts)), options_(options), k_(parts_.subdomains.size()), lu_(parts_.subdomains.size()) {
+    : parts_(std::move(parts)), options_(options), lu_(parts_.subdomains.size()) {
   if (parts_.contacts % 2 != 0) fail("contacts: expected two columns for each, met {} columns", parts_.contacts);
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, whatever the relations are
@@ -63,7 +63,7 @@ bool CutContacts::factorise(std::vector<ContactRelation> relations) {
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
     if (subdomain.grains.empty()) return;
-    SparseMatrix& k = k_[at(i)] = subdomain.h * blocks_of(subdomain, e_) * SparseMatrix(subdomain.h.transpose());
+    SparseMatrix k = subdomain.h * blocks_of(subdomain, e_) * SparseMatrix(subdomain.h.transpose());
     k.diagonal() += subdomain.inertia;
     k.makeCompressed();
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);
@@ -78,7 +78,7 @@ bool CutContacts::factorise(std::vector<ContactRelation> relations) {
 std::vector<Vector> CutContacts::velocities(const std::vector<Vector>& impulses) const {
   std::vector<Vector> result(impulses.size());
   for_each_in_parallel(count(impulses), [&](Index i) {
-    result[at(i)] = lu_[at(i)] ? lu_[at(i)]->solve(k_[at(i)], impulses[at(i)]) : impulses[at(i)];
+    result[at(i)] = lu_[at(i)] ? lu_[at(i)]->solve(impulses[at(i)]) : impulses[at(i)];
   });
   return result;
 }
@@ -111,7 +111,7 @@ Matrix CutContacts::dense() const {
     const SparseMatrix transposed = subdomain.a.transpose();
     for (Index row = 0; row < s.rows(); ++row) {
       if (transposed.outerIndexPtr()[row] == transposed.outerIndexPtr()[row + 1]) continue;
-      s.col(row) += subdomain.a * lu_[at(i)]->solve(k_[at(i)], Vector(transposed.col(row)));
+      s.col(row) += subdomain.a * lu_[at(i)]->solve(Vector(transposed.col(row)));
     }
   }
   return s;

@@ -3,7 +3,7 @@
 
 #include "ddm/step_solver.hpp"
 #include "linalg/linear_iteration.hpp"
-#include "linalg/sparse_lu.hpp"
+#include "linalg/multifrontal/lu.hpp"
 #include "mechanics/contact_solvers/contact_matrix.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
@@ -59,7 +59,6 @@ class CutContacts {
   CutOptions options_;
   std::vector<ContactRelation> relations_;
   std::vector<Eigen::Matrix2d> e_;
-  std::vector<SparseMatrix> k_;  // K_E of each subdomain
   std::vector<std::optional<SparseLu>> lu_;
   std::optional<InterfaceOperator> preconditioner_;
   bool symmetric_ = false;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "ddm/frozen_network.hpp"
-#include "linalg/sparse_lu.hpp"
+#include "linalg/multifrontal/lu.hpp"
 
 namespace nscdd {
 
@@ -55,7 +55,6 @@ class LinearSubdomain {
   std::vector<DiskVelocity> present_;  // of the subdomain when it was left last
   double flexibility_;
   FrozenNetwork network_;
-  SparseMatrix matrix_;                 // alpha + M^-1/2 G N^T M^-1/2, or that between the fields
   std::optional<SparseMatrix> fields_;  // M^1/2 times them
   std::optional<SparseLu> solver_;
   bool regular_ = false;

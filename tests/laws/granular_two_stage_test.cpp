@@ -433,8 +433,7 @@ TEST_CASE("contact solvers on the whole packing meet the law, cohesion and resti
           CHECK(rows == found.report.last.iteration);
           CHECK(contact_residual(found.problem.law, found.contacts, found.velocities).relative_natural_map() < 1e-9);
           if (!comparable) continue;
-          CHECK(found.report.residual.active == swept.report.residual.active);
-          // Impulses need not be unique; where grains go is, next to always.
+          // Impulses need not be unique, nor which contacts have any; where grains go is, next to always.
           for (std::size_t i = 0; i < swept.velocities.size(); ++i) {
             CHECK(found.velocities[i].x == doctest::Approx(swept.velocities[i].x).epsilon(1e-5).scale(1));
             CHECK(found.velocities[i].y == doctest::Approx(swept.velocities[i].y).epsilon(1e-5).scale(1));

@@ -36,8 +36,7 @@ double natural_map_of(const SolvedStep& step) {
 void check_solved(const Simulation& simulation, const SolvedStep& found, const SolvedStep& expected) {
   CHECK(found.report.status == SolverStatus::converged);
   CHECK(natural_map_of(found) < 10 * tolerance);
-  CHECK(found.report.residual.active == expected.report.residual.active);
-  // Impulses need not be unique; where grains go is, next to always.
+  // Impulses need not be unique, nor which contacts have any; where grains go is, next to always.
   const Index disks = simulation.system.disks();
   CHECK(largest_difference(found.velocities, expected.velocities, disks) <
         1e-6 * largest_speed(expected.velocities, disks));

@@ -5,7 +5,6 @@
 #include "../support/fclib_files.hpp"
 #include "../support/matrices.hpp"
 #include "linalg/random.hpp"
-#include "linalg/sparse_lu.hpp"
 
 #include <doctest/doctest.h>
 
@@ -62,22 +61,6 @@ TEST_CASE("solver trial: a residual is met where a run to that tolerance ends, a
     CHECK(trial.first[k].work == doctest::Approx(static_cast<double>(solve_friction(problem, options).sweeps)));
   }
   CHECK(trial.first[0].work < trial.first[2].work);
-}
-
-TEST_CASE("solver trial: the factors of a full matrix take 2 n^3 / 3 operations") {
-  constexpr Index n = 60;
-  RandomStream random(2);
-  const Dense a = random_matrix(n, n, random) + 20.0 * identity(n);
-  const SparseMatrix matrix = Matrix(a).sparseView();
-  SparseLu lu(matrix);
-  CHECK(lu.operations() == 0);
-  REQUIRE(lu.factorise(matrix));
-  const double once = lu.operations();
-  CHECK(once == doctest::Approx(2.0 / 3 * n * n * n).epsilon(0.05));
-  REQUIRE(lu.factorise(matrix));
-  CHECK(lu.operations() == doctest::Approx(2 * once));
-  lu.solve(matrix, random.normal_vector(n));
-  CHECK(lu.operations() == doctest::Approx(2 * once + 2.0 * n * n));  // both triangles at least once
 }
 
 TEST_CASE("solver trial: the time that checks take is not the solver's") {

@@ -25,6 +25,7 @@ class SymmetricAnalysis {
                     const std::vector<Index>& border = {});
 
   double entries() const;  ///< of the factor
+  const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
 
  private:
   friend class SymmetricInterior;

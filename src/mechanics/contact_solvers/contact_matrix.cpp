@@ -8,6 +8,9 @@
 namespace nscdd {
 namespace {
 
+constexpr int most_refinements = 5;
+constexpr double refined = 1e-11;  // of b: what is left then is below every tolerance
+
 // W in whole blocks, zeros where it has none, and the blocks of all contacts with themselves.
 SparseMatrix whole_blocks(const SparseMatrix& w) {
   SparseEntries entries;
@@ -102,19 +105,27 @@ bool ContactMatrix::factorise(std::vector<ContactRelation> relations) {
 }
 
 Vector ContactMatrix::solve_once(const Vector& b) const {
-  if (bodies_.empty()) return lu_->solve(matrix_, b);
+  if (bodies_.empty()) return lu_->solve(b);
   Vector r(b.size());
   for (Index c = 0; c < count(relations_); ++c)
     r.segment<2>(2 * c) = relations_[at(c)].p.inverse() * b.segment<2>(2 * c);
-  const Vector u = problem_.h.transpose() * lu_->solve(matrix_, problem_.h * r);
+  const Vector u = problem_.h.transpose() * lu_->solve(problem_.h * r);
   for (Index c = 0; c < count(relations_); ++c)
     r.segment<2>(2 * c) -= relations_[at(c)].p.inverse() * (relations_[at(c)].q * u.segment<2>(2 * c));
   return r;
 }
 
 Vector ContactMatrix::solve(const Vector& b) const {
-  const Vector r = solve_once(b);
-  return r + solve_once(rest_of(relations_, w_, b, r));
+  Vector r = solve_once(b);
+  double last = infinity;
+  for (int step = 0; step < most_refinements; ++step) {
+    const Vector rest = rest_of(relations_, w_, b, r);
+    const double size = rest.norm();
+    if (!(size < 0.5 * last) || size <= refined * b.norm()) break;
+    last = size;
+    r += solve_once(rest);
+  }
+  return r;
 }
 
 double ContactMatrix::take_operations() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/sparse_lu.hpp"
+#include "linalg/multifrontal/lu.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
@@ -19,7 +19,8 @@ Vector rest_of(const std::vector<ContactRelation>& relations, const SparseMatrix
 /// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
 /// unknowns:
 ///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
-/// One step of iterative refinement on the first form follows either. W stands for its symmetric part, see Couplings.
+/// Steps of iterative refinement on the first form follow either, as long as they halve the rest. W stands for its
+/// symmetric part, see Couplings.
 class ContactMatrix {
  public:
   /// `w`: the symmetric part of problem.w. Both must outlive this.

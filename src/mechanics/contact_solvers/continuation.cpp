@@ -34,11 +34,12 @@ struct SmoothedLaw {
 };
 
 SmoothedLaw smoothed_law(LocalVector z, double friction, double t) {
-  const double root = 2 * std::sqrt(t), h = std::hypot(z.n, root);
+  const auto length = [&](double x) { return std::sqrt(x * x + 4 * t); };
+  const double h = length(z.n);
   SmoothedLaw law;
   law.impulse.n = z.n > 0 ? (z.n + h) / 2 : 2 * t / (h - z.n);
   const double edge = friction * law.impulse.n, n = law.impulse.n / h;
-  const double forward = std::hypot(z.t + edge, root), backward = std::hypot(z.t - edge, root);
+  const double forward = length(z.t + edge), backward = length(z.t - edge);
   law.impulse.t = 2 * z.t * edge / (forward + backward);
   const double f = (z.t + edge) / forward, b = (z.t - edge) / backward;
   law.by_z << n, 0, friction * n * (f + b) / 2, (f - b) / 2;

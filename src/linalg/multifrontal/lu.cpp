@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The multifrontal method on the elimination tree of the pattern of A + A^T. A front is a full matrix here:
+//     [ F_11 F_12 ]                     F_11 = P L_11 U_11,      U_12 = L_11^-1 P^T F_12,
+//     [ F_21 F_22 ], pivots first, and  L_21 = F_21 U_11^-1,     F_22 - L_21 U_12 goes to the parent.
+// U_12 is kept transposed: columns are exchanged and divided faster than rows.
+#include "linalg/multifrontal/lu.hpp"
+
+#include "linalg/multifrontal/factor.hpp"
+#include "linalg/multifrontal/fronts.hpp"
+#include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
+
+namespace nscdd {
+namespace {
+
+// Where an entry of the matrix goes among the values of the factors.
+struct LuEntry {
+  int source;  // position among the stored values of the matrix
+  std::ptrdiff_t target;
+};
+
+// What stays of a front, and what it hands to its parent.
+struct LuFront {
+  double *left, *upper;  // L_21 under L_11 and U_11, rows x pivots; U_12^T, update rows x pivots
+  lapack_int* swaps;     // of the pivots, as LAPACK has them
+  Index last_entry;      // its entries end before this one
+  Matrix update;
+};
+
+SparseMatrix symmetric_lower(const SparseMatrix& pattern) {
+  SparseEntries entries;
+  for_entries(pattern, [&](Index i, Index j, double) { entries.add(std::max(i, j), std::min(i, j), 1); });
+  for (Index i = 0; i < pattern.rows(); ++i) entries.add(i, i, 1);
+  return entries.matrix(pattern.rows(), pattern.cols());
+}
+
+// Rows that follow each other and are tied to the same rows, as those of a body are, form a group.
+std::vector<Index> groups_of_equal_rows(const SparseMatrix& lower) {
+  std::vector<std::vector<Index>> tied(at(lower.rows()));
+  for_entries(lower, [&](Index i, Index j, double) {
+    tied[at(i)].push_back(j);
+    if (i != j) tied[at(j)].push_back(i);
+  });
+  for (std::vector<Index>& rows : tied) std::ranges::sort(rows);
+  std::vector<Index> group(tied.size(), 0);
+  for (std::size_t i = 1; i < tied.size(); ++i) group[i] = group[i - 1] + Index{tied[i] != tied[i - 1]};
+  return group;
+}
+
+Index values_of(const Front& front) { return front.pivots * (front.rows + front.update_rows()); }
+
+}  // namespace
+
+struct LuFactors {
+  explicit LuFactors(const SparseMatrix& pattern);
+
+  Block left(Index s) const {
+    const Front& front = tree->front(s);
+    return {fronts[at(s)].left, front.rows, front.pivots, Eigen::OuterStride<>(front.rows)};
+  }
+  Block upper(Index s) const {
+    const Front& front = tree->front(s);
+    const Index rows = front.update_rows();  // none at a root, where BLAS asks for a stride nevertheless
+    return {fronts[at(s)].upper, rows, front.pivots, Eigen::OuterStride<>(std::max(rows, Index{1}))};
+  }
+  void place_entries(const SparseMatrix& pattern);
+  void eliminate(Index s, const double* values);
+  void assemble(Index s, const double* values);
+  void go_forward(Index s, Vector& x) const;
+  void go_back(Index s, Vector& x) const;
+
+  std::shared_ptr<const FrontTree> tree;
+  std::vector<LuFront> fronts;
+  std::vector<LuEntry> entries;  // front by front
+  std::vector<lapack_int> swaps;
+  LargeArray memory;
+  std::atomic<bool> singular = false;
+  double operations_of_factorisation = 0, operations_of_solve = 0, operations = 0;
+};
+
+LuFactors::LuFactors(const SparseMatrix& pattern) {
+  const SparseMatrix lower = symmetric_lower(pattern);
+  tree = SymmetricAnalysis(lower, groups_of_equal_rows(lower)).tree();
+  Index values = 0;
+  for (const Front& front : tree->fronts) {
+    values += values_of(front);
+    const auto rows = static_cast<double>(front.rows), rest = static_cast<double>(front.update_rows());
+    operations_of_factorisation += 2.0 / 3 * (rows * rows * rows - rest * rest * rest);
+  }
+  operations_of_solve = 2.0 * static_cast<double>(values);
+  memory = large_array(values);
+  swaps.resize(at(tree->rows));
+  double* next = memory.get();
+  lapack_int* next_swap = swaps.data();
+  for (const Front& front : tree->fronts) {
+    fronts.push_back(
+        {.left = next, .upper = next + front.rows * front.pivots, .swaps = next_swap, .last_entry = 0, .update = {}});
+    next += values_of(front);
+    next_swap += front.pivots;
+  }
+  place_entries(pattern);
+}
+
+// An entry belongs to the front that eliminates the earlier of its two rows.
+void LuFactors::place_entries(const SparseMatrix& pattern) {
+  struct Placed {
+    int source;
+    Index row, column;
+  };
+  std::vector<std::vector<Placed>> of_front(fronts.size());
+  int source = 0;
+  for_entries(pattern, [&](Index i, Index j, double) {
+    of_front[at(std::min(tree->front_of_row[at(i)], tree->front_of_row[at(j)]))].push_back({source++, i, j});
+  });
+  std::vector<Index> place(at(tree->rows));
+  for (Index s = 0; s < tree->size(); ++s) {
+    const Front& front = tree->front(s);
+    for (Index k = 0; k < front.rows; ++k) place[at(tree->rows_of(front)[k])] = k;
+    for (const Placed& entry : of_front[at(s)]) {
+      const Index row = place[at(entry.row)], column = place[at(entry.column)];
+      const double* to = column < front.pivots ? &left(s)(row, column) : &upper(s)(column - front.pivots, row);
+      entries.push_back({entry.source, to - memory.get()});
+    }
+    fronts[at(s)].last_entry = count(entries);
+  }
+}
+
+// Entries of the matrix, then the updates of the children in their order.
+void LuFactors::assemble(Index s, const double* values) {
+  const Front& front = tree->front(s);
+  LuFront& own = fronts[at(s)];
+  std::fill_n(own.left, values_of(front), 0.0);
+  for (Index k = s == 0 ? 0 : fronts[at(s - 1)].last_entry; k < own.last_entry; ++k)
+    memory.get()[entries[at(k)].target] += values[entries[at(k)].source];
+  own.update.setZero(front.update_rows(), front.update_rows());
+  for (const Index c : front.children) {
+    const Matrix& from = fronts[at(c)].update;
+    const int* place = tree->places_of_updates(tree->front(c));  // ascending
+    for (Index j = 0; j < from.cols(); ++j) {
+      const double* column = from.data() + j * from.rows();
+      Index i = 0;
+      if (place[j] < front.pivots) {
+        double* to = own.left + place[j] * front.rows;
+        for (; i < from.rows(); ++i) to[place[i]] += column[i];
+        continue;
+      }
+      double* above = own.upper + (place[j] - front.pivots);
+      for (; i < from.rows() && place[i] < front.pivots; ++i) above[place[i] * front.update_rows()] += column[i];
+      double* to = own.update.data() + (place[j] - front.pivots) * front.update_rows() - front.pivots;
+      for (; i < from.rows(); ++i) to[place[i]] += column[i];
+    }
+    fronts[at(c)].update.resize(0, 0);
+  }
+}
+
+void LuFactors::eliminate(Index s, const double* values) {
+  assemble(s, values);
+  LuFront& own = fronts[at(s)];
+  Block columns = left(s), rows = upper(s);
+  const auto n = static_cast<lapack_int>(columns.cols());
+  const auto pivots = columns.topRows(n);
+  const lapack_int info =
+      LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, own.left, static_cast<lapack_int>(columns.rows()), own.swaps);
+  if (info != 0 || !std::isfinite(pivots(n - 1, n - 1))) {
+    singular = true;
+    return;
+  }
+  if (rows.rows() == 0) return;
+  for (lapack_int k = 0; k < n; ++k)
+    if (own.swaps[k] != k + 1) rows.col(k).swap(rows.col(own.swaps[k] - 1));
+  pivots.triangularView<Eigen::UnitLower>().transpose().solveInPlace<Eigen::OnTheRight>(rows);
+  auto below = columns.bottomRows(rows.rows());
+  pivots.triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
+  own.update.noalias() -= below * rows.transpose();
+}
+
+void LuFactors::go_forward(Index s, Vector& x) const {
+  const Front& front = tree->front(s);
+  const int* row = tree->rows_of(front);
+  const Block columns = left(s);
+  Vector head(front.pivots);
+  for (Index i = 0; i < front.pivots; ++i) head[i] = x[row[i]];
+  for (Index k = 0; k < front.pivots; ++k) std::swap(head[k], head[fronts[at(s)].swaps[k] - 1]);
+  columns.topRows(front.pivots).triangularView<Eigen::UnitLower>().solveInPlace(head);
+  const Vector change = columns.bottomRows(front.update_rows()) * head;
+  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
+  for (Index i = 0; i < front.update_rows(); ++i) x[row[front.pivots + i]] -= change[i];
+}
+
+void LuFactors::go_back(Index s, Vector& x) const {
+  const Front& front = tree->front(s);
+  const int* row = tree->rows_of(front);
+  Vector head(front.pivots), tail(front.update_rows());
+  for (Index i = 0; i < front.pivots; ++i) head[i] = x[row[i]];
+  for (Index i = 0; i < front.update_rows(); ++i) tail[i] = x[row[front.pivots + i]];
+  head.noalias() -= upper(s).transpose() * tail;
+  left(s).topRows(front.pivots).triangularView<Eigen::Upper>().solveInPlace(head);
+  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
+}
+
+SparseLu::SparseLu(const SparseMatrix& pattern) : factors_(std::make_shared<LuFactors>(pattern)) {}
+
+bool SparseLu::factorise(const SparseMatrix& a) {
+  const FrontTree& tree = *factors_->tree;
+  factors_->singular = false;
+  factors_->operations += factors_->operations_of_factorisation;
+  with_threads([&] {
+    tree.for_roots(false,
+                   [&](Index root) { tree.up(root, false, [&](Index s) { factors_->eliminate(s, a.valuePtr()); }); });
+  });
+  return !factors_->singular;
+}
+
+Vector SparseLu::solve(const Vector& b) const {
+  const OneBlasThread serial_blas;
+  factors_->operations += factors_->operations_of_solve;
+  Vector x = b;
+  for (Index s = 0; s < factors_->tree->size(); ++s) factors_->go_forward(s, x);
+  for (Index s = factors_->tree->size() - 1; s >= 0; --s) factors_->go_back(s, x);
+  return x;
+}
+
+int SparseLu::determinant_sign() const {
+  bool negative = false;
+  for (Index s = 0; s < factors_->tree->size(); ++s) {
+    const auto diagonal = factors_->left(s).diagonal();
+    for (Index k = 0; k < diagonal.size(); ++k)
+      negative ^= (diagonal[k] < 0) != (factors_->fronts[at(s)].swaps[k] != k + 1);
+  }
+  return negative ? -1 : 1;
+}
+
+double SparseLu::operations() const { return factors_->operations; }
+
+}  // namespace nscdd
