@@ -161,49 +161,73 @@ Point SmoothedCurve::ahead(const Course& course, double length) {
           course.point.t * std::exp(change + course.log_correction)};
 }
 
+// Judges impulses of a point. Returns whether the run is over.
+bool judge_point(SolverRun& run, const Vector& impulses, double length) {
+  if (!run.judge(impulses, {.length = length})) return false;
+  if (run.now.status != FrictionStatus::converged) return true;
+  const FrictionSolution smooth = run.now;  // no contact is open or slides while t > 0
+  if (!run.judge(run.projected()) || run.now.status != FrictionStatus::converged) run.now = smooth;
+  return true;
+}
+
+// Steps along a curve: where they lead, and back from where the curve is lost.
+struct Walk {
+  const SmoothedCurve& curve;
+  Point point;
+  std::optional<Course> safe = {};  // the last one on the curve
+  Index corrections = 0, calm = calm_steps;
+  double length = first_length, last_off = infinity;
+
+  bool lost_at(const std::optional<Course>& here) const {
+    return !here || !(here->off <= (corrections > 0 ? std::min(lost, contraction * last_off) : lost));
+  }
+  bool go_back() {
+    if (!safe || safe->length < least_length) return false;
+    length = safe->length *= retreat;
+    point = SmoothedCurve::ahead(*safe, length);
+    corrections = calm = 0;
+    return true;
+  }
+  bool correct(const Course& here) {
+    last_off = here.off;
+    if (here.off <= (calm < calm_steps ? on_curve : near_curve)) return false;
+    ++corrections;
+    point = SmoothedCurve::ahead(here, 0);
+    return true;
+  }
+  void go_on(const SolverRun& run, Course here) {
+    corrections = 0;
+    ++calm;
+    length = std::min(largest_change / here.steepest, growth * length);
+    for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
+      point = SmoothedCurve::ahead(here, length);
+      const Vector impulses = curve.impulses(point);
+      if (curve.residual(point, impulses) <= largest_residual && run.plausible(impulses)) break;
+    }
+    here.length = length;
+    if (!safe || here.off <= on_curve) safe = std::move(here);
+  }
+};
+
 }  // namespace
 
 bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
   if (run.problem.q.isZero(0)) return run.judge(Vector::Zero(run.now.impulses.size()));
   SmoothedCurve curve(run, w, relative_smoothing);
-  Point point = curve.start();
-  std::optional<Course> safe;  // the last one on the curve
-  Index corrections = 0, calm = calm_steps;
-  double length = first_length, last_off = infinity, last_trial = newton_from / newton_after;
+  Walk walk{curve, curve.start()};
+  double last_trial = newton_from / newton_after;
   for (Index step = 0; step < most_factorisations && !run.spent(); ++step) {
-    std::optional<Course> here = curve.course(point);
-    if (!here || !(here->off <= (corrections > 0 ? std::min(lost, contraction * last_off) : lost))) {
-      if (!safe || safe->length < least_length) return false;
-      length = safe->length *= retreat;
-      point = SmoothedCurve::ahead(*safe, length);
-      corrections = calm = 0;
-      continue;
-    }
-    last_off = here->off;
-    if (here->off > (calm < calm_steps ? on_curve : near_curve)) {
-      ++corrections;
-      point = SmoothedCurve::ahead(*here, 0);
-      continue;
-    }
-    corrections = 0;
-    ++calm;
-    length = std::min(largest_change / here->steepest, growth * length);
-    Vector impulses;
-    for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
-      point = SmoothedCurve::ahead(*here, length);
-      impulses = curve.impulses(point);
-      if (curve.residual(point, impulses) <= largest_residual && run.plausible(impulses)) break;
-    }
-    here->length = length;
-    if (!safe || here->off <= on_curve) safe = std::move(here);
-    if (!run.plausible(impulses)) return false;
-    if (run.judge(impulses, {.length = length})) {
-      if (run.now.status != FrictionStatus::converged) return true;
-      const FrictionSolution inner = run.now;  // no contact is open or slides while t > 0
-      if (!run.judge(run.projected()) || run.now.status != FrictionStatus::converged) run.now = inner;
-      return true;
-    }
-    if (point.t < least_smoothing * curve.start().t) return finish_by_newton(run, w);
+    const std::optional<Course> here = curve.course(walk.point);
+    const bool lost_here = walk.lost_at(here);
+    if (lost_here && !walk.go_back()) return false;
+    const bool goes_on = !lost_here && !walk.correct(*here);
+    if (goes_on) walk.go_on(run, *here);
+    const Vector impulses = curve.impulses(walk.point);
+    const bool plausible = run.plausible(impulses);
+    if (goes_on && !plausible) return false;
+    if (plausible && judge_point(run, impulses, goes_on ? walk.length : 0)) return true;
+    if (!goes_on) continue;
+    if (walk.point.t < least_smoothing * curve.start().t) return finish_by_newton(run, w);
     if (run.now.state.residual > newton_after * last_trial) continue;
     last_trial = run.now.state.residual;
     if (finish_by_newton(run, w)) return true;
