@@ -16,15 +16,15 @@ constexpr double least_start = 0.1;        // of first impulses, over rho q
 constexpr double least_smoothing = 1e-32;  // of t, over its first value: rounding
 constexpr double first_length = 0.5;       // of steps, in log t
 constexpr double growth = 4, shrinking = 0.7, retreat = 0.3, least_length = 1e-5;
-constexpr double largest_change = 10;     // of a component of z in a step, in units of sqrt(z^2 + 4 t)
-constexpr double largest_residual = 0.3;  // after a step, likewise
-constexpr double lost = 100;              // Newton's step back to the curve, likewise: from here it is not found ...
-constexpr double near_curve = 30;         // ... here it is taken together with the next step ...
-constexpr double on_curve = 0.1;          // ... and here the point is one to come back to
-constexpr double contraction = 0.6;       // wanted of Newton's steps onto the curve
-constexpr Index calm_steps = 4;           // after a retreat, for which steps begin on the curve
-constexpr double newton_from = 1e-4;      // residual from which Newton's method is tried ...
-constexpr double newton_after = 0.1;      // ... and again at this part of the residual of the last trial
+constexpr double largest_change = 10;      // of a component of z in a step, in units of sqrt(z^2 + 4 t)
+constexpr double largest_residual = 0.45;  // after a step, likewise
+constexpr double lost = 100;               // Newton's step back to the curve, likewise: from here it is not found ...
+constexpr double near_curve = 30;          // ... here it is taken together with the next step ...
+constexpr double on_curve = 0.1;           // ... and here the point is one to come back to
+constexpr double contraction = 0.6;        // wanted of Newton's steps onto the curve
+constexpr Index calm_steps = 4;            // after a retreat, for which steps begin on the curve
+constexpr double newton_from = 1e-4;       // residual from which Newton's method is tried ...
+constexpr double newton_after = 0.1;       // ... and again at this part of the residual of the last trial
 
 // P_t(z) of a contact and its derivatives by z, and by t.
 struct SmoothedLaw {
