@@ -46,6 +46,7 @@ steps = {steps}
 [solver]
 algorithm = "{algorithm}"
 criterion = "none"
+warm_start = false
 maximum_iterations = {iterations}
 order = "{order}"
 [[boundary]]

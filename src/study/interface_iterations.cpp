@@ -52,7 +52,12 @@ FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem&
 
 InterfaceIterations::Rival by_algorithm_1(Simulation simulation, StepAlgorithm algorithm) {
   const Index most = simulation.dynamics.solver.maximum_iterations;
-  simulation.dynamics.solver = {.algorithm = algorithm, .maximum_iterations = most};
+  simulation.dynamics.solver = {.algorithm = algorithm,
+                                .maximum_iterations = most,
+                                .criterion = Criterion::zeta,
+                                .tolerance = 1e-4,
+                                .warm_start = false,
+                                .eta = {}};
   const StepReport report = solve_step(simulation).report;
   return {report.last.iteration, report.status == SolverStatus::converged};
 }

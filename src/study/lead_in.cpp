@@ -8,7 +8,8 @@ namespace nscdd {
 namespace {
 
 StepSolver plain_solver() {
-  return {.maximum_iterations = 2000,
+  return {.algorithm = StepAlgorithm::nlgs,
+          .maximum_iterations = 2000,
           .criterion = Criterion::zeta,
           .tolerance = 1e-6,
           .order = ContactOrder::interleaved,

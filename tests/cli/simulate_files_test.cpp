@@ -152,11 +152,11 @@ TEST_CASE("simulate: a restart from another start is refused with the disk that 
 
 TEST_CASE("simulate: what does not fit together names the file, the option or the key") {
   const Session session;
-  session.file("shear.toml", replaced(moving_case(), "warm_start = true", "criterion = \"gluing\""));
+  session.file("shear.toml", replaced(moving_case(), "\"zeta\"", "\"gluing\""));
   check_refused(session, "simulate shear.toml --algorithm nlgs -o run.h5",
-                {"shear.toml:18: solver.criterion: expected solver.algorithm generic or enriched"});
+                {"shear.toml:21: solver.criterion: expected solver.algorithm generic or enriched"});
   session.file("shear.toml", moving_case() + "\n[[prescribed]]\ngrain = 1000\nvelocity = [0, 0]\n");
-  check_refused(session, "simulate shear.toml -o run.h5", {"shear.toml:44: prescribed[0].grain: expected"});
+  check_refused(session, "simulate shear.toml -o run.h5", {"shear.toml:46: prescribed[0].grain: expected"});
   session.file("shear.toml", moving_case());
   answer(session, "simulate shear.toml --steps 2 -o run.h5");
   check_refused(session, "export run.h5 --fclib 2 --subdomain 99 -o part.hdf5",

@@ -143,7 +143,7 @@ TEST_CASE("simulate: what options and case say is judged before a packing is set
   refused("simulate test.toml -o run.h5 --convergence nowhere/rows.csv", {"nowhere"});
   refused("simulate test.toml -o run.h5 --convergence shear.toml", {"shear.toml", "exists already"});
   refused("simulate test.toml -o other.h5 --restart", {"other.h5", "trajectory"});
-  refused("simulate wide.toml -o run.h5", {"wide.toml:18: boundary 'floor': spacing: expected"});
+  refused("simulate wide.toml -o run.h5", {"wide.toml:20: boundary 'floor': spacing: expected"});
   refused("inspect test.toml --set contacts.tolerence=1", {"contacts.tolerence"});
   refused("run study", {"study.toml:6", "solver.algorithm", "jacobi"});
   ::unsetenv("NSCDD_CACHE");

@@ -39,7 +39,7 @@ Simulation sheared_box(Index grains, std::array<Index, 2> grid, const std::strin
 // A box whose side walls turn about their feet, both the same way, 20 steps on.
 Simulation box_with_turning_walls(Index grains, Index seed) {
   const double width = std::sqrt(static_cast<double>(grains)) * 0.28, spin = -0.075;
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.order = "natural";
   dynamics.time.maximum_push_speed = infinity;
   dynamics.solver.maximum_iterations = 300;

@@ -36,7 +36,7 @@ Simulation box_on_disks(const std::string& law, Index posts = 0) {
   deposit.sizes.radius_min = 0.1;
   deposit.sizes.radius_max = 0.198;
   const Packing packing = with_masses(generate(Generator{deposit}), {.model = MassModel::density, .density = 2500});
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.interaction.law = law;
   dynamics.solver.warm_start = true;
   dynamics.solver.tolerance = 1e-6;

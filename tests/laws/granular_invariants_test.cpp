@@ -182,7 +182,7 @@ TEST_CASE("angular momentum at q_m changes by r_t times the gap of each contact,
 }
 
 TEST_CASE("a box with moving walls: work put in, dissipation and energy balance to rounding at theta = 1/2") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.maximum_iterations = 60;  // the balance holds for any impulses, converged or not
   dynamics.solver.warm_start = true;
   dynamics.boundaries = {wall("paddle", {0, 5}, {0, 0}, moving({0.3, 0, -0.2}, {0, 0}))};
@@ -247,7 +247,7 @@ TEST_CASE("numerical energy of free fall is -(theta - 1/2) m g^2 h^2 a step") {
 
 TEST_CASE("turning the whole scene turns its motion") {
   const double turn = 0.77, c = std::cos(turn), s = std::sin(turn);
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.criterion = "none";
   dynamics.solver.order = "natural";  // the curve of the interleaved order turns with the scene
   dynamics.solver.maximum_iterations = 50;
@@ -275,7 +275,7 @@ TEST_CASE("turning the whole scene turns its motion") {
 }
 
 TEST_CASE("a uniform velocity of everything changes nothing but itself") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.maximum_iterations = 30;
   dynamics.solver.criterion = "none";
   dynamics.solver.order = "natural";  // the curve of the interleaved order turns with the scene

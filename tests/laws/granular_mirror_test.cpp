@@ -41,7 +41,7 @@ double distance_from_mirror(const Simulation& a, const Simulation& b) {
 }  // namespace
 
 TEST_CASE("a mirrored box moves as the mirror image, bit for bit") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.maximum_iterations = 25;
   dynamics.solver.warm_start = true;
   dynamics.solver.order = "natural";  // it is the same for the mirror image
@@ -57,7 +57,7 @@ TEST_CASE("a mirrored box moves as the mirror image, bit for bit") {
 
 TEST_CASE("a mirrored box of two strips between walls that push and turn moves as the mirror image") {
   const double width = std::sqrt(80.0) * 0.28;
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.algorithm = "generic";
   dynamics.solver.gauss_seidel_sweeps = 2;
   dynamics.solver.maximum_iterations = 25;

@@ -41,7 +41,7 @@ double weight_times_height(const Simulation& simulation) {
 }
 
 Dynamics loose() {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.tolerance = 1e-6;
   dynamics.solver.maximum_iterations = 5000;
   dynamics.solver.warm_start = true;

@@ -36,7 +36,7 @@ struct LinearStep {
   }
 
   GranularTwoStage iteration(double epsilon, double eta, Index sweeps, double omega = 1) const {
-    StepSolver solver;
+    StepSolver solver = swept().solver;
     solver.gauss_seidel_sweeps = sweeps;
     solver.interface_relaxation = omega;
     std::optional<InterfaceOperator> enriched;

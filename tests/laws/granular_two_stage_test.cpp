@@ -356,7 +356,7 @@ TEST_CASE("determinism: 300 grains, 15 steps, the same final state to the last b
     std::uint64_t first = 0;
     for (Index threads = 1; threads <= 4; ++threads) {
       const ThreadLimit limit(threads);
-      Dynamics dynamics;
+      Dynamics dynamics = swept();
       dynamics.solver.algorithm = algorithm;
       dynamics.solver.maximum_iterations = 30;
       dynamics.solver.warm_start = true;

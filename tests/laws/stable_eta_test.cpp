@@ -26,7 +26,7 @@ double largest(const Decomposition& parts, double eta, double relaxation, const 
 
 // A box between walls that move, sheared so fast that contacts slide.
 Simulation sheared_box(const std::string& algorithm, const std::string& eta, Index sweeps) {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.algorithm = algorithm;
   dynamics.solver.eta = eta;
   dynamics.solver.gauss_seidel_sweeps = sweeps;

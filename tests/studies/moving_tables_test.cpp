@@ -208,10 +208,10 @@ TEST_CASE("interface_iterations: a row has the step as its solver takes it, and 
   const std::string more = "steps = [2]\n[table.vary]\n\"partition.grid\" = [\"2,1\", \"3,2\"]\n";
   const auto study = [&](const std::string& algorithm) {
     std::string text = moving_case();
-    const std::string generic =
-        "algorithm = \"generic\"\nwarm_start = true\nmaximum_iterations = 40\norder = \"natural\"";
-    text.replace(text.find(generic), generic.size(),
-                 "algorithm = \"" + algorithm + "\"\ntolerance = 1e-8\nmaximum_iterations = 20000");
+    const auto solver = text.find("[solver]");
+    text.replace(solver, text.find("[[boundary]]") - solver,
+                 "[solver]\nalgorithm = \"" + algorithm +
+                     "\"\nwarm_start = false\ntolerance = 1e-8\nmaximum_iterations = 20000\n");
     const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
     return parse_study("[[table]]\nname = \"t\"\nobservable = \"interface_iterations\"\ncases = [\"small\"]\n" + more,
                        "s/study.toml", read)

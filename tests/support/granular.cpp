@@ -11,8 +11,17 @@
 
 namespace nscdd::testing {
 
-Dynamics tight() {
+Dynamics swept() {
   Dynamics dynamics;
+  dynamics.solver.algorithm = "nlgs";
+  dynamics.solver.criterion = "zeta";
+  dynamics.solver.tolerance = 1e-4;
+  dynamics.solver.warm_start = false;
+  return dynamics;
+}
+
+Dynamics tight() {
+  Dynamics dynamics = swept();
   dynamics.solver.order = "natural";
   dynamics.solver.criterion = "natural_map";
   dynamics.solver.tolerance = 1e-13;

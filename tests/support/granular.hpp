@@ -18,7 +18,10 @@ struct Grain {
   double velocity_x = 0, velocity_y = 0, spin = 0;
 };
 
-/// Parameters under which a step is solved to rounding: natural map below 1e-13, at most 200 000 sweeps.
+/// Parameters under which a step is solved by sweeps (plain Gauss-Seidel) from zero impulses, to zeta <= 1e-4.
+Dynamics swept();
+
+/// The same to rounding: natural map below 1e-13, at most 200 000 sweeps.
 Dynamics tight();
 
 /// The straight wall through `from` and `to`, grains on its left.

@@ -24,6 +24,8 @@ algorithm = "generic"
 warm_start = true
 maximum_iterations = 40
 order = "natural"
+criterion = "zeta"
+tolerance = 1e-4
 [[boundary]]
 name = "floor"
 shape = "disks"

@@ -187,12 +187,13 @@ TEST_CASE("moving case: what grains and criteria refuse names file, line and key
   };
   const std::string good = moving_case();
   refused(good + "[[prescribed]]\ngrain = 120\nvelocity = [0, 1]\n",
-          "c.toml:43: prescribed[0].grain: expected a grain in 0..119");
+          "c.toml:45: prescribed[0].grain: expected a grain in 0..119");
   refused(good + "[[boundary]]\nname = \"piston\"\nshape = \"grains\"\nfirst = 130\nlast = 3\n",
-          "c.toml:45: boundary[3].first: expected grains first <= last in 0..119");
-  const std::string plain = replaced(good, "\"generic\"\nwarm_start = true", "\"nlgs\"\ncriterion = \"gluing\"");
-  refused(plain, "c.toml:18: solver.criterion: expected solver.algorithm generic or enriched");
-  const std::string undivided = replaced(good, "\"generic\"\nwarm_start = true", "\"auto\"");
+          "c.toml:47: boundary[3].first: expected grains first <= last in 0..119");
+  const std::string plain = replaced(replaced(good, "\"generic\"", "\"nlgs\""), "\"zeta\"", "\"gluing\"");
+  refused(plain, "c.toml:21: solver.criterion: expected solver.algorithm generic or enriched");
+  const std::string undivided =
+      replaced(replaced(good, "\"generic\"\nwarm_start = true", "\"auto\""), "criterion = \"zeta\"\n", "");
   require_error(undivided, "solver.order: expected solver.algorithm nlgs, generic or enriched with it, met auto");
   refused(replaced(replaced(undivided, "order = \"natural\"\n", ""), "friction = 0.3",
                    "law = \"linear_viscous\"\nepsilon = 1"),

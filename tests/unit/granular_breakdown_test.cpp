@@ -12,7 +12,7 @@ using namespace nscdd;
 using namespace nscdd::testing;
 
 TEST_CASE("status: converged, maximum reached, and as many iterations as asked for without a criterion") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.tolerance = 1e-6;
   Simulation s = shaken_lattice(5, 5, dynamics);
   const SolvedStep converged = solve_step(s);
@@ -29,7 +29,7 @@ TEST_CASE("status: converged, maximum reached, and as many iterations as asked f
 }
 
 TEST_CASE("status: stalled when rounding keeps a criterion from falling for 10 000 iterations") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.criterion = "natural_map";
   dynamics.solver.tolerance = 1e-30;
   dynamics.solver.maximum_iterations = 100'000;
@@ -40,8 +40,7 @@ TEST_CASE("status: stalled when rounding keeps a criterion from falling for 10 0
 }
 
 TEST_CASE("status: an iteration that took long to make progress is waited for four times as long") {
-  StepSolver solver;
-  solver.criterion = "zeta";
+  StepSolver solver = swept().solver;
   solver.tolerance = 0;
   solver.maximum_iterations = 1'000'000;
   for (const Index progress : {100, 5000}) {
@@ -60,16 +59,14 @@ TEST_CASE("status: an iteration that took long to make progress is waited for fo
 }
 
 TEST_CASE("status: diverged as soon as impulses are a million times those of the first iterations") {
-  StepSolver solver;
-  solver.criterion = "zeta";
-  IterationWatch watch(solver);
+  IterationWatch watch(swept().solver);
   for (Index k = 1; k <= 20; ++k) CHECK_FALSE(watch.judge({.iteration = k, .zeta = 1, .impulses = 4}, {}));
   CHECK_FALSE(watch.judge({.iteration = 21, .zeta = 1, .impulses = 3.9e12}, {}));  // squares
   CHECK(watch.judge({.iteration = 22, .zeta = 1, .impulses = 4.1e12}, {}) == SolverStatus::diverged);
 }
 
 TEST_CASE("status: diverged under an enrichment that is far too stiff, and the state is as it was") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.interaction.friction = 0.3;
   dynamics.solver.algorithm = "enriched";
   dynamics.solver.eta = "1e-9";
@@ -85,7 +82,7 @@ TEST_CASE("status: diverged under an enrichment that is far too stiff, and the s
 TEST_CASE("criterion interface_change without an interface does not pass the first sweep for converged") {
   for (const std::string algorithm : {"nlgs", "generic"}) {
     CAPTURE(algorithm);
-    Dynamics dynamics;
+    Dynamics dynamics = swept();
     dynamics.solver.algorithm = algorithm;
     dynamics.solver.criterion = "interface_change";
     dynamics.solver.tolerance = 1e-8;
@@ -96,7 +93,7 @@ TEST_CASE("criterion interface_change without an interface does not pass the fir
 }
 
 TEST_CASE("criterion interface_change of the semi-implicit scheme waits for the impulses") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.algorithm = "enriched";
   dynamics.solver.enrichment = "semi_implicit";
   dynamics.solver.criterion = "interface_change";
@@ -113,7 +110,7 @@ TEST_CASE("no number: velocities or interface impulses that are none are never c
         CAPTURE(law);
         CAPTURE(criterion);
         CAPTURE(algorithm);
-        Dynamics dynamics;
+        Dynamics dynamics = swept();
         dynamics.interaction.law = law;
         dynamics.interaction.cohesion = 1;
         dynamics.interaction.epsilon = 0.1;
@@ -130,7 +127,7 @@ TEST_CASE("no number: velocities or interface impulses that are none are never c
 }
 
 TEST_CASE("describe_breakdown names what is not finite") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   Simulation s = shaken_lattice(3, 2, dynamics);
   SolvedStep step = solve_step(s);
   SolvedStep broken = step;
@@ -175,7 +172,7 @@ TEST_CASE("an impact that meets the interface through grains at rest is solved l
 }
 
 TEST_CASE("disks that touch and move alike exchange nothing: the step ends at once") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.time.gravity = {0, 0};
   std::vector<Grain> grains;
   for (int k = 0; k < 6; ++k) grains.push_back({.x = 0.1 + k, .velocity_x = 1});
@@ -188,7 +185,7 @@ TEST_CASE("disks that touch and move alike exchange nothing: the step ends at on
 }
 
 TEST_CASE("contacts that have settled within subdomains are not converged while the interface is open") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.algorithm = "generic";
   dynamics.solver.interface_relaxation = 1e-4;  // Stage 2 hardly closes the interface
   dynamics.solver.tolerance = 1e-4;

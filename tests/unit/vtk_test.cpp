@@ -148,7 +148,7 @@ TEST_CASE("vtp: steps whose arrays do not fit are refused") {
 }
 
 TEST_CASE("vtp: a step of a divided box as VTK reads it") {
-  Dynamics dynamics;
+  Dynamics dynamics = swept();
   dynamics.solver.algorithm = "generic";
   Simulation simulation = box_of_grains(60, dynamics, {2, 1});
   take_step(simulation, solve_step(simulation));
