@@ -206,8 +206,12 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
   std::string text =
       fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), totals.steps,
                   simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
-  text += fmt::format("disks: {} free, {} driven; {} contacts, interface of {} unknowns\n", free,
-                      simulation.system.disks() - free, totals.last.contacts, totals.last.interface_size);
+  const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
+  const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // whatever the partition
+  text += fmt::format("disks: {} free, {} driven; {} contacts, {}\n", free, simulation.system.disks() - free,
+                      totals.last.contacts,
+                      undivided ? fmt::format("solved undivided by {}", to_string(algorithm))
+                                : fmt::format("interface of {} unknowns", totals.last.interface_size));
   if (totals.steps == 0) return text;
   text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
   text +=
@@ -222,7 +226,6 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
       totals.last.energy.kinetic, totals.boundary_work, totals.dissipation, totals.numerical);
   text +=
       fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", totals.solve_seconds, totals.setup_seconds);
-  const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
   if (totals.visits > 0 && (algorithm == StepAlgorithm::nlgs || algorithm == StepAlgorithm::generic))
     text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * totals.solve_seconds / totals.visits);
   return text + "\n" + warnings(totals, simulation.dynamics);

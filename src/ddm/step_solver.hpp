@@ -122,16 +122,16 @@ inline void check_bounds(const EtaChoice&, const Field&, std::string_view) {}
 
 /// How the contact problem of a step is solved.
 struct StepSolver {
-  Choice<StepAlgorithm> algorithm = StepAlgorithm::nlgs;
+  Choice<StepAlgorithm> algorithm = StepAlgorithm::automatic;
   Index gauss_seidel_sweeps = 1;  ///< n_GS
   Index maximum_iterations = 1000;
-  Choice<Criterion> criterion = Criterion::zeta;
-  double tolerance = 1e-4;
+  Choice<Criterion> criterion = Criterion::natural_map;
+  double tolerance = 1e-8;
   double gluing_tolerance = 0.01;
   Choice<ContactOrder> order = ContactOrder::interleaved;
   Index seed = 1;
   double contact_relaxation = 1;
-  bool warm_start = false;
+  bool warm_start = true;
   EtaChoice eta = {};  ///< 1/kg
   Choice<StageTwoNetwork> network = StageTwoNetwork::all;
   Choice<Enrichment> enrichment = Enrichment::every_iteration;

@@ -134,14 +134,16 @@ Motion read_motion(StrictTable& section) {
   return motion;
 }
 
-// A key that is given with another value than its default must have an effect. (A case that the program wrote
-// has every key, those without effect at their defaults.)
+// A key that is given with another value than its default must have an effect. (A case that the program wrote has
+// every key, those without effect at their defaults.) Where no algorithm is stated all keys of [solver] must: they may
+// have been written for another algorithm than the default.
 template <class Parameters>
 void require_effects(const StrictTable& section, const Dynamics& dynamics, const Parameters& parameters) {
   const std::vector<FieldDescription> now = describe_fields(parameters), by_default = describe_fields(Parameters{});
+  const bool stated = !std::is_same_v<Parameters, StepSolver> || section.has("algorithm");
   for (std::size_t k = 0; k < now.size(); ++k)
-    if (section.has(now[k].key) && now[k].value != by_default[k].value)
-      require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key));
+    if (section.has(now[k].key) && (!stated || now[k].value != by_default[k].value))
+      require_effect(dynamics, section.key_path(now[k].key), section.where(now[k].key), stated);
 }
 
 void read_ends(StrictTable& section, BoundarySpec& spec) {
@@ -184,7 +186,7 @@ BoundarySpec read_boundary(StrictTable section) {
 }
 
 // The sections [dynamics], [interaction], [solver] and [[boundary]]. The last three need the first.
-std::optional<Dynamics> read_dynamics(StrictTable& root) {
+std::optional<Dynamics> read_dynamics(StrictTable& root, bool effects_wanted) {
   const bool moves = root.has("dynamics");
   for (const char* key : {"dynamics", "interaction", "solver", "boundary"}) root.node(key);
   for (const char* key : {"interaction", "solver", "boundary"})
@@ -197,9 +199,11 @@ std::optional<Dynamics> read_dynamics(StrictTable& root) {
   const StrictTable interaction = root.read_section("interaction", dynamics.interaction);
   const StrictTable time = root.read_section("dynamics", dynamics.time);
   const StrictTable solver = root.read_section("solver", dynamics.solver);
-  require_effects(interaction, dynamics, dynamics.interaction);
-  require_effects(time, dynamics, dynamics.time);
-  require_effects(solver, dynamics, dynamics.solver);
+  if (effects_wanted) {
+    require_effects(interaction, dynamics, dynamics.interaction);
+    require_effects(time, dynamics, dynamics.time);
+    require_effects(solver, dynamics, dynamics.solver);
+  }
   for (const StrictTable& boundary : root.tables("boundary")) {
     dynamics.boundaries.push_back(read_boundary(boundary));
     for (std::size_t k = 0; k + 1 < dynamics.boundaries.size(); ++k)
@@ -220,7 +224,7 @@ void note_lines(const toml::node& node, const std::string& path, CaseSpec& spec)
 }
 
 // A contact problem has none of the sections of a packing: they are unknown keys, and named as such.
-void read_sections(StrictTable& root, CaseSpec& spec) {
+void read_sections(StrictTable& root, CaseSpec& spec, bool effects_wanted) {
   root.read("title", spec.title);
   if (root.has("problem")) {
     StrictTable section = root.section("problem", true);
@@ -237,18 +241,18 @@ void read_sections(StrictTable& root, CaseSpec& spec) {
   read_partition_section(root.section("partition", true), spec.partition);
   root.read_section("loads", spec.loads);
   for (const StrictTable& prescribed : root.tables("prescribed")) read_prescribed(prescribed, spec);
-  spec.dynamics = read_dynamics(root);
+  spec.dynamics = read_dynamics(root, effects_wanted);
 }
 
 }  // namespace
 
-CaseSpec parse_case(std::string_view text, const std::string& file) {
+CaseSpec parse_case(std::string_view text, const std::string& file, bool of_trajectory) {
   const toml::table document = parse_toml(text, file);
   StrictTable root(document, file, "");
   CaseSpec spec;
   spec.name = std::filesystem::path(file).stem().string();
   spec.source = file;
-  read_sections(root, spec);
+  read_sections(root, spec, !of_trajectory);
   root.finish();
   note_lines(document, "", spec);
   return spec;

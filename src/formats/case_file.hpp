@@ -7,8 +7,9 @@
 namespace nscdd {
 
 /// What a case file says, from its text alone. Strict: an unknown key, a wrong type, a missing section or a
-/// value out of its bounds throws Error "file:line: key: expected ..., met ...".
-CaseSpec parse_case(std::string_view text, const std::string& file);
+/// value out of its bounds throws Error "file:line: key: expected ..., met ...". So does a value without effect, but in
+/// the case of a trajectory: there the program wrote the defaults, perhaps those of an earlier version.
+CaseSpec parse_case(std::string_view text, const std::string& file, bool of_trajectory = false);
 
 /// What a case file says, named by its stem.
 CaseSpec read_case(const std::string& path);

@@ -122,6 +122,20 @@ void require_uses(const StrictTable& section, const Observable& observable) {
       }
 }
 
+// What is varied must have an effect in one of the combinations.
+void require_effects(const StrictTable& section, const std::string& key, const std::vector<Variation>& variations,
+                     const StudyTable& table) {
+  for (const Variation& variation : variations) {
+    std::optional<Dynamics> dynamics;
+    bool effective = false;
+    for (Index number = 0; number < varied_case_count(table) && !effective; ++number) {
+      dynamics = varied_case(table, number).one.spec.dynamics;
+      effective = has_effect(*dynamics, variation.parameter);
+    }
+    if (!effective) section.located(key, [&] { require_effect(*dynamics, variation.parameter, variation.parameter); });
+  }
+}
+
 // Refuses what can be refused of cases that move before they are settled and run.
 void check_moving(StrictTable& section, const StudyTable& table) {
   if (!table.observable->moving) return;
@@ -133,6 +147,8 @@ void check_moving(StrictTable& section, const StudyTable& table) {
     };
     section.located("cases", check, fmt::format("case '{}': ", one.name));
   }
+  require_effects(section, "vary", table.vary, table);
+  require_effects(section, "vary_together", table.vary_together, table);
 }
 
 StudyTable read_table(StrictTable section, const CaseFinder& find) {

@@ -166,7 +166,7 @@ void require_fit(const std::string& path, const Simulation& simulation) {
 
 Simulation rebuilt_simulation(const std::string& path, const TrajectoryHeader& header, GranularState state) {
   // The grains are those of the trajectory, wherever the case has them from.
-  const CaseSpec spec = parse_case(header.case_text, path + ": case");
+  const CaseSpec spec = parse_case(header.case_text, path + ": case", true);
   if (!spec.dynamics) fail("{}: case: expected a section [dynamics], met a case without", path);
   const auto& specs = spec.dynamics->boundaries;
   GranularSystem system = header.system;

@@ -137,7 +137,10 @@ std::string value_of(const Dynamics& dynamics, std::string_view path) {
 const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
   const auto missing = std::ranges::find_if(effects, [&](const Effect& effect) {
     if (effect.path != path) return false;
-    if (effect.with == "solver.criterion" && is_contact_solver(dynamics.solver.algorithm)) return false;
+    if (is_contact_solver(dynamics.solver.algorithm)) {  // its criterion is the natural map
+      if (effect.with == "solver.criterion") return false;
+      if (effect.path == "solver.criterion") return dynamics.solver.criterion != Criterion::natural_map;
+    }
     const std::string value = value_of(dynamics, effect.with);
     if (effect.values == above_zero) return value == "0";
     std::string allowed = fmt::format(" {} ", effect.values);
@@ -151,10 +154,11 @@ const Effect* missing_for(const Dynamics& dynamics, std::string_view path) {
 
 bool has_effect(const Dynamics& dynamics, std::string_view path) { return missing_for(dynamics, path) == nullptr; }
 
-void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where) {
+void require_effect(const Dynamics& dynamics, std::string_view path, std::string_view where, bool algorithm_stated) {
   const Effect* missing = missing_for(dynamics, path);
   if (missing == nullptr) return;
-  fail("{}: expected {} {} with it, met {}", where, missing->with, missing->values, value_of(dynamics, missing->with));
+  fail("{}: expected {} {} with it, met {}{}", where, missing->with, missing->values, value_of(dynamics, missing->with),
+       missing->with == "solver.algorithm" && !algorithm_stated ? ", the default" : "");
 }
 
 bool switches_models(const Dynamics& dynamics) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "simulation/simulation.hpp"
 #include "simulation/step_decomposition.hpp"
@@ -75,6 +76,9 @@ StepProblem checked_problem(const Simulation& simulation) {
   StepProblem problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
                                      dynamics.solver.warm_start);
   check_overlaps(simulation.system, problem, largest_overlap);
+  for (std::size_t i = 0; is_contact_solver(dynamics.solver.algorithm) && i < problem.free.size(); ++i)
+    if (!std::isfinite(problem.free[i].inverse_mass))
+      fail("disk {}: expected a mass whose inverse is finite, met {} kg", i, simulation.system.mass[i]);
   return problem;
 }
 

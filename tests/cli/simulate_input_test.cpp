@@ -93,6 +93,33 @@ TEST_CASE("simulate: a case made for one algorithm can be run by another, and it
   answer(session, "simulate shear.toml --steps 2 --algorithm generic -o run.h5 --restart");
 }
 
+TEST_CASE("simulate: a case without [solver] is solved by auto, and by Algorithm 1 if asked") {
+  const Session session;
+  const std::string text = moving_case();
+  const auto solver = text.find("[solver]");
+  session.file("new.toml", text.substr(0, solver) + text.substr(text.find("[[boundary]]")));
+  const std::string report = answer(session, "simulate new.toml --steps 3 -o run.h5");
+  CHECK(contains(report, " contacts, solved undivided by auto\nsteps: 3 converged\n"));
+  answer(session, "simulate new.toml --steps 4 --restart --criterion natural_map -o run.h5");
+  const auto refused = [&](const std::string& options, const std::string& part) {
+    check_refused(session, "simulate new.toml -o none.h5 " + options, {part + " with it, met auto"});
+  };
+  refused("--criterion zeta", "--criterion: expected solver.algorithm nlgs, generic or enriched");
+  refused("--gauss-seidel-sweeps 1", "--gauss-seidel-sweeps: expected solver.algorithm nlgs, generic or enriched");
+  refused("--eta 30W", "--eta: expected solver.algorithm enriched");
+  refused("--subdomains 2x1",
+          "--subdomains: expected --algorithm generic, enriched, two_stage_newton or two_stage_admm");
+  const std::string divided = answer(session,
+                                     "simulate new.toml --steps 3 --algorithm generic --criterion zeta --tolerance "
+                                     "1e-3 --iterations 100000 -o generic.h5");
+  CHECK(contains(divided, "steps: 3 converged\n"));
+  CHECK(contains(divided, "largest jump at the interface"));
+  const std::string list = answer(session, "list");
+  for (const char* line : {"solver.algorithm = \"auto\"", "solver.criterion = \"natural_map\"",
+                           "solver.tolerance = 1e-08", "solver.warm_start = true"})
+    CHECK(contains(list, line));
+}
+
 TEST_CASE("simulate: every indicator that can end the iterations is a criterion") {
   const MovingSession session;
   for (const std::string& name :

@@ -122,6 +122,60 @@ TEST_CASE("moving case: a value without effect is refused, and written as its de
   CHECK(parse(to_toml(one)).dynamics->solver.switch_after == 3);
 }
 
+TEST_CASE("moving case: without [solver] every step is solved by auto to a natural map of 1e-8") {
+  const std::string good = moving_case();
+  const auto begin = good.find("[solver]"), end = good.find("[[boundary]]");
+  const std::string bare = good.substr(0, begin) + good.substr(end);
+  const CaseSpec one = parse(bare);
+  const StepSolver& solver = one.dynamics->solver;
+  CHECK(solver.algorithm == "auto");
+  CHECK(solver.criterion == "natural_map");
+  CHECK(solver.warm_start);
+  CHECK(to_toml(parse(to_toml(one))) == to_toml(one));
+  Simulation simulation = simulation_of({one});  // the partition of two subdomains has no part in it
+  for (int k = 0; k < 3; ++k) {
+    const SolvedStep step = solve_step(simulation);
+    CHECK(step.report.status == SolverStatus::converged);
+    if (k > 0) CHECK(step.report.residual.relative_natural_map() <= 1e-8);  // in step 0 all fall alike
+    CHECK(step.report.interface_size == 0);
+    CHECK(std::isnan(step.report.last.zeta));  // auto knows none
+    const bool starts_from_zero = std::ranges::all_of(
+        step.problem.contacts, [](const DiskContact& c) { return c.impulse.n == 0 && c.impulse.t == 0; });
+    CHECK(starts_from_zero == (k == 0));
+    take_step(simulation, step);
+  }
+}
+
+TEST_CASE("moving case: where no algorithm is stated, keys that auto has no use for are refused at any value") {
+  const auto with = [](const std::string& line) {
+    return replaced(moving_case(),
+                    "algorithm = \"generic\"\nwarm_start = true\nmaximum_iterations = 40\norder = "
+                    "\"natural\"\ncriterion = \"zeta\"\n",
+                    line + "\n");
+  };
+  const std::string swept = "expected solver.algorithm nlgs, generic or enriched with it, met auto, the default";
+  const std::string divided = "expected solver.algorithm generic or enriched with it, met auto, the default";
+  require_error(with("gauss_seidel_sweeps = 1"), "c.toml:17: solver.gauss_seidel_sweeps: " + swept);
+  require_error(with("order = \"interleaved\""), "c.toml:17: solver.order: " + swept);
+  require_error(with("criterion = \"zeta\""), "c.toml:17: solver.criterion: " + swept);
+  require_error(with("gluing_tolerance = 0.01"), "c.toml:17: solver.gluing_tolerance: " + divided);
+  require_error(with("switch = \"none\""), "c.toml:17: solver.switch: " + divided);
+  require_error(with("eta = \"30 W\""),
+                "c.toml:17: solver.eta: expected solver.algorithm enriched with it, met auto, the default");
+  CHECK(parse(with("criterion = \"natural_map\"\ncontact_relaxation = 1.2")).dynamics->solver.algorithm == "auto");
+  CHECK(parse(with("algorithm = \"auto\"\norder = \"interleaved\"")).dynamics.has_value());  // as it is written
+  require_error(with("algorithm = \"auto\"\ncriterion = \"zeta\""),
+                "c.toml:18: solver.criterion: expected solver.algorithm nlgs, generic or enriched with it, met auto");
+}
+
+TEST_CASE("moving case: in the case of a trajectory values without effect may be other defaults") {
+  const std::string text = replaced(moving_case(), "\"zeta\"", "\"none\"");  // with a tolerance of 1e-4
+  require_error(text, "c.toml:22: solver.tolerance: expected solver.criterion zeta");
+  const CaseSpec earlier = parse_case(text, "run.h5: case", true);
+  CHECK(earlier.dynamics->solver.criterion == "none");
+  CHECK(to_toml(parse(to_toml(earlier))) == to_toml(earlier));
+}
+
 TEST_CASE("moving case: every error of a boundary names file, line and key") {
   const std::string good = moving_case();
   require_error(replaced(good, "name = \"floor\"", "name = \"left\""),

@@ -133,6 +133,15 @@ TEST_CASE("study file: cases that move are judged before anything is run") {
   refused("predicted_observed", "\"partition.grid\" = [\"1,1\"]", "expected two subdomains or more");
   refused("runs", "\"solver.criterion\" = [\"gluing\"], \"solver.algorithm\" = [\"nlgs\"]",
           "study.toml:4: case 'm': solver.criterion: expected solver.algorithm generic or enriched");
+  const std::string algorithms = "\"solver.algorithm\" = [\"generic\", \"enriched\"]", eta = "\"solver.eta\" = [1, 2]";
+  refused("runs", eta, "study.toml:5: solver.eta: expected solver.algorithm enriched with it, met generic");
+  const auto table = [&](const std::string& vary) {
+    return "[[table]]\nname = \"t\"\nobservable = \"runs\"\ncases = \"m\"\n" + vary + "\n";
+  };
+  CHECK_NOTHROW(parse_study(table("vary = { " + algorithms + ", " + eta + " }"), "s/study.toml", moving));
+  CHECK_NOTHROW(parse_study(table("vary_together = { " + algorithms + ", " + eta + " }"), "s/study.toml", moving));
+  CHECK_THROWS_WITH_AS(parse_study(table("vary_together = { " + eta + " }"), "s/study.toml", moving),
+                       doctest::Contains("study.toml:5: solver.eta: expected solver.algorithm enriched"), Error);
 }
 
 TEST_CASE("study file: read, and refused with file, line and key") {
