@@ -45,7 +45,8 @@ struct IterationRow {
   IterationRecord record;
   ContactResidual residual = {};
   Index status_changes = 0;  ///< contacts whose status (open, stick, slide) differs from the row before
-  double seconds = 0;        ///< of the iterations of the step so far, without the indicators
+  Index factorisations = 0, interface_iterations = 0;  ///< of contact solvers so far, as in StepReport
+  double seconds = 0;                                  ///< of the iterations of the step so far, without the indicators
 };
 const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate --convergence`
 

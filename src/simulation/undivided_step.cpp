@@ -107,6 +107,8 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
               .record = report.last,
               .residual = report.residual,
               .status_changes = changes_of(statuses, statuses_of(problem.law, found)),
+              .factorisations = report.factorisations,
+              .interface_iterations = cut ? cut->work().iterations : 0,
               .seconds = before});
     looking += seconds() - before;
   };
@@ -117,6 +119,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
                        .sweeps = check.sweeps,
                        .zeta = not_a_number,
                        .impulses = check.impulses.squaredNorm()};
+        report.factorisations = check.factorisations;
         if (sink.looks_at(report.last.iteration)) look(check.impulses);
         return true;
       },

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/moving_tables.hpp"
 
+#include "core/fail.hpp"
 #include "study/predicted_observed.hpp"
 
 #include <set>
@@ -129,6 +130,21 @@ const ResultColumns<Iteration>& indicator_columns() {
   return columns;
 }
 
+// The same of a contact solver, which has no zeta and no Z.
+const ResultColumns<Iteration>& solver_indicator_columns() {
+  static const auto columns = [] {
+    constexpr std::array kept{"step",   "iteration", "sweeps", "natural_map",
+                              "active", "stick",     "slide",  "status_changes"};
+    ResultColumns<IterationRow> rows = iteration_columns();
+    std::erase_if(rows, [&](const auto& column) { return std::ranges::find(kept, column.heading.name) == kept.end(); });
+    rows.push_back({"factorisations", "1", "matrices factorised so far", &IterationRow::factorisations});
+    rows.push_back({"interface_iterations", "1", "solves of Stage 2 so far, in all linear systems that are cut",
+                    &IterationRow::interface_iterations});
+    return joined<Iteration>({columns_of(&Iteration::solver, solver_columns()), columns_of(&Iteration::row, rows)});
+  }();
+  return columns;
+}
+
 Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& sink) {
   const Simulation simulation = simulation_at(work, step - 1);
   std::vector<IterationRow> rows;
@@ -245,6 +261,14 @@ constinit const Observable observables::force_chains =
 
 constinit const Observable observables::indicators = at_steps<indicator_columns, iterations>(
     {.name = "indicators", .summary = "indicators of every iteration of a step of a case that moves"});
+
+constinit const Observable observables::solver_indicators = at_steps<solver_indicator_columns, iterations>(
+    {.name = "solver_indicators",
+     .summary = "residual and work of every check of a contact solver in a step of a case that moves",
+     .check = [](const CaseSpec& spec) {
+       if (!is_contact_solver(spec.dynamics->solver.algorithm))
+         fail("solver.algorithm: expected a contact solver, met {}", to_string(spec.dynamics->solver.algorithm));
+     }});
 
 constinit const Observable observables::predicted_observed = at_steps<rate_columns, compared_rates>(
     {.name = "predicted_observed",

@@ -37,8 +37,9 @@ struct Observable {
 };
 
 namespace observables {
-extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, configuration, force_chains,
-    predicted_observed, rate_at_solution, runs, switching, contact_solvers, interface_iterations;
+extern const Observable spectral_radius, optimum, observed_rate, links, grains, indicators, solver_indicators,
+    configuration, force_chains, predicted_observed, rate_at_solution, runs, switching, contact_solvers,
+    interface_iterations;
 
 /// Every observable, in the order of `nscdd list`.
 inline constexpr std::array all{&spectral_radius,
@@ -47,6 +48,7 @@ inline constexpr std::array all{&spectral_radius,
                                 &links,
                                 &grains,
                                 &indicators,
+                                &solver_indicators,
                                 &configuration,
                                 &force_chains,
                                 &predicted_observed,

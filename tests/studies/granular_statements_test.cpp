@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <vector>
 
 using namespace nscdd;
@@ -200,4 +201,38 @@ TEST_CASE("predicted-observed: next to the solution rates agree, and that of 2 0
       // The runs from zero meet the same rates to within their own errors, apart from those known to differ.
       if (table == &small) CHECK(predicted == doctest::Approx(number(far, far.rows[i], "predicted")).epsilon(1e-5));
     }
+}
+
+TEST_CASE("Figures 9 and 11: contact solvers get where Algorithm 1 does not, in about as many passes") {
+  struct Lines {
+    std::string study, algorithms;
+    std::size_t solvers, paper;  // tables
+    double tolerance;
+  };
+  for (const Lines& lines : {Lines{"figure-9", "two_stage_newton auto", 2, 0, 1e-8},
+                             Lines{"figure-11", "two_stage_newton two_stage_admm auto newton", 2, 0, 1e-10}}) {
+    CAPTURE(lines.study);
+    double least = infinity, iterations = 0;  // of the lines of the paper
+    const Table paper = baseline(lines.study, lines.paper), solvers = baseline(lines.study, lines.solvers);
+    for (const Row& row : paper.rows) {
+      least = std::min(least, number(paper, row, "natural_map"));
+      iterations = std::max(iterations, number(paper, row, "iteration"));
+    }
+    std::istringstream names(lines.algorithms);
+    for (std::string algorithm; names >> algorithm;) {
+      CAPTURE(algorithm);
+      double last = infinity, passes = 0;
+      for (const Row& row : solvers.rows) {
+        if (text(solvers, row, "algorithm") != algorithm) continue;
+        const double sweeps = algorithm == "two_stage_admm" ? 0 : number(solvers, row, "sweeps");
+        const bool cut = algorithm.starts_with("two_stage");
+        CHECK((number(solvers, row, "interface_iterations") == 0 || cut));
+        passes = sweeps + number(solvers, row, cut ? "interface_iterations" : "factorisations");
+        last = number(solvers, row, "natural_map");
+      }
+      CHECK(last <= lines.tolerance);
+      CHECK(last < 1e-3 * least);
+      CHECK(passes < 4 * iterations);
+    }
+  }
 }

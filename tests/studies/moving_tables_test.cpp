@@ -246,3 +246,36 @@ TEST_CASE("interface_iterations: a row has the step as its solver takes it, and 
     CHECK(integer(table, row, "iterations_active") < integer(table, row, "iterations_none"));
   }
 }
+
+TEST_CASE("solver_indicators: the checks of a contact solver, the last with what the step is known for") {
+  const std::string more =
+      "steps = [2]\n[table.vary]\n\"solver.algorithm\" = [\"two_stage_newton\", \"two_stage_admm\", \"newton\"]\n"
+      "\"solver.tolerance\" = [1e-9]\n\"solver.maximum_iterations\" = [1000]\n";
+  CHECK_THROWS_WITH_AS(
+      table_of("solver_indicators", "steps = [2]\n[table.vary]\n\"solver.algorithm\" = [\"generic\"]\n"),
+      doctest::Contains("expected a contact solver, met generic"), Error);
+  const StudyTable work = table_of("solver_indicators", more);
+  const Table table = run(work);
+  LeadIn lead_in;
+  std::size_t row = 0;
+  for (Index k = 0; k < 3; ++k) {
+    CAPTURE(k);
+    const VariedCase varied = varied_case(work, k);
+    const SolvedStep step = solve_step(lead_in.at(varied.one, 1).simulation);
+    REQUIRE(step.report.status == SolverStatus::converged);
+    const std::string algorithm(to_string(varied.one.spec.dynamics->solver.algorithm));
+    const std::size_t first = row;
+    while (row < table.rows.size() && std::get<std::string>(table.rows[row][table.column("algorithm")]) == algorithm)
+      ++row;
+    REQUIRE(row > first + 3);
+    for (std::size_t i = first + 1; i < row; ++i)
+      for (const char* column : {"iteration", "sweeps", "factorisations", "interface_iterations"})
+        CHECK(integer(table, i, column) >= integer(table, i - 1, column));
+    CHECK(integer(table, row - 1, "sweeps") == step.report.last.sweeps);
+    CHECK(integer(table, row - 1, "factorisations") == step.report.factorisations);
+    CHECK(integer(table, row - 1, "interface_iterations") == step.report.interface_iterations);
+    CHECK((step.report.interface_iterations > 0) == (k < 2));
+    CHECK(number(table, row - 1, "natural_map") == step.report.residual.relative_natural_map());
+  }
+  CHECK(row == table.rows.size());
+}
