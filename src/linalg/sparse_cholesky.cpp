@@ -134,10 +134,11 @@ std::vector<int> nested_dissection(Graph graph, std::vector<int> weight, int see
   return order;
 }
 
-Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order) {
+Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order, const MergedColumns& merged) {
   cholmod_sparse a = view(pattern);
   CholmodFactor cholmod;
   cholmod.common.supernodal = CHOLMOD_SUPERNODAL;
+  std::ranges::copy(merged, cholmod.common.nrelax);
   cholmod.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &cholmod.common);
   cholmod.require_memory(cholmod.factor != nullptr && cholmod.common.status >= CHOLMOD_OK);
   const cholmod_factor& factor = *cholmod.factor;

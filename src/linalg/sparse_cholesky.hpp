@@ -53,8 +53,14 @@ struct Supernodes {
   Index size() const { return count(first_column) - 1; }
 };
 
+/// Up to how many columns a supernode is put together with its parent: whatever zeros that stores, if at most 80 % of
+/// the entries are zeros, and if at most 10 %. These are CHOLMOD's own numbers.
+using MergedColumns = std::array<std::size_t, 3>;
+constexpr MergedColumns usually_merged{4, 16, 48};
+
 /// The supernodes of a pattern, given as for CholeskyAnalysis, n >= 1, that is eliminated in this order, apart from
-/// subtrees that CHOLMOD puts together. Throws std::bad_alloc if memory runs out.
-Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order);
+/// those that are put together. Throws std::bad_alloc if memory runs out.
+Supernodes supernodes(const SparseMatrix& pattern, std::vector<int> order,
+                      const MergedColumns& merged = usually_merged);
 
 }  // namespace nscdd

@@ -37,7 +37,8 @@ std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>
 
 // Orders groups of `weight` rows each by nested dissection (METIS), those marked in `last` (one flag per group, or
 // none) behind all others, and finds the supernodes of the groups in that order.
-Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
+Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last,
+                              const MergedColumns& merged) {
   if (weight.empty()) return {.node = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
   SparseMatrix lower(count(weight), count(weight));
   for (Index j = 0; j < lower.cols(); ++j) {
@@ -47,7 +48,7 @@ Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight
       if (graph.neighbours[at(k)] > j) lower.insertBack(graph.neighbours[at(k)], j) = 1;
   }
   lower.finalize();
-  return supernodes(lower, dissection_with_last(graph, weight, last));
+  return supernodes(lower, dissection_with_last(graph, weight, last), merged);
 }
 
 // For each row without a group of its own, the groups that it touches.
@@ -217,13 +218,14 @@ void mark_border(FrontTree& tree) {
 }  // namespace
 
 SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
-                                     const std::vector<char>& last, const std::vector<Index>& border) {
+                                     const std::vector<char>& last, const std::vector<Index>& border,
+                                     const MergedColumns& merged) {
   const Index groups = group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
   std::vector<int> weight(at(groups), 0);
   for (const Index g : group)
     if (g >= 0) ++weight[at(g)];
   const std::vector<std::vector<Index>> touched = touched_groups(pattern, group);
-  const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, last);
+  const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, last, merged);
   const RowGroups rows(group, touched, groups, nodes);
   const auto tree = std::make_shared<FrontTree>();
   tree->rows = pattern.rows();

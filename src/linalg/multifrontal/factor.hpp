@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "linalg/sparse_cholesky.hpp"
 #include <nscdd/core/types.hpp>
 
 namespace nscdd {
@@ -19,10 +20,10 @@ class SymmetricAnalysis {
   /// least; by then all that the row ties can serve as its pivot. `last`: flags, one per group or none, of groups to be
   /// eliminated after all others, which makes `SymmetricFactor::inverse_block` on their rows cheap. `border`: rows on
   /// which solutions are wanted. The matrices of a family may differ between two rows of groups of the border only;
-  /// fronts on no way from a border row to the root then serve the whole family, see SymmetricInterior. Throws
-  /// std::bad_alloc if the libraries run out of memory.
+  /// fronts on no way from a border row to the root then serve the whole family, see SymmetricInterior. `merged`: of
+  /// groups, see supernodes. Throws std::bad_alloc if the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last = {},
-                    const std::vector<Index>& border = {});
+                    const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 
   double entries() const;  ///< of the factor
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
