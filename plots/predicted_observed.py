@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rates with friction: what the frozen statuses predict against what a run shows, from zero and next to the solution."""
+"""Rates with friction: what frozen statuses predict against what a run shows, from zero and next to the solution."""
 import os
 import sys
 

@@ -18,12 +18,12 @@ LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const Conta
 
 void LinearSubdomain::factorise() {
   if (network_.impulses.cols() == 0) return;
-  SparseMatrix matrix(network_.root.size(), network_.root.size());  // alpha + M^-1/2 G N^T M^-1/2
-  matrix.setIdentity();
-  matrix = flexibility_ * matrix + SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
-  if (fields_) matrix = SparseMatrix(fields_->transpose()) * matrix * *fields_;
-  solver_.emplace(matrix);
-  regular_ = solver_->factorise(matrix);
+  matrix_.resize(network_.root.size(), network_.root.size());
+  matrix_.setIdentity();
+  matrix_ = flexibility_ * matrix_ + SparseMatrix(network_.impulses * SparseMatrix(network_.resting.transpose()));
+  if (fields_) matrix_ = SparseMatrix(fields_->transpose()) * matrix_ * *fields_;
+  solver_.emplace(matrix_);
+  regular_ = solver_->factorise(matrix_);
 }
 
 // v + bias in the directions that rest.
@@ -50,6 +50,12 @@ void LinearSubdomain::follow(const GranularSubdomain& subdomain) {
   present_ = subdomain.velocities;
 }
 
+// With one step of iterative refinement.
+Vector LinearSubdomain::solve(const Vector& b) const {
+  const Vector x = solver_->solve(b);
+  return x + solver_->solve(b - matrix_ * x);
+}
+
 LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
   follow(subdomain);
   LinearAnswer result{contacts_.impulses, base_};
@@ -58,7 +64,7 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
     const Vector here = strain(base_);
     const Vector load = network_.impulses * -here;
     const Vector change =  // of M^1/2 V
-        fields_ ? Vector(*fields_ * solver_->solve(fields_->transpose() * load)) : solver_->solve(load);
+        fields_ ? Vector(*fields_ * solve(fields_->transpose() * load)) : solve(load);
     if (fields_) move(result.velocities, change.cwiseQuotient(network_.root));
     d = (here + network_.resting.transpose() * change) / -flexibility_;
   }

@@ -43,6 +43,7 @@ class LinearSubdomain {
 
  private:
   void factorise();
+  Vector solve(const Vector& b) const;
   void follow(const GranularSubdomain& subdomain);
   Vector strain(const std::vector<DiskVelocity>& velocities) const;
   void move(std::vector<DiskVelocity>& velocities, const Vector& change) const;
@@ -56,6 +57,7 @@ class LinearSubdomain {
   double flexibility_;
   FrozenNetwork network_;
   std::optional<SparseMatrix> fields_;  // M^1/2 times them
+  SparseMatrix matrix_;                 // alpha + M^-1/2 G N^T M^-1/2, or that between the fields
   std::optional<SparseLu> solver_;
   bool regular_ = false;
 };

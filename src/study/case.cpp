@@ -182,8 +182,9 @@ void check_dynamics(const CaseSpec& spec) {
   const StepSolver& solver = spec.dynamics->solver;
   const Interaction& interaction = spec.dynamics->interaction;
   if (is_contact_solver(solver.algorithm) && !opens(contact_law(interaction, spec.dynamics->time.step, 1)))
-    throw Error("solver.algorithm", fmt::format("expected nlgs, generic or enriched with law {}, met {}",
-                                                to_string(interaction.law), to_string(solver.algorithm)));
+    throw Error("solver.algorithm", fmt::format("expected nlgs, generic or enriched with law {}, met {}{}",
+                                                to_string(interaction.law), to_string(solver.algorithm),
+                                                solver.algorithm == StepSolver{}.algorithm ? ", the default" : ""));
   if (is_contact_solver(solver.algorithm) && solver.tolerance == 0)
     throw Error("solver.tolerance",
                 fmt::format("expected a number > 0 with solver.algorithm {}, met 0", to_string(solver.algorithm)));

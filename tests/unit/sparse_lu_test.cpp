@@ -134,3 +134,27 @@ TEST_CASE("sparse LU: the factors of a full matrix take 2 n^3 / 3 operations") {
   lu.solve(random.normal_vector(n));
   CHECK(lu.operations() == doctest::Approx(2 * once + 2.0 * n * n));  // both triangles at least once
 }
+
+TEST_CASE("sparse LU: no rows, rows that nothing ties, and a front that is singular for once") {
+  SparseLu none(SparseMatrix(0, 0));
+  CHECK(none.factorise(SparseMatrix(0, 0)));
+  CHECK(none.solve(Vector()).size() == 0);
+  CHECK(none.determinant_sign() == 1);
+  RandomStream random(7);
+  SparseEntries entries;
+  entries.add_block(grid_of_bodies(6, 5, random), 0, 0);
+  entries.add_block(grid_of_bodies(4, 4, random), 91, 91);
+  entries.add(90, 90, -2);  // alone
+  const SparseMatrix good = entries.matrix(139, 139);
+  SparseLu lu(good);
+  const Vector b = random.normal_vector(139);
+  for (const double spoilt : {0.0, infinity, std::nan("")}) {
+    CAPTURE(spoilt);
+    SparseMatrix bad = good;
+    bad.coeffRef(90, 90) = spoilt;
+    CHECK_FALSE(lu.factorise(bad));
+    REQUIRE(lu.factorise(good));
+    CHECK(error(good, lu.solve(b), b) < 1e-10);
+  }
+  CHECK_THROWS_AS(lu.factorise(SparseMatrix(139, 139)), Error);
+}

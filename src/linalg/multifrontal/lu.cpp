@@ -5,6 +5,7 @@
 // U_12 is kept transposed: columns are exchanged and divided faster than rows.
 #include "linalg/multifrontal/lu.hpp"
 
+#include "core/fail.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/multifrontal/fronts.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -164,7 +165,7 @@ void LuFactors::eliminate(Index s, const double* values) {
   const auto pivots = columns.topRows(n);
   const lapack_int info =
       LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, own.left, static_cast<lapack_int>(columns.rows()), own.swaps);
-  if (info != 0 || !std::isfinite(pivots(n - 1, n - 1))) {
+  if (info != 0 || !pivots.diagonal().allFinite()) {
     singular = true;
     return;
   }
@@ -205,6 +206,8 @@ SparseLu::SparseLu(const SparseMatrix& pattern) : factors_(std::make_shared<LuFa
 
 bool SparseLu::factorise(const SparseMatrix& a) {
   const FrontTree& tree = *factors_->tree;
+  if (!a.isCompressed() || a.nonZeros() != count(factors_->entries))
+    fail("L U: expected the {} stored entries of the pattern, met {}", factors_->entries.size(), a.nonZeros());
   factors_->singular = false;
   factors_->operations += factors_->operations_of_factorisation;
   with_threads([&] {

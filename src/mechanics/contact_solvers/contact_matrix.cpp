@@ -9,7 +9,7 @@ namespace nscdd {
 namespace {
 
 constexpr int most_refinements = 5;
-constexpr double refined = 1e-11;  // of b: what is left then is below every tolerance
+constexpr double refined = 1e-11;  // of b: a solver sees the rest and takes another step if it matters
 
 // W in whole blocks, zeros where it has none, and the blocks of all contacts with themselves.
 SparseMatrix whole_blocks(const SparseMatrix& w) {
@@ -116,14 +116,14 @@ Vector ContactMatrix::solve_once(const Vector& b) const {
 }
 
 Vector ContactMatrix::solve(const Vector& b) const {
-  Vector r = solve_once(b);
-  double last = infinity;
-  for (int step = 0; step < most_refinements; ++step) {
-    const Vector rest = rest_of(relations_, w_, b, r);
-    const double size = rest.norm();
-    if (!(size < 0.5 * last) || size <= refined * b.norm()) break;
-    last = size;
-    r += solve_once(rest);
+  Vector r = solve_once(b), rest = rest_of(relations_, w_, b, r);
+  for (int step = 0; step < most_refinements && rest.norm() > refined * b.norm(); ++step) {
+    Vector next = r + solve_once(rest), next_rest = rest_of(relations_, w_, b, next);
+    if (!(next_rest.norm() < rest.norm())) break;  // what it takes away is less than what it brings
+    const bool worth_while = next_rest.norm() < 0.5 * rest.norm();
+    r = std::move(next);
+    rest = std::move(next_rest);
+    if (!worth_while) break;
   }
   return r;
 }
