@@ -47,7 +47,7 @@ TEST_CASE("sparse LU: solves and signs of determinants are those of the dense ma
     SparseMatrix a = grid_of_bodies(width, height, random);
     SparseLu lu(a);
     for (int k = 0; k < 8; ++k) {  // one pattern, other values
-      CAPTURE(width);
+      CAPTURE(a.rows());
       CAPTURE(k);
       REQUIRE(lu.factorise(a));
       const Eigen::MatrixXd dense(a);
