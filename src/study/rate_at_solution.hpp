@@ -31,9 +31,8 @@ struct RateAtSolution {
 ///    Each begins at z + d, and d is what the last one left, scaled to a fixed size of the velocities. (What the
 ///    same iterations make of z itself is taken off.) As long as no status changes this is one long run, with no
 ///    end in rounding.
-/// 4. The rate is that of the sizes over the last tenth; or that of two modes, which may be a pair, if the errors
-/// follow
-///    e_2 = a e_1 + b e_0 over three tenths. That is taken which has changed less since the tenth before.
+/// 4. The rate is that of the sizes over the last tenth; or that of two modes, which may be a pair, if the errors of
+///    three tenths follow e_2 = a e_1 + b e_0. That is taken which has changed less since the tenth before.
 /// Throws Error as require_comparable and prepare_solution.
 RateAtSolution rate_at_solution(const Simulation& simulation);
 

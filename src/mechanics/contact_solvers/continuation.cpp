@@ -174,6 +174,7 @@ bool judge_point(SolverRun& run, const Vector& impulses, double length) {
 struct Walk {
   const SmoothedCurve& curve;
   Point point;
+  Vector impulses = {};             // there
   std::optional<Course> safe = {};  // the last one on the curve
   Index corrections = 0, calm = calm_steps;
   double length = first_length, last_off = infinity;
@@ -184,7 +185,7 @@ struct Walk {
   bool go_back() {
     if (!safe || safe->length < least_length) return false;
     length = safe->length *= retreat;
-    point = SmoothedCurve::ahead(*safe, length);
+    move(*safe, length);
     corrections = calm = 0;
     return true;
   }
@@ -192,7 +193,7 @@ struct Walk {
     last_off = here.off;
     if (here.off <= (calm < calm_steps ? on_curve : near_curve)) return false;
     ++corrections;
-    point = SmoothedCurve::ahead(here, 0);
+    move(here, 0);
     return true;
   }
   void go_on(const SolverRun& run, Course here) {
@@ -200,12 +201,15 @@ struct Walk {
     ++calm;
     length = std::min(largest_change / here.steepest, growth * length);
     for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
-      point = SmoothedCurve::ahead(here, length);
-      const Vector impulses = curve.impulses(point);
+      move(here, length);
       if (curve.residual(point, impulses) <= largest_residual && run.plausible(impulses)) break;
     }
     here.length = length;
     if (!safe || here.off <= on_curve) safe = std::move(here);
+  }
+  void move(const Course& from, double by) {
+    point = SmoothedCurve::ahead(from, by);
+    impulses = curve.impulses(point);
   }
 };
 
@@ -217,15 +221,14 @@ bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
   Walk walk{curve, curve.start()};
   double last_trial = newton_from / newton_after;
   for (Index step = 0; step < most_factorisations && !run.spent(); ++step) {
-    const std::optional<Course> here = curve.course(walk.point);
+    std::optional<Course> here = curve.course(walk.point);
     const bool lost_here = walk.lost_at(here);
     if (lost_here && !walk.go_back()) return false;
     const bool goes_on = !lost_here && !walk.correct(*here);
-    if (goes_on) walk.go_on(run, *here);
-    const Vector impulses = curve.impulses(walk.point);
-    const bool plausible = run.plausible(impulses);
+    if (goes_on) walk.go_on(run, std::move(*here));
+    const bool plausible = run.plausible(walk.impulses);
     if (goes_on && !plausible) return false;
-    if (plausible && judge_point(run, impulses, goes_on ? walk.length : 0)) return true;
+    if (plausible && judge_point(run, walk.impulses, goes_on ? walk.length : 0)) return true;
     if (!goes_on) continue;
     if (walk.point.t < least_smoothing * curve.start().t) return finish_by_newton(run, w);
     if (run.now.state.residual > newton_after * last_trial) continue;
