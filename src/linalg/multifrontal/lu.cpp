@@ -14,6 +14,9 @@
 namespace nscdd {
 namespace {
 
+// A front of so many pivots or fewer is eliminated row by row: calls of LAPACK would take longer than the arithmetic.
+constexpr Index few_pivots = 16;
+
 // Groups have some rows each: zeros cost more here than small fronts do (measured with benchmarks/lu.cpp).
 constexpr MergedColumns merged{1, 3, 8};
 
@@ -53,6 +56,46 @@ std::vector<Index> groups_of_equal_rows(const SparseMatrix& lower) {
 
 Index values_of(const Front& front) { return front.pivots * (front.rows + front.update_rows()); }
 
+// Both leave L_21 under L_11 and U_11 in `columns` and U_12^T in `rows`. They return false for a pivot that is zero or
+// not finite.
+bool eliminate_few(Block& columns, Block& rows, lapack_int* swaps) {
+  const Index pivots = columns.cols();
+  for (Index k = 0; k < pivots; ++k) {
+    Index swapped = 0;
+    columns.col(k).segment(k, pivots - k).cwiseAbs().maxCoeff(&swapped);
+    swapped += k;
+    swaps[k] = static_cast<lapack_int>(swapped) + 1;
+    if (swapped != k) {
+      columns.row(k).swap(columns.row(swapped));
+      rows.col(k).swap(rows.col(swapped));
+    }
+    const double pivot = columns(k, k);
+    if (pivot == 0 || !std::isfinite(pivot)) return false;
+    auto below = columns.col(k).tail(columns.rows() - k - 1);
+    below /= pivot;
+    for (Index j = k + 1; j < pivots; ++j) {
+      columns.col(j).tail(below.size()) -= columns(k, j) * below;
+      rows.col(j) -= columns(j, k) * rows.col(k);
+    }
+  }
+  return true;
+}
+
+bool eliminate_many(Block& columns, Block& rows, lapack_int* swaps) {
+  const auto n = static_cast<lapack_int>(columns.cols());
+  const auto pivots = columns.topRows(n);
+  const lapack_int info =
+      LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, columns.data(), static_cast<lapack_int>(columns.rows()), swaps);
+  if (info != 0 || !pivots.diagonal().allFinite()) return false;
+  if (rows.rows() == 0) return true;
+  for (lapack_int k = 0; k < n; ++k)
+    if (swaps[k] != k + 1) rows.col(k).swap(rows.col(swaps[k] - 1));
+  pivots.triangularView<Eigen::UnitLower>().transpose().solveInPlace<Eigen::OnTheRight>(rows);
+  auto below = columns.bottomRows(rows.rows());
+  pivots.triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
+  return true;
+}
+
 }  // namespace
 
 struct LuFactors {
@@ -70,14 +113,15 @@ struct LuFactors {
   void place_entries(const SparseMatrix& pattern);
   void eliminate(Index s, const double* values);
   void assemble(Index s, const double* values);
-  void go_forward(Index s, Vector& x) const;
-  void go_back(Index s, Vector& x) const;
+  void go_forward(Index s, Vector& x, Vector& local) const;
+  void go_back(Index s, Vector& x, Vector& local) const;
 
   std::shared_ptr<const FrontTree> tree;
   std::vector<LuFront> fronts;
   std::vector<LuEntry> entries;  // front by front
   std::vector<lapack_int> swaps;
   LargeArray memory;
+  Index largest_front = 0;  // its rows
   std::atomic<bool> singular = false;
   double operations_of_factorisation = 0, operations_of_solve = 0, operations = 0;
 };
@@ -88,6 +132,7 @@ LuFactors::LuFactors(const SparseMatrix& pattern) {
   Index values = 0;
   for (const Front& front : tree->fronts) {
     values += values_of(front);
+    largest_front = std::max(largest_front, front.rows);
     const auto rows = static_cast<double>(front.rows), rest = static_cast<double>(front.update_rows());
     operations_of_factorisation += 2.0 / 3 * (rows * rows * rows - rest * rest * rest);
   }
@@ -159,46 +204,49 @@ void LuFactors::assemble(Index s, const double* values) {
 
 void LuFactors::eliminate(Index s, const double* values) {
   assemble(s, values);
-  LuFront& own = fronts[at(s)];
   Block columns = left(s), rows = upper(s);
-  const auto n = static_cast<lapack_int>(columns.cols());
-  const auto pivots = columns.topRows(n);
-  const lapack_int info =
-      LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, own.left, static_cast<lapack_int>(columns.rows()), own.swaps);
-  if (info != 0 || !pivots.diagonal().allFinite()) {
+  if (!(columns.cols() <= few_pivots ? eliminate_few : eliminate_many)(columns, rows, fronts[at(s)].swaps))
     singular = true;
-    return;
-  }
-  if (rows.rows() == 0) return;
-  for (lapack_int k = 0; k < n; ++k)
-    if (own.swaps[k] != k + 1) rows.col(k).swap(rows.col(own.swaps[k] - 1));
-  pivots.triangularView<Eigen::UnitLower>().transpose().solveInPlace<Eigen::OnTheRight>(rows);
-  auto below = columns.bottomRows(rows.rows());
-  pivots.triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
-  own.update.noalias() -= below * rows.transpose();
+  else if (rows.rows() > 0)
+    fronts[at(s)].update.noalias() -= columns.bottomRows(rows.rows()) * rows.transpose();
 }
 
-void LuFactors::go_forward(Index s, Vector& x) const {
+// `local`: room for the rows of a front.
+void LuFactors::go_forward(Index s, Vector& x, Vector& local) const {
   const Front& front = tree->front(s);
   const int* row = tree->rows_of(front);
   const Block columns = left(s);
-  Vector head(front.pivots);
+  auto values = local.head(front.rows);
+  auto head = values.head(front.pivots), tail = values.tail(front.update_rows());
   for (Index i = 0; i < front.pivots; ++i) head[i] = x[row[i]];
   for (Index k = 0; k < front.pivots; ++k) std::swap(head[k], head[fronts[at(s)].swaps[k] - 1]);
-  columns.topRows(front.pivots).triangularView<Eigen::UnitLower>().solveInPlace(head);
-  const Vector change = columns.bottomRows(front.update_rows()) * head;
+  if (front.pivots <= few_pivots) {
+    tail.setZero();
+    for (Index k = 0; k < front.pivots; ++k)
+      values.tail(front.rows - k - 1) -= values[k] * columns.col(k).tail(front.rows - k - 1);
+  } else {
+    columns.topRows(front.pivots).triangularView<Eigen::UnitLower>().solveInPlace(head);
+    tail.noalias() = -columns.bottomRows(front.update_rows()) * head;
+  }
   for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
-  for (Index i = 0; i < front.update_rows(); ++i) x[row[front.pivots + i]] -= change[i];
+  for (Index i = 0; i < front.update_rows(); ++i) x[row[front.pivots + i]] += tail[i];
 }
 
-void LuFactors::go_back(Index s, Vector& x) const {
+void LuFactors::go_back(Index s, Vector& x, Vector& local) const {
   const Front& front = tree->front(s);
   const int* row = tree->rows_of(front);
-  Vector head(front.pivots), tail(front.update_rows());
-  for (Index i = 0; i < front.pivots; ++i) head[i] = x[row[i]];
-  for (Index i = 0; i < front.update_rows(); ++i) tail[i] = x[row[front.pivots + i]];
-  head.noalias() -= upper(s).transpose() * tail;
-  left(s).topRows(front.pivots).triangularView<Eigen::Upper>().solveInPlace(head);
+  const Block columns = left(s), rows = upper(s);
+  auto head = local.head(front.pivots), tail = local.segment(front.pivots, front.update_rows());
+  for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
+  if (front.pivots <= few_pivots) {
+    for (Index k = front.pivots - 1; k >= 0; --k) {
+      head[k] = (head[k] - rows.col(k).dot(tail)) / columns(k, k);
+      head.head(k) -= head[k] * columns.col(k).head(k);
+    }
+  } else {
+    head.noalias() -= rows.transpose() * tail;
+    columns.topRows(front.pivots).triangularView<Eigen::Upper>().solveInPlace(head);
+  }
   for (Index i = 0; i < front.pivots; ++i) x[row[i]] = head[i];
 }
 
@@ -220,9 +268,9 @@ bool SparseLu::factorise(const SparseMatrix& a) {
 Vector SparseLu::solve(const Vector& b) const {
   const OneBlasThread serial_blas;
   factors_->operations += factors_->operations_of_solve;
-  Vector x = b;
-  for (Index s = 0; s < factors_->tree->size(); ++s) factors_->go_forward(s, x);
-  for (Index s = factors_->tree->size() - 1; s >= 0; --s) factors_->go_back(s, x);
+  Vector x = b, local(factors_->largest_front);
+  for (Index s = 0; s < factors_->tree->size(); ++s) factors_->go_forward(s, x, local);
+  for (Index s = factors_->tree->size() - 1; s >= 0; --s) factors_->go_back(s, x, local);
   return x;
 }
 
