@@ -79,7 +79,7 @@ inline RelationSolver refined_solver(CutContacts& cut, const SparseMatrix& w) {
   RelationSolver result = relation_solver(cut);
   result.solve = [&cut, &w](const Vector& b) {
     const Vector r = cut.solve(b);
-    return Vector(r + cut.solve(rest_of(cut.relations(), w, b, r)));
+    return Vector(r + cut.solve(rest_of(cut.relations(), b, r, w * r)));
   };
   return result;
 }

@@ -86,10 +86,20 @@ ContactLaw contact_law(const Interaction& interaction, double h, double scale);
 ContactStatus contact_status(LocalVector impulse, double friction, double tolerance = 0);
 
 /// Projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }, orthogonal in the plane.
-LocalVector project_on_cone(LocalVector impulse, double friction);
+inline LocalVector project_on_cone(LocalVector impulse, double friction) {
+  const double size = std::abs(impulse.t);
+  if (friction * size <= -impulse.n) return {};      // inside the polar cone; first, for friction 0
+  if (size <= friction * impulse.n) return impulse;  // inside
+  const double n = (impulse.n + friction * size) / (1 + friction * friction);  // on the edge (1, friction)
+  return {n, std::copysign(friction * n, impulse.t)};
+}
 
 /// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction |v_t| n)), N
 /// s. For any rho > 0 (kg) it is zero if and only if (v, r) obeys Signorini and Coulomb.
-LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho);
+inline LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho) {
+  const LocalVector moved{impulse.n - rho * (velocity.n + friction * std::abs(velocity.t)),
+                          impulse.t - rho * velocity.t};
+  return impulse - project_on_cone(moved, friction);
+}
 
 }  // namespace nscdd

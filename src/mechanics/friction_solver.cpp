@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "linalg/threads.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
@@ -11,8 +10,6 @@ constexpr double largest_natural_maps = 1e-3;  // of a solution, relative to the
 constexpr double largest_impulses = 1e8;  // over those that are to be expected
 
 constexpr Index checks_looked_back = 10;
-
-constexpr Index contacts_at_a_time = 512;  // that one thread looks at
 
 // The solvers by the places of FrictionAlgorithm.
 constexpr void (*contact_solvers[])(SolverRun&) = {automatic, continuation, newton, nlgs, admm, apgd};
@@ -28,7 +25,7 @@ double lone_impulses(const LocalFrictionProblem& problem) {
 }
 
 JudgedProblem judged_problem(const LocalFrictionProblem& problem) {
-  JudgedProblem judged{problem.w, Vector(problem.contacts()), lone_impulses(problem)};
+  JudgedProblem judged{ContactBlocks(problem.w), Vector(problem.contacts()), lone_impulses(problem)};
   for (Index c = 0; c < problem.contacts(); ++c) judged.normal[c] = problem.w.coeff(2 * c, 2 * c);
   return judged;
 }
@@ -39,19 +36,15 @@ struct ContactCheck {
   ContactStatus status;
 };
 
-// The contacts by themselves, in threads. Each entry of W r is the sum over its row from the left.
+// The contacts by themselves, in threads.
 std::vector<ContactCheck> checked_contacts(const JudgedProblem& judged, const LocalFrictionProblem& problem,
                                            const Vector& impulses, Vector& velocities) {
   const Index contacts = problem.contacts();
   std::vector<ContactCheck> checks(at(contacts));
-  for_each_in_parallel((contacts + contacts_at_a_time - 1) / contacts_at_a_time, [&](Index part) {
-    for (Index c = part * contacts_at_a_time; c < std::min(contacts, (part + 1) * contacts_at_a_time); ++c) {
-      for (const Index row : {2 * c, 2 * c + 1}) {
-        double sum = 0;
-        for (SparseRows::InnerIterator e(judged.w, row); e; ++e) sum += e.value() * impulses[e.col()];
-        velocities[row] = sum + problem.q[row];
-      }
-      const LocalVector r = component(impulses, c), u = component(velocities, c);
+  for_parts(contacts, [&](const ContactRange& range) {
+    for (Index c = range.first; c < range.last; ++c) {
+      const LocalVector r = component(impulses, c), u = judged.w.add_row(c, impulses, {}) + component(problem.q, c);
+      velocities.segment<2>(2 * c) << u.n, u.t;
       const double mu = problem.friction[c];
       checks[at(c)] = {squared(natural_map(r, u, mu, 1 / judged.normal[c])), squared(natural_map(r, u, mu, 1)),
                        contact_status(r, mu)};
@@ -220,6 +213,7 @@ void SolverRun::go_back(const FrictionSolution& earlier) {
 Couplings::Couplings(const LocalFrictionProblem& problem, const RelationSolver& solver)
     : symmetric(0.5 * (problem.w + SparseMatrix(problem.w.transpose()))),
       rest(problem.w - symmetric),
+      blocks(symmetric),
       normal(2 * problem.contacts()),
       matrix(solver) {
   if (!matrix.factorise) {

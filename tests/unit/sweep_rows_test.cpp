@@ -89,8 +89,7 @@ TEST_CASE("contacts of one colour are not coupled, and the number of threads cha
   Index wrong = 0, coupled = 0;
   for (std::size_t k = 0; k + 1 < rows.first_of_colour.size(); ++k)
     for (Index place = rows.first_of_colour[k]; place < rows.first_of_colour[k + 1]; ++place)
-      for (Index e = rows.start[at(place)]; e < rows.start[at(place + 1)]; ++e) {
-        const Index other = rows.neighbour[at(e)];
+      for (const int other : rows.w.row(place)) {
         if (other == place) continue;
         ++coupled;
         wrong += other >= rows.first_of_colour[k] && other < rows.first_of_colour[k + 1];

@@ -15,7 +15,8 @@ class ProjectedGradients {
  public:
   ProjectedGradients(const SolverRun& run, const Couplings& w)
       : run_(run), w_(w), shift_(Vector::Zero(w.normal.size())) {
-    restart(run.now.impulses, velocities(run.now.impulses));
+    restart(run.now.impulses, run.judged.w * run.now.impulses + run.problem.q);
+    next_ = next_velocity_ = Vector::Zero(w.normal.size());
   }
 
   void renew_shift() {
@@ -29,61 +30,97 @@ class ProjectedGradients {
   const Vector& impulses() const { return impulses_; }
   Index products() { return std::exchange(products_, 0); }  ///< with W, since the last call
   /// || r - P(r - (W r + q + s n) / W_nn) ||, N s, with the shift as it is.
-  double natural_maps() const { return (impulses_ - projected(impulses_, velocity_ + shift_, 1)).norm(); }
+  double natural_maps() const;
 
  private:
+  // Of a step from where the momentum led.
+  struct Sums {
+    double curved = 0, metric = 0;  // change^T W change, change^T D change
+    double uphill = 0;              // of the last impulses' change along the gradient
+  };
+
   void restart(const Vector& impulses, const Vector& velocity) {
     impulses_ = ahead_ = impulses;
     velocity_ = velocity_ahead_ = velocity;
     momentum_ = 1;
   }
-  Vector velocities(const Vector& impulses) const { return run_.problem.w * impulses + run_.problem.q; }
-  Vector projected(const Vector& from, const Vector& gradient, double length) const;
+  LocalVector projected(Index c, const Vector& from, LocalVector gradient, double length) const {
+    return project_on_cone(component(from, c) - (length / w_.normal[2 * c]) * gradient, run_.problem.friction[c]);
+  }
+  LocalVector gradient_ahead(Index c) const { return component(velocity_ahead_, c) + component(shift_, c); }
+  Sums step_ahead();
 
   const SolverRun& run_;
   const Couplings& w_;
   Vector shift_;
   Vector impulses_, ahead_;           // the last ones, and where Nesterov's momentum leads
   Vector velocity_, velocity_ahead_;  // W r + q of both
+  Vector next_, next_velocity_;
   double momentum_ = 1, length_ = 1;
   Index products_ = 1;
 };
 
-Vector ProjectedGradients::projected(const Vector& from, const Vector& gradient, double length) const {
-  Vector result(from.size());
-  for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    const double t = length / w_.normal[2 * c];
-    const LocalVector moved{from[2 * c] - t * gradient[2 * c], from[2 * c + 1] - t * gradient[2 * c + 1]};
-    const LocalVector r = project_on_cone(moved, run_.problem.friction[c]);
-    result.segment<2>(2 * c) << r.n, r.t;
+double ProjectedGradients::natural_maps() const {
+  double squares = 0;
+  for (Index c = 0; c < run_.problem.contacts(); ++c)
+    squares +=
+        squared(component(impulses_, c) - projected(c, impulses_, component(velocity_, c) + component(shift_, c), 1));
+  return std::sqrt(squares);
+}
+
+// Sums are those of the parts in their order, so the number of threads changes no bit.
+ProjectedGradients::Sums ProjectedGradients::step_ahead() {
+  const Index contacts = run_.problem.contacts();
+  for_parts(contacts, [&](const ContactRange& range) {
+    for (Index c = range.first; c < range.last; ++c) {
+      const LocalVector r = projected(c, ahead_, gradient_ahead(c), length_);
+      next_.segment<2>(2 * c) << r.n, r.t;
+    }
+  });
+  std::vector<Sums> of_parts(at(parts_of(contacts)));
+  for_parts(contacts, [&](const ContactRange& range) {
+    Sums sums;
+    for (Index c = range.first; c < range.last; ++c) {
+      const LocalVector r = component(next_, c), u = run_.judged.w.add_row(c, next_, component(run_.problem.q, c));
+      next_velocity_.segment<2>(2 * c) << u.n, u.t;
+      const LocalVector change = r - component(ahead_, c);
+      sums.curved += dot(change, u - component(velocity_ahead_, c));
+      sums.metric += w_.normal[2 * c] * squared(change);
+      sums.uphill += dot(gradient_ahead(c), r - component(impulses_, c));
+    }
+    of_parts[at(range.part)] = sums;
+  });
+  ++products_;
+  Sums total;
+  for (const Sums& sums : of_parts) {
+    total.curved += sums.curved;
+    total.metric += sums.metric;
+    total.uphill += sums.uphill;
   }
-  return result;
+  return total;
 }
 
 double ProjectedGradients::advance() {
   length_ /= 0.9;  // it may grow again
-  const Vector gradient = velocity_ahead_ + shift_;
-  Vector next, velocity;
-  for (;; length_ /= 2) {
-    next = projected(ahead_, gradient, length_);
-    velocity = velocities(next);
-    ++products_;
-    const Vector change = next - ahead_;
-    const double curved = change.dot(velocity - velocity_ahead_);  // change^T W change
-    if (!(curved * length_ > change.cwiseAbs2().dot(w_.normal))) break;
-  }
-  const double taken = length_;
-  if (gradient.dot(next - impulses_) > 0) {
-    restart(next, velocity);
-    return taken;
+  Sums sums = step_ahead();
+  for (; sums.curved * length_ > sums.metric; sums = step_ahead()) length_ /= 2;
+  if (sums.uphill > 0) {
+    restart(next_, next_velocity_);
+    return length_;
   }
   const double before = std::exchange(momentum_, (1 + std::sqrt(1 + 4 * momentum_ * momentum_)) / 2);
   const double beta = (before - 1) / momentum_;
-  ahead_ = next + beta * (next - impulses_);
-  velocity_ahead_ = velocity + beta * (velocity - velocity_);
-  impulses_ = next;
-  velocity_ = velocity;
-  return taken;
+  for_parts(run_.problem.contacts(), [&](const ContactRange& range) {
+    const Index first = 2 * range.first, size = 2 * range.last - first;
+    const auto go = [&](const Vector& next, Vector& last, Vector& ahead) {
+      ahead.segment(first, size) = (1 + beta) * next.segment(first, size) - beta * last.segment(first, size);
+    };
+    go(next_, impulses_, ahead_);
+    go(next_velocity_, velocity_, velocity_ahead_);
+  });
+  impulses_.swap(next_);
+  velocity_.swap(next_velocity_);
+  return length_;
 }
 
 }  // namespace

@@ -49,8 +49,7 @@ SparseMatrix with_places(const SparseMatrix& mass, const SparseMatrix& h) {
 
 }  // namespace
 
-Vector rest_of(const std::vector<ContactRelation>& relations, const SparseMatrix& w, const Vector& b, const Vector& r) {
-  const Vector u = w * r;
+Vector rest_of(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u) {
   Vector rest = b;
   for (Index c = 0; c < count(relations); ++c)
     rest.segment<2>(2 * c) -= relations[at(c)].p * r.segment<2>(2 * c) + relations[at(c)].q * u.segment<2>(2 * c);
@@ -77,12 +76,15 @@ ContactMatrix::ContactMatrix(const LocalFrictionProblem& problem, const SparseMa
 }
 
 void ContactMatrix::assemble_bodies() {
-  matrix_ = constant_;
+  std::copy_n(constant_.valuePtr(), constant_.nonZeros(), matrix_.valuePtr());
+  inverse_.resize(bodies_.size());
+  stiffness_.resize(bodies_.size());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic> products;
   for (std::size_t c = 0; c < bodies_.size(); ++c) {
     const Bodies& own = bodies_[c];
-    const Eigen::Matrix2d stiffness = relations_[c].p.inverse() * relations_[c].q;
-    products.noalias() = (own.h * stiffness).lazyProduct(own.h.transpose());
+    inverse_[c] = relations_[c].p.inverse();
+    stiffness_[c] = inverse_[c] * relations_[c].q;
+    products.noalias() = (own.h * stiffness_[c]).lazyProduct(own.h.transpose());
     for (std::size_t k = 0; k < own.places.size(); ++k) matrix_.valuePtr()[own.places[k]] += products.data()[k];
   }
 }
@@ -107,18 +109,16 @@ bool ContactMatrix::factorise(std::vector<ContactRelation> relations) {
 Vector ContactMatrix::solve_once(const Vector& b) const {
   if (bodies_.empty()) return lu_->solve(b);
   Vector r(b.size());
-  for (Index c = 0; c < count(relations_); ++c)
-    r.segment<2>(2 * c) = relations_[at(c)].p.inverse() * b.segment<2>(2 * c);
+  for (Index c = 0; c < count(relations_); ++c) r.segment<2>(2 * c) = inverse_[at(c)] * b.segment<2>(2 * c);
   const Vector u = problem_.h.transpose() * lu_->solve(problem_.h * r);
-  for (Index c = 0; c < count(relations_); ++c)
-    r.segment<2>(2 * c) -= relations_[at(c)].p.inverse() * (relations_[at(c)].q * u.segment<2>(2 * c));
+  for (Index c = 0; c < count(relations_); ++c) r.segment<2>(2 * c) -= stiffness_[at(c)] * u.segment<2>(2 * c);
   return r;
 }
 
 Vector ContactMatrix::solve(const Vector& b) const {
-  Vector r = solve_once(b), rest = rest_of(relations_, w_, b, r);
+  Vector r = solve_once(b), rest = rest_of(relations_, b, r, w_ * r);
   for (int step = 0; step < most_refinements && rest.norm() > refined * b.norm(); ++step) {
-    Vector next = r + solve_once(rest), next_rest = rest_of(relations_, w_, b, next);
+    Vector next = r + solve_once(rest), next_rest = rest_of(relations_, b, next, w_ * next);
     if (!(next_rest.norm() < rest.norm())) break;  // what it takes away is less than what it brings
     const bool worth_while = next_rest.norm() < 0.5 * rest.norm();
     r = std::move(next);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "linalg/multifrontal/lu.hpp"
+#include "mechanics/contact_solvers/contact_blocks.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
 
 namespace nscdd {
@@ -12,8 +13,8 @@ struct ContactRelation {
   Eigen::Matrix2d p = Eigen::Matrix2d::Identity(), q = Eigen::Matrix2d::Zero();
 };
 
-/// b - P r - Q W r, 2c entries, for a relation of each contact.
-Vector rest_of(const std::vector<ContactRelation>& relations, const SparseMatrix& w, const Vector& b, const Vector& r);
+/// b - P r - Q u, 2c entries, for a relation of each contact and u = W r.
+Vector rest_of(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u);
 
 /// The linear system  P r + Q W r = b  of all contacts, P and Q with a 2 x 2 block per contact, for many P and Q. It is
 /// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
@@ -23,7 +24,7 @@ Vector rest_of(const std::vector<ContactRelation>& relations, const SparseMatrix
 /// symmetric part, see Couplings.
 class ContactMatrix {
  public:
-  /// `w`: the symmetric part of problem.w. Both must outlive this.
+  /// `w`: the symmetric part of problem.w. The problem must outlive this.
   ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w);
 
   /// Returns false for a matrix that is singular to rounding; `solve` must not be called then. One relation a contact.
@@ -48,11 +49,12 @@ class ContactMatrix {
   Vector solve_once(const Vector& b) const;
 
   const LocalFrictionProblem& problem_;
-  const SparseMatrix& w_;
+  const ContactBlocks w_;
   std::vector<Bodies> bodies_;  // of each contact; none where the unknowns are those of the contacts
   SparseMatrix constant_;       // M or W, with a place for every entry of the matrix: W in whole 2 x 2 blocks
   SparseMatrix matrix_;
   std::vector<ContactRelation> relations_;
+  std::vector<Eigen::Matrix2d> inverse_, stiffness_;  // P^-1 and P^-1 Q of each contact, where bodies are unknowns
   std::optional<SparseLu> lu_;
   double taken_ = 0;  // of its operations
 };

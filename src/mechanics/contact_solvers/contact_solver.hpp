@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mechanics/contact_law.hpp"
+#include "mechanics/contact_solvers/contact_blocks.hpp"
 #include "mechanics/contact_solvers/contact_matrix.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -9,18 +10,12 @@
 
 namespace nscdd {
 
-inline LocalVector component(const Vector& values, Index contact) {
-  return {values[2 * contact], values[2 * contact + 1]};
-}
-
 /// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
 inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) { return impulse - w.solve(u); }
 
-using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
 /// What every evaluation of impulses needs of a problem.
 struct JudgedProblem {
-  SparseRows w;
+  ContactBlocks w;
   Vector normal;     ///< W_nn of each contact, 1/kg
   double alone = 0;  ///< || r^1 ||, the impulses of the contacts each alone, N s
 };
@@ -80,7 +75,8 @@ struct Couplings {
   Couplings& operator=(const Couplings&) = delete;
 
   SparseMatrix symmetric, rest;
-  Vector normal;  ///< 2c entries, 1/kg
+  ContactBlocks blocks;  ///< of W_s
+  Vector normal;         ///< 2c entries, 1/kg
   RelationSolver matrix;
 };
 

@@ -85,7 +85,7 @@ Ended solve_proximal_step(SolverRun& run, Couplings& w, double alpha, Index& ste
     if (steps == too_many_steps) return Ended::given_up;
     const std::optional<Vector> found = impulses_of(run, w, statuses_at(run, w, step), step);
     if (!found) return Ended::given_up;
-    const Vector change = *found - here, faster = run.problem.w * change;
+    const Vector change = *found - here, faster = run.judged.w * change;
     double length = 1;
     while (length > shortest_step &&
            !(merit(run.problem, w, step, here + length * change, velocities + length * faster) < size))

@@ -6,7 +6,6 @@
 #include "linalg/threads.hpp"
 #include "mechanics/gauss_seidel.hpp"
 
-#include <map>
 #include <numeric>
 
 namespace nscdd {
@@ -64,25 +63,12 @@ std::vector<Index> shuffled(Index contacts, Index seed) {
   return order;
 }
 
-// Velocity of a place under the present impulses. A call would take as long as it does itself, hence `inline`.
-inline LocalVector velocity(const SweepRows& rows, const Vector& impulses, Index place) {
-  LocalVector u = component(rows.q, place);
-  for (Index k = rows.start[at(place)]; k < rows.start[at(place + 1)]; ++k) {
-    const SweepRows::Block& b = rows.block[at(k)];
-    const Index other = 2 * static_cast<Index>(rows.neighbour[at(k)]);
-    const double n = impulses[other], t = impulses[other + 1];
-    u.n += b[0][0] * n + b[0][1] * t;
-    u.t += b[1][0] * n + b[1][1] * t;
-  }
-  return u;
-}
-
 template <bool relaxed>
 void take_turns(const SweepRows& rows, double relaxation, Index first, Index last, Index step, Vector& impulses) {
   for (Index place = first; place != last; place += step) {
     const FullDelassus& w = rows.diagonal[at(place)];
     LocalVector r = component(impulses, place);
-    const LocalVector stop = stopping(w, r, velocity(rows, impulses, place));
+    const LocalVector stop = stopping(w, r, rows.w.add_row(place, impulses, component(rows.q, place)));
     take_impulse<relaxed>(r, Coulomb{}.impulse(stop, w, rows.friction[place]), relaxation);
     impulses[2 * place] = r.n;
     impulses[2 * place + 1] = r.t;
@@ -124,22 +110,10 @@ SweepRows sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Inde
     std::iota(rows.contact.begin(), rows.contact.end(), Index{0});
     if (order == SweepOrder::reverse) std::reverse(rows.contact.begin(), rows.contact.end());
   }
-  std::vector<int> place_of(at(contacts));
-  for (Index place = 0; place < contacts; ++place) place_of[at(rows.contact[at(place)])] = static_cast<int>(place);
-  const SparseRows w = problem.w;
+  rows.w = ContactBlocks(problem.w, rows.contact);
   rows.q = rows.in_order(problem.q);
   rows.friction = problem.friction(rows.contact);
-  for (const Index c : rows.contact) {
-    std::map<Index, SweepRows::Block> row;  // by contacts: sums do not depend on the order of turns
-    for (const Index i : {2 * c, 2 * c + 1})
-      for (SparseRows::InnerIterator e(w, i); e; ++e) row[e.col() / 2][at(i % 2)][at(e.col() % 2)] = e.value();
-    for (const auto& [other, block] : row) {
-      rows.neighbour.push_back(place_of[at(other)]);
-      rows.block.push_back(block);
-    }
-    rows.start.push_back(count(rows.neighbour));
-    rows.diagonal.push_back(diagonal_block(problem, c));
-  }
+  for (const Index c : rows.contact) rows.diagonal.push_back(diagonal_block(problem, c));
   return rows;
 }
 

@@ -6,14 +6,10 @@
 namespace nscdd {
 
 /// A contact problem as a sweep goes through it: the data of each contact lie in memory in the order of their turns. A
-/// "place" is a position in this order. Rows of W are compressed, in blocks (n, t) x (n, t) of pairs of contacts.
+/// "place" is a position in this order.
 struct SweepRows {
-  using Block = std::array<std::array<double, 2>, 2>;
-
   std::vector<Index> contact;  ///< at each place
-  std::vector<Index> start{0};
-  std::vector<int> neighbour;  ///< as places; the row of a place is start[place] ... start[place + 1] - 1
-  std::vector<Block> block;
+  ContactBlocks w;
   std::vector<FullDelassus> diagonal;  ///< the diagonal blocks once more, for the law
   Vector q, friction;
   /// No two contacts of places first_of_colour[k] ... first_of_colour[k + 1] - 1 are coupled by W. Only where the order
