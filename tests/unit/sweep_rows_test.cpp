@@ -3,6 +3,7 @@
 #include "mechanics/contact_solvers/sweep_rows.hpp"
 
 #include "../support/fclib_files.hpp"
+#include "linalg/random.hpp"
 #include "linalg/threads.hpp"
 
 #include <doctest/doctest.h>
@@ -54,6 +55,35 @@ TEST_CASE("every order takes each contact once, and keeps its data") {
       CHECK(rows.diagonal[at(place)].nn == problem.w.coeff(2 * c, 2 * c));
     }
   }
+}
+
+TEST_CASE("products in blocks are those of the matrix, in any order of contacts and on any number of threads") {
+  constexpr Index contacts = 10'000;  // enough for threads
+  RandomStream random(5);
+  std::vector<Eigen::Triplet<double>> entries;  // blocks with one to four entries, and rows without any
+  for (Index k = 0; k < 6 * contacts; ++k)
+    entries.emplace_back(random.below(2 * contacts - 100), random.below(2 * contacts), random.normal());
+  SparseMatrix w(2 * contacts, 2 * contacts);
+  w.setFromTriplets(entries.begin(), entries.end());
+  const Vector x = random.normal_vector(2 * contacts), expected = w * x;
+  const ContactBlocks blocks(w);
+  CHECK((blocks * x - expected).norm() <= 1e-14 * expected.norm());
+  CHECK(blocks.row(contacts - 1).empty());
+
+  std::vector<Index> order(contacts);
+  for (Index place = 0; place < contacts; ++place) order[at(place)] = (7 * place + 3) % contacts;
+  Vector there(2 * contacts), wanted(2 * contacts);
+  for (Index place = 0; place < contacts; ++place) {
+    there.segment<2>(2 * place) = x.segment<2>(2 * order[at(place)]);
+    wanted.segment<2>(2 * place) = expected.segment<2>(2 * order[at(place)]);
+  }
+  const ContactBlocks ordered(w, order);
+  CHECK((ordered * there - wanted).norm() <= 1e-14 * expected.norm());
+  const ThreadLimit limit(1);
+  CHECK(ordered * there == [&] {
+    const ThreadLimit more(4);
+    return Vector(ordered * there);
+  }());
 }
 
 TEST_CASE("a symmetric sweep goes to and fro, a reverse one is a natural one of the problem turned round") {

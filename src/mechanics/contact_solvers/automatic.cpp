@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sweeps, then the curve of a smoothed law from their impulses. The more sweeps, the nearer to a solution it begins.
+// Problems of very many contacts are left to accelerated gradients as long as these get on: no point of the curve is
+// nearer to a solution there than many sweeps are.
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
 namespace nscdd {
 namespace {
 
 constexpr Index first_sweeps = 500;
+constexpr Index very_many_contacts = 100'000;
 // Of the curve, over the residual of the sweeps: for a run from zero, and for one that goes on from given impulses.
 constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10, 100, 1, 1000};
 
@@ -16,14 +19,21 @@ void automatic(SolverRun& run) {
   const auto& smoothings = run.now.impulses.isZero(0) ? cold_smoothings : warm_smoothings;
   std::optional<Couplings> w;
   std::optional<FrictionStatus> given_up;  // how sweeps ended, once they are of no more use
+  // Whether that is the end of the run. Where they stalled, there are other ways.
+  const auto is_over = [&] {
+    given_up = run.now.status;
+    if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return true;
+    run.now.status = FrictionStatus::maximum_reached;
+    run.go_back(run.best());
+    return false;
+  };
+  if (run.problem.contacts() >= very_many_contacts) {
+    apgd(run);
+    if (is_over()) return;
+  }
   for (Index turn = 0; turn < std::ssize(smoothings); ++turn) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
-    if (!given_up && sweep(run, most)) {
-      given_up = run.now.status;
-      if (*given_up != FrictionStatus::stalled && *given_up != FrictionStatus::diverged) return;
-      run.now.status = FrictionStatus::maximum_reached;
-      run.go_back(run.best());
-    }
+    if (!given_up && sweep(run, most) && is_over()) return;
     if (run.spent()) continue;
     if (!w) w.emplace(run.problem, run.linear);
     const FrictionSolution swept = run.now;

@@ -5,6 +5,8 @@
 #include <nscdd/mechanics/law.hpp>
 
 #include <array>
+#include <functional>
+#include <span>
 
 namespace nscdd {
 

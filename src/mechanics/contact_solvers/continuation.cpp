@@ -11,20 +11,21 @@
 namespace nscdd {
 namespace {
 
-constexpr Index most_factorisations = 300;
+constexpr Index most_factorisations = 220;
 constexpr double least_start = 0.1;        // of first impulses, over rho q
 constexpr double least_smoothing = 1e-32;  // of t, over its first value: rounding
 constexpr double first_length = 0.5;       // of steps, in log t
 constexpr double growth = 4, shrinking = 0.7, retreat = 0.3, least_length = 1e-5;
-constexpr double largest_change = 10;      // of a component of z in a step, in units of sqrt(z^2 + 4 t)
-constexpr double largest_residual = 0.45;  // after a step, likewise
-constexpr double lost = 100;               // Newton's step back to the curve, likewise: from here it is not found ...
-constexpr double near_curve = 30;          // ... here it is taken together with the next step ...
-constexpr double on_curve = 0.1;           // ... and here the point is one to come back to
-constexpr double contraction = 0.6;        // wanted of Newton's steps onto the curve
-constexpr Index calm_steps = 4;            // after a retreat, for which steps begin on the curve
-constexpr double newton_from = 1e-4;       // residual from which Newton's method is tried ...
-constexpr double newton_after = 0.1;       // ... and again at this part of the residual of the last trial
+constexpr Index most_trials = 10;         // of a step
+constexpr double largest_change = 5;      // of a component of z in a step, in units of sqrt(z^2 + 4 t)
+constexpr double largest_residual = 0.2;  // after a step, likewise
+constexpr double lost = 100;              // Newton's step back to the curve, likewise: from here it is not found ...
+constexpr double near_curve = 30;         // ... here it is taken together with the next step ...
+constexpr double on_curve = 0.1;          // ... and here the point is one to come back to
+constexpr double contraction = 0.6;       // wanted of Newton's steps onto the curve
+constexpr Index calm_steps = 4;           // after a retreat, for which steps begin on the curve
+constexpr double newton_from = 1e-4;      // residual from which Newton's method is tried ...
+constexpr double newton_after = 0.1;      // ... and again at this part of the residual of the last trial
 
 // P_t(z) of a contact and its derivatives by z, and by t.
 struct SmoothedLaw {
@@ -79,7 +80,7 @@ class SmoothedCurve {
  private:
   Vector weight(const Point& point) const { return (point.z.array().square() + 4 * point.t).rsqrt(); }
   Vector defect(const Point& point, const Vector& impulses) const;
-  Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.symmetric * r); }  // rho W r
+  Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.blocks * r); }  // rho W r
 
   SolverRun& run_;
   Couplings& w_;
@@ -199,11 +200,13 @@ struct Walk {
   void go_on(const SolverRun& run, Course here) {
     corrections = 0;
     ++calm;
-    length = std::min(largest_change / here.steepest, growth * length);
-    for (int trial = 0; trial < 20; ++trial, length *= shrinking) {
-      move(here, length);
-      if (curve.residual(point, impulses) <= largest_residual && run.plausible(impulses)) break;
-    }
+    const double longest = std::min(largest_change / here.steepest, growth * length);
+    length = longest;
+    move(here, length);
+    const auto fits = [&] { return curve.residual(point, impulses) <= largest_residual && run.plausible(impulses); };
+    for (Index trial = 1; trial < most_trials && !fits(); ++trial) move(here, length *= shrinking);
+    // Where the correction alone is as far off, the last step is next to none. That does not shorten the next ones.
+    if (length < longest && !fits()) length = retreat * longest;
     here.length = length;
     if (!safe || here.off <= on_curve) safe = std::move(here);
   }
