@@ -2,7 +2,8 @@
 // Alternating directions (ADMM): all couplings and no law, then the law and no coupling, in turns. With De Saxce's
 // shift s = mu |u_t| of the velocities that the law sees, u + s n = -rho D l, and D = W_nn of each contact,
 //     x <- (W + rho D)^-1 (rho D (z - l) - q - s n),   z <- P(x' + l),   l <- l + x' - z,   x' = 1.6 x - 0.6 z.
-// W + rho D is factorised once, and again where another rho is wanted; or its system is cut into subdomains.
+// W + rho D is factorised once, and again where another rho is wanted. Where M and H are known M + H (rho D)^-1 H^T
+// takes its place, whole or cut into subdomains.
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/contact_solvers/stall_watch.hpp"
@@ -36,7 +37,7 @@ class AlternatingDirections {
 
   SolverRun& run_;
   const Couplings& w_;
-  std::optional<CholeskyAnalysis> analysis_;  // none where the system is cut
+  std::optional<CholeskyAnalysis> analysis_;  // none where M and H are known, or the system is cut
   std::optional<SparseCholesky> cholesky_;
   double weight_ = first_weight;
   Vector impulses_, multiplier_, shift_, rest_;  // z, l, s, the antisymmetric part of W times z
@@ -49,7 +50,7 @@ AlternatingDirections::AlternatingDirections(SolverRun& run, const Couplings& w)
       impulses_(run.now.impulses),
       multiplier_(Vector::Zero(impulses_.size())),
       shift_(Vector::Zero(run.problem.contacts())) {
-  if (!run.linear.factorise) analysis_.emplace(w.symmetric);
+  if (!run.linear.factorise && run.problem.h.cols() == 0) analysis_.emplace(w.symmetric);
   renew_rest();
   if (impulses_.isZero(0)) return;  // the velocities of no impulses are far from those of a solution
   multiplier_ = -run.now.state.velocities.cwiseQuotient(weight_ * w.normal);
@@ -61,10 +62,10 @@ AlternatingDirections::AlternatingDirections(SolverRun& run, const Couplings& w)
 
 bool AlternatingDirections::factorise() {
   ++run_.now.factorisations;
-  if (run_.linear.factorise) {
+  if (!analysis_) {
     std::vector<ContactRelation> relations(at(run_.problem.contacts()), {.q = Eigen::Matrix2d::Identity()});
     for (Index c = 0; c < count(relations); ++c) relations[at(c)].p *= weight_ * w_.normal[2 * c];
-    return run_.linear.factorise(std::move(relations));
+    return w_.matrix.factorise(std::move(relations));
   }
   SparseMatrix matrix = w_.symmetric;
   matrix.diagonal() += weight_ * w_.normal;
@@ -89,7 +90,7 @@ void AlternatingDirections::iterate() {
     shift_[c] += renewed_part * (run_.problem.friction[c] * std::abs(velocities[2 * c + 1]) - shift_[c]);
     right[2 * c] -= shift_[c];
   }
-  const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : run_.linear.solve(right);
+  const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : w_.matrix.solve(right);
   const Vector relaxed = relaxation * coupled + (1 - relaxation) * impulses_, before = impulses_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
     const LocalVector moved = component(relaxed, c) + component(multiplier_, c);
@@ -99,7 +100,7 @@ void AlternatingDirections::iterate() {
   multiplier_ += relaxed - impulses_;
   primal_ = (coupled - impulses_).cwiseAbs2().dot(w_.normal);
   dual_ = (impulses_ - before).cwiseAbs2().dot(w_.normal);
-  run_.now.operations += cholesky_ ? cholesky_->solve_operations() : run_.linear.take_operations();
+  run_.now.operations += cholesky_ ? cholesky_->solve_operations() : w_.matrix.take_operations();
 }
 
 double AlternatingDirections::balanced_weight() const {
