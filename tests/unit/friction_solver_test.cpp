@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/fclib_files.hpp"
 #include "../support/matrices.hpp"
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "linalg/threads.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/contact_law.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
@@ -395,6 +397,34 @@ TEST_CASE("one contact: the local solution obeys the law for any friction, on th
     CHECK(std::hypot(m.n, m.t) <= 1e-9 * (1 + std::hypot(r.n, r.t)));
     if (w.apply(stop).n > 1e-9) CHECK(r.n > 0);  // a contact that closes never opens
   }
+}
+
+TEST_CASE("accelerated gradients: the number of threads changes no bit") {
+  const LocalFrictionProblem problem = reduce(random_bodies_problem(6, 4000, 9000));  // enough for threads
+  const FrictionSolverOptions options{.algorithm = FrictionAlgorithm::apgd, .maximum_sweeps = 60};
+  Vector alone, together;
+  {
+    const ThreadLimit limit(1);
+    alone = solve_friction(problem, options).impulses;
+  }
+  {
+    const ThreadLimit limit(4);
+    together = solve_friction(problem, options).impulses;
+  }
+  CHECK(alone.norm() > 0);
+  CHECK(alone == together);
+}
+
+TEST_CASE("alternating directions take the same way with contacts and with bodies as unknowns") {
+  const LocalFrictionProblem problem = reduce(random_bodies_problem(4, 20, 60));
+  LocalFrictionProblem without = problem;
+  without.mass = without.h = SparseMatrix();
+  const FrictionSolverOptions options{.algorithm = FrictionAlgorithm::admm, .maximum_sweeps = 100};
+  const FrictionSolution bodies = solve_friction(problem, options), contacts = solve_friction(without, options);
+  CHECK(contacts.sweeps == 100);
+  CHECK(contacts.state.residual < 0.1);
+  CHECK((bodies.impulses - contacts.impulses).norm() <= 1e-8 * contacts.impulses.norm());
+  CHECK(bodies.operations < contacts.operations);  // fewer entries
 }
 
 TEST_CASE("projection on the cone: the nearest point of it, for no friction too") {

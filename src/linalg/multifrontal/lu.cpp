@@ -14,7 +14,8 @@
 namespace nscdd {
 namespace {
 
-// A front of so many pivots or fewer is eliminated row by row: calls of LAPACK would take longer than the arithmetic.
+// A front of so many pivots or fewer is eliminated pivot by pivot: calls of LAPACK would take longer than the
+// arithmetic.
 constexpr Index few_pivots = 16;
 
 // Groups have some rows each: zeros cost more here than small fronts do (measured with benchmarks/lu.cpp).

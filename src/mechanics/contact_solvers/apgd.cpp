@@ -13,10 +13,9 @@ constexpr double inner_part = 0.3;
 // Norms and gradients are those of impulses times the root of W_nn of their contact: masses may be very unequal.
 class ProjectedGradients {
  public:
-  ProjectedGradients(const SolverRun& run, const Couplings& w)
-      : run_(run), w_(w), shift_(Vector::Zero(w.normal.size())) {
+  explicit ProjectedGradients(const SolverRun& run) : run_(run), shift_(Vector::Zero(run.problem.q.size())) {
     restart(run.now.impulses, run.judged.w * run.now.impulses + run.problem.q);
-    next_ = next_velocity_ = Vector::Zero(w.normal.size());
+    next_ = next_velocity_ = Vector::Zero(run.problem.q.size());
   }
 
   void renew_shift() {
@@ -45,13 +44,12 @@ class ProjectedGradients {
     momentum_ = 1;
   }
   LocalVector projected(Index c, const Vector& from, LocalVector gradient, double length) const {
-    return project_on_cone(component(from, c) - (length / w_.normal[2 * c]) * gradient, run_.problem.friction[c]);
+    return project_on_cone(component(from, c) - (length / run_.judged.normal[c]) * gradient, run_.problem.friction[c]);
   }
   LocalVector gradient_ahead(Index c) const { return component(velocity_ahead_, c) + component(shift_, c); }
   Sums step_ahead();
 
   const SolverRun& run_;
-  const Couplings& w_;
   Vector shift_;
   Vector impulses_, ahead_;           // the last ones, and where Nesterov's momentum leads
   Vector velocity_, velocity_ahead_;  // W r + q of both
@@ -85,7 +83,7 @@ ProjectedGradients::Sums ProjectedGradients::step_ahead() {
       next_velocity_.segment<2>(2 * c) << u.n, u.t;
       const LocalVector change = r - component(ahead_, c);
       sums.curved += dot(change, u - component(velocity_ahead_, c));
-      sums.metric += w_.normal[2 * c] * squared(change);
+      sums.metric += run_.judged.normal[c] * squared(change);
       sums.uphill += dot(gradient_ahead(c), r - component(impulses_, c));
     }
     of_parts[at(range.part)] = sums;
@@ -127,8 +125,7 @@ double ProjectedGradients::advance() {
 
 void apgd(SolverRun& run) {
   const FrictionSolverOptions& options = run.options;
-  const Couplings w(run.problem);
-  ProjectedGradients gradients(run, w);
+  ProjectedGradients gradients(run);
   StallWatch watch(run);
   double length = not_a_number;
   for (;;) {

@@ -18,7 +18,7 @@ void automatic(SolverRun& run) {
   const FrictionSolverOptions& options = run.options;
   const auto& smoothings = run.now.impulses.isZero(0) ? cold_smoothings : warm_smoothings;
   std::optional<Couplings> w;
-  std::optional<FrictionStatus> given_up;  // how sweeps ended, once they are of no more use
+  std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they are of no more use
   // Whether that is the end of the run. Where they stalled, there are other ways.
   const auto is_over = [&] {
     given_up = run.now.status;
@@ -27,9 +27,11 @@ void automatic(SolverRun& run) {
     run.go_back(run.best());
     return false;
   };
-  if (run.problem.contacts() >= very_many_contacts) {
+  // A system that is cut into subdomains is what the caller wants to see.
+  if (run.problem.contacts() >= very_many_contacts && !run.linear.factorise) {
     apgd(run);
-    if (is_over()) return;
+    if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
+    run.go_back(run.best());
   }
   for (Index turn = 0; turn < std::ssize(smoothings); ++turn) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);

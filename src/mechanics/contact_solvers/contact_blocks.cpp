@@ -42,6 +42,8 @@ ContactBlocks::ContactBlocks(const SparseMatrix& w, const std::vector<Index>& co
     }
     start_.push_back(count(column_));
   }
+  column_.shrink_to_fit();
+  block_.shrink_to_fit();
 }
 
 Vector ContactBlocks::operator*(const Vector& x) const {

@@ -178,7 +178,8 @@ struct Walk {
   Vector impulses = {};             // there
   std::optional<Course> safe = {};  // the last one on the curve
   Index corrections = 0, calm = calm_steps;
-  double length = first_length, last_off = infinity;
+  double taken = 0, length = first_length;  // of the last step; what bounds the next one
+  double last_off = infinity;
 
   bool lost_at(const std::optional<Course>& here) const {
     return !here || !(here->off <= (corrections > 0 ? std::min(lost, contraction * last_off) : lost));
@@ -201,13 +202,15 @@ struct Walk {
     corrections = 0;
     ++calm;
     const double longest = std::min(largest_change / here.steepest, growth * length);
-    length = longest;
-    move(here, length);
-    const auto fits = [&] { return curve.residual(point, impulses) <= largest_residual && run.plausible(impulses); };
-    for (Index trial = 1; trial < most_trials && !fits(); ++trial) move(here, length *= shrinking);
-    // Where the correction alone is as far off, the last step is next to none. That does not shorten the next ones.
-    if (length < longest && !fits()) length = retreat * longest;
-    here.length = length;
+    bool fits = false;
+    for (Index trial = 0; trial < most_trials && !fits; ++trial) {
+      taken = trial == 0 ? longest : shrinking * taken;
+      move(here, taken);
+      fits = curve.residual(point, impulses) <= largest_residual && run.plausible(impulses);
+    }
+    // Mostly it is the correction that is as far off, and no step would have fitted.
+    length = fits ? taken : retreat * longest;
+    here.length = taken;
     if (!safe || here.off <= on_curve) safe = std::move(here);
   }
   void move(const Course& from, double by) {
@@ -231,7 +234,7 @@ bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
     if (goes_on) walk.go_on(run, std::move(*here));
     const bool plausible = run.plausible(walk.impulses);
     if (goes_on && !plausible) return false;
-    if (plausible && judge_point(run, walk.impulses, goes_on ? walk.length : 0)) return true;
+    if (plausible && judge_point(run, walk.impulses, goes_on ? walk.taken : 0)) return true;
     if (!goes_on) continue;
     if (walk.point.t < least_smoothing * curve.start().t) return finish_by_newton(run, w);
     if (run.now.state.residual > newton_after * last_trial) continue;
