@@ -6,6 +6,7 @@
 #include "linalg/threads.hpp"
 #include "mechanics/active_set.hpp"
 #include "mechanics/contact_law.hpp"
+#include "mechanics/contact_solvers/contact_solver.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
 #include <Eigen/LU>
@@ -203,6 +204,14 @@ TEST_CASE("auto leaves very many contacts to accelerated gradients") {
   const FrictionSolution sweeps = solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-9});
   CHECK((found.impulses - sweeps.impulses).norm() <= 1e-8 * sweeps.impulses.norm());
   CHECK(found.impulses != sweeps.impulses);
+
+  const FrictionSolution steps = solve_friction(problem, {.tolerance = 1e-9, .maximum_sweeps = 0});
+  CHECK(steps.status == FrictionStatus::converged);  // without a sweep there are still Newton's steps
+  CHECK(steps.factorisations > 0);
+  RelationSolver cut;  // what is to be cut into subdomains is not solved without linear systems
+  cut.factorise = [](const std::vector<ContactRelation>&) { return false; };
+  cut.take_operations = [] { return 0.0; };
+  CHECK(solve_friction(problem, {.tolerance = 1e-9}, {}, {}, cut).impulses == sweeps.impulses);
 }
 
 TEST_CASE("continuation needs no sweeps, and nothing but a judgement where the guess solves") {
