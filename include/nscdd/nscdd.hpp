@@ -6,6 +6,7 @@
 /// for.
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/fields.hpp>
+#include <nscdd/core/processes.hpp>
 #include <nscdd/core/table.hpp>
 #include <nscdd/core/types.hpp>
 #include <nscdd/ddm/contraction.hpp>

@@ -195,8 +195,8 @@ double glued_speed_squared(const GranularDecomposition& parts) {
 
 Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g) {
   return parts.interface.solve_generic(
-      [&](const GrainCopy& copy, Index k) {
-        const double mass = 1 / copy_of(parts, copy).inverse_mass;
+      [&](Index row, Index k) {
+        const double mass = 1 / copy_of(parts, parts.interface.gluing()[at(row)].first).inverse_mass;
         return k < 2 ? mass : mass / rim_mass_ratio;
       },
       g);

@@ -30,6 +30,17 @@ Interface::Interface(Index dofs_per_grain, Index grains, const std::vector<std::
   }
 }
 
+Interface Interface::of_process(const std::vector<char>& own, Processes processes) const {
+  Interface shared = *this;
+  for (std::size_t e = 0; e < ties_.size(); ++e)
+    if (!own[e]) {
+      shared.ties_[e] = {};
+      shared.held_[e] = 0;
+    }
+  shared.processes_ = std::move(processes);
+  return shared;
+}
+
 std::span<const GrainCopy> Interface::copies(Index grain) const {
   return {copies_.data() + start_[at(grain)], at(multiplicity(grain))};
 }

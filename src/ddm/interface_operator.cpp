@@ -1,12 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/fail.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
 #include <numeric>
 
 namespace nscdd {
+namespace {
+
+// H of the undivided packing, whose rows may lie anywhere: it is to tell its rank.
+SparseMatrix whole_connectivity(const Decomposition& parts) {
+  const Index d = parts.dofs_per_grain();
+  std::vector<double> own;  // row, column and value of each entry
+  for (const Subdomain& subdomain : parts.subdomains)
+    for_entries(subdomain.h, [&](Index i, Index j, double value) {
+      own.push_back(static_cast<double>(d * subdomain.grains[at(i / d)] + i % d));
+      own.push_back(static_cast<double>(subdomain.contacts[at(j)]));
+      own.push_back(value);
+    });
+  const std::vector<double> all = parts.interface.processes().gather(own);
+  SparseEntries entries;
+  for (std::size_t k = 0; k < all.size(); k += 3)
+    entries.add(static_cast<Index>(all[k]), static_cast<Index>(all[k + 1]), all[k + 2]);
+  return entries.matrix(d * parts.interface.grains(), parts.contacts);
+}
+
+void require_one_process(const Decomposition& parts, std::string_view what) {
+  if (const Processes& all = parts.interface.processes(); !all.alone())
+    fail("processes: expected one for {}, met {}", what, all.size);
+}
+
+}  // namespace
 
 // Subdomain families and what else does not depend on eta.
 class InterfaceFamily::Preparation {
@@ -14,15 +41,17 @@ class InterfaceFamily::Preparation {
   Preparation(const Decomposition& decomposition, Index limit)
       : parts(decomposition),
         dense_limit(limit),
-        scale(Vector::Zero(parts.interface_size())),
+        row_inertia(Vector::Zero(parts.interface_size())),
         locals(parts.subdomains.size()) {
     for_each_in_parallel(count(locals),
                          [&](Index e) { locals[nscdd::at(e)].emplace(parts.subdomains[nscdd::at(e)], dense_limit); });
     const Index d = parts.dofs_per_grain();
     for (Index e = 0; e < count(locals); ++e)
       for (const Tie& tie : parts.interface.ties(e))
-        scale.segment(d * tie.row, d) +=
-            parts.subdomains[nscdd::at(e)].inertia.segment(d * tie.grain, d).cwiseInverse();
+        if (tie.sign > 0)  // the first of the two copies of the row
+          row_inertia.segment(d * tie.row, d) = parts.subdomains[nscdd::at(e)].inertia.segment(d * tie.grain, d);
+    parts.interface.processes().add_up({row_inertia.data(), nscdd::at(row_inertia.size())});
+    scale = 2 * row_inertia.cwiseInverse();
   }
 
   // The undivided packing. Only `solve` needs it.
@@ -48,6 +77,7 @@ class InterfaceFamily::Preparation {
 
   Decomposition parts;
   Index dense_limit;
+  Vector row_inertia;  // of the copies that a row ties: all copies of a grain have the same
   Vector scale;
   std::vector<std::optional<EnrichedInertiaFamily>> locals;
   Lazy<SparseMatrix> generic;
@@ -81,13 +111,31 @@ const Decomposition& InterfaceOperator::parts() const { return implementation_->
 Index InterfaceOperator::rows() const { return parts().interface_size(); }
 const Vector& InterfaceOperator::scale() const { return implementation_->preparation->scale; }
 
-// sum_E A_E M_E^-1 A_E^T
+// sum_E A_E M_E^-1 A_E^T: rows of a grain meet in the copies that both of them tie.
 const SparseMatrix& InterfaceOperator::generic() const {
   return implementation_->preparation->generic.get([this] {
-    SparseMatrix sum(rows(), rows());
-    for (const Subdomain& subdomain : parts().subdomains)
-      sum += SparseMatrix(subdomain.a * subdomain.inertia.cwiseInverse().asDiagonal() * subdomain.a.transpose());
-    return sum;
+    const std::vector<Gluing>& gluing = parts().interface.gluing();
+    const Index d = parts().dofs_per_grain();
+    const auto same = [](const GrainCopy& a, const GrainCopy& b) { return a.subdomain == b.subdomain ? 1.0 : 0.0; };
+    SparseEntries entries;
+    for (Index row = 0; row < count(gluing); ++row) {
+      const Gluing& own = gluing[at(row)];
+      const auto add = [&](Index other, double sum_of_signs) {
+        for (Index k = 0; k < d && sum_of_signs != 0; ++k)
+          entries.add(d * row + k, d * other + k,
+                      sum_of_signs / implementation_->preparation->row_inertia[d * row + k]);
+      };
+      const auto add_other = [&](Index other) {
+        const Gluing& met = gluing[at(other)];
+        add(other, same(own.first, met.first) + same(own.second, met.second) - same(own.first, met.second) -
+                       same(own.second, met.first));
+      };
+      add(row, 2);
+      for (Index other = row - 1; other >= 0 && gluing[at(other)].grain == own.grain; --other) add_other(other);
+      for (Index other = row + 1; other < count(gluing) && gluing[at(other)].grain == own.grain; ++other)
+        add_other(other);
+    }
+    return entries.matrix(rows(), rows());
   });
 }
 
@@ -109,7 +157,7 @@ double InterfaceOperator::slope(const Vector& f) const {
     const Vector links = parts().subdomains[at(e)].h.transpose() * v;
     terms[at(e)] = links.squaredNorm() / eta();
   });
-  return std::accumulate(terms.begin(), terms.end(), 0.0);
+  return parts().interface.processes().sum(std::accumulate(terms.begin(), terms.end(), 0.0));
 }
 
 const Matrix& InterfaceOperator::dense() const {
@@ -122,6 +170,7 @@ const Matrix& InterfaceOperator::dense() const {
       const auto& touched = implementation_->preparation->locals[e]->rows();
       x(touched, touched) += condensed[e];
     }
+    parts().interface.processes().add_up({x.data(), at(x.size())});
     return x;
   });
 }
@@ -137,9 +186,10 @@ const KernelSplit& InterfaceOperator::kernel() const {
 Index InterfaceOperator::nullity() const {
   if (eta() > 0) return 0;
   return implementation_->preparation->nullity.get([this] {
-    Index nullity = -sparse_rank(reassemble(parts()).h);
-    for (const Subdomain& subdomain : parts().subdomains) nullity += sparse_rank(subdomain.h);
-    return nullity;
+    Index local = 0;
+    for (const Subdomain& subdomain : parts().subdomains) local += sparse_rank(subdomain.h);
+    const auto sum = static_cast<Index>(parts().interface.processes().sum(static_cast<double>(local)));
+    return sum - sparse_rank(whole_connectivity(parts()));
   });
 }
 
@@ -150,10 +200,11 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   const Interface& interface = parts().interface;
   if (std::isinf(eta))
     return interface.solve_generic(
-        [&](const GrainCopy& copy, Index k) {
-          return subdomains[at(copy.subdomain)].inertia[interface.dofs_per_grain() * copy.grain + k];
+        [&](Index row, Index k) {
+          return implementation_->preparation->row_inertia[interface.dofs_per_grain() * row + k];
         },
         g);
+  require_one_process(parts(), "solutions with X_eta, which the solver arpack and a finite n_GS need");
   const auto& assembled = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
     const SparseMatrix& h = subdomains[e].h;

@@ -49,8 +49,9 @@ std::optional<EndGuess> cubic(const Known& before, const Known& last, const Step
                   0.5 * std::abs(t * t * (t - 1) * cubic)};
 }
 
-// Above this many contacts the rank of the whole packing takes too much memory. The eigenvalues of the rigid limit that
-// are zero are then those below the first of these two shifts, provided that none lies between the two.
+// Above this many contacts the rank of the whole packing takes too much memory; of processes each works it out. The
+// eigenvalues of the rigid limit that are zero are then those below the first of these two shifts, provided that none
+// lies between the two.
 constexpr Index ranks_up_to = 1000000;
 constexpr double rigid_zero = 1e-8, rigid_zero_again = 1e-11;
 
@@ -63,9 +64,10 @@ struct Ends {
 };
 
 bool has_contacts_of(const Decomposition& all, const Decomposition& some) {
+  bool misses = false;
   for (std::size_t e = 0; e < all.subdomains.size(); ++e)
-    if (!std::ranges::includes(all.subdomains[e].contacts, some.subdomains[e].contacts)) return false;
-  return true;
+    misses |= !std::ranges::includes(all.subdomains[e].contacts, some.subdomains[e].contacts);
+  return !all.interface.processes().any(misses);
 }
 
 // Bounds of the spectrum without a factorisation. If S and P have the same contacts, both are functions of M^-1 K. An
@@ -206,7 +208,8 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   PencilPoint point = known_bounds(b);
   const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, options.inertia, memory.rigid);
   Index factorisations = 0;
-  if (!limit->kernel && b.system.parts().contacts > ranks_up_to)
+  const Index processes = b.system.parts().interface.processes().size;
+  if (!limit->kernel && b.system.parts().contacts > ranks_up_to / processes)
     limit->kernel = counted_at_zero(family, point.eta, factorisations);
   if (!limit->kernel) {
     limit->kernel = b.system.nullity();

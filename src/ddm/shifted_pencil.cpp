@@ -86,6 +86,7 @@ struct SaddlePointFamily {
 
   Index rows() const { return inertia.rows(); }
   Index interface_size() const { return rows() - interface; }
+  const Processes& processes() const { return contraction.system.parts().interface.processes(); }
 
   Contraction contraction;  // keeps the decompositions alive
   SystemForm form;
@@ -93,6 +94,7 @@ struct SaddlePointFamily {
   Index grain_rows = 0;   // first contact impulse of S
   Index system_size = 0;  // first row of the block of P
   Index interface = 0;    // first interface row
+  Index negative = 0;     // all rows of all processes but the grains of S
   // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (in rows of contact impulses of
   // epsilon).
   SparseMatrix inertia, stiffness;
@@ -113,7 +115,9 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   } else {
     add_condensed(entries, system, 0, interface);
   }
-  if (generic) {
+  if (generic && !processes().first()) {
+    // X is there once.
+  } else if (generic) {
     for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {  // X
       if (i >= j) entries.add(interface + i, interface + j, value, 0);
     });
@@ -124,6 +128,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   inertia = entries.inertia.matrix(size, size);
   entries.inertia = {};  // frees its memory
   stiffness = entries.stiffness.matrix(size, size);
+  negative = static_cast<Index>(processes().sum(static_cast<double>(interface - grain_rows))) + interface_size();
 }
 
 SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma) const {
@@ -179,14 +184,14 @@ ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsi
         sum += e.value() * x[e.row()] * x[j] * (e.row() == j ? 1 : 2);
     return sum;
   };
-  const double system = energy(0, system_size);
+  const double system = processes().sum(energy(0, system_size));
   return {.f = -x.tail(interface_size()),
           .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,
-          .preconditioner = generic ? 0.0 : energy(system_size, interface) / (eta * sigma)};
+          .preconditioner = generic ? 0.0 : processes().sum(energy(system_size, interface)) / (eta * sigma)};
 }
 
 // Without an eigenvalue below the shift all rows but the grains of S are negative; each one takes one away.
-Index ShiftedPencil::below() const { return matrices_->rows() - matrices_->grain_rows - factor_.negative_eigenvalues; }
+Index ShiftedPencil::below() const { return matrices_->negative - factor_.negative_eigenvalues; }
 
 Vector ShiftedPencil::solve(const Vector& g) const {
   if (!refinement_) return -factor_.solve_on_border(g);
@@ -201,9 +206,7 @@ ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const {
 }
 
 Vector ShiftedPencil::residual(const Vector& x, const Vector& g) const {
-  Vector right = Vector::Zero(x.size());
-  right.tail(g.size()) = g;
-  return symmetric_residual(*refinement_, x, right);
+  return border_residual(*refinement_, x, g, matrices_->processes());
 }
 
 ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form, const InertiaMethod& method)
@@ -227,7 +230,7 @@ ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma, 
   SparseMatrix matrix = matrices_->matrix(epsilon, eta, sigma);
   pencil.factor_ = factors_.factorise(matrix, {epsilon, eta});
   if (!pencil.regular()) return pencil;
-  pencil.inexactness_ = inexactness(pencil.factor_, matrix, matrices_->interface_size());
+  pencil.inexactness_ = inexactness(pencil.factor_, matrix, matrices_->interface_size(), matrices_->processes());
   // One step of refinement takes as long as three solutions more.
   const double refined_above = accuracy == SolutionAccuracy::refined ? 1e-10 : 1e-6;
   if (pencil.inexactness_ > refined_above) pencil.refinement_ = std::move(matrix);

@@ -13,7 +13,7 @@ double stiffest(const Decomposition& parts) {
     const Vector rows = a * Vector::Ones(a.cols());
     bound = std::max(bound, (a.transpose() * rows).maxCoeff());
   }
-  return bound;
+  return parts.interface.processes().maximum(bound);
 }
 
 }  // namespace nscdd

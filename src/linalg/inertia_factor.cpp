@@ -89,11 +89,9 @@ InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve
           .solve_on_border = [=](const Vector& g) { return gather(solve(spread(g))); }};
 }
 
-double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border) {
-  Vector right = Vector::Zero(lower.rows());
-  right.tail(border).setOnes();
-  const Vector x = factor.solve_from_border(Vector::Ones(border));
-  const Vector correction = factor.solve_to_border(symmetric_residual(lower, x, right));
+double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border, const Processes& processes) {
+  const Vector ones = Vector::Ones(border), x = factor.solve_from_border(ones);
+  const Vector correction = factor.solve_to_border(border_residual(lower, x, ones, processes));
   const double ratio = correction.norm() / x.tail(border).norm();
   return std::isfinite(ratio) ? ratio : infinity;
 }
@@ -126,6 +124,15 @@ Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vect
     residual[i] -= value * x[j];
     if (i != j) residual[j] -= value * x[i];
   });
+  return residual;
+}
+
+Vector border_residual(const SparseMatrix& lower, const Vector& x, const Vector& g, const Processes& processes) {
+  const Index border = g.size();
+  Vector right = Vector::Zero(x.size());
+  if (processes.first()) right.tail(border) = g;
+  Vector residual = symmetric_residual(lower, x, right);
+  processes.add_up({residual.data() + residual.size() - border, at(border)});
   return residual;
 }
 

@@ -212,6 +212,13 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   throw located(one.spec, error);
 }
 
+Model of_process(Model model, const Processes& processes) {
+  if (processes.alone()) return model;
+  const std::vector<Index> process_of = deal_out(model.parts, processes.size);
+  model.parts = of_process(std::move(model.parts), process_of, processes);
+  return model;
+}
+
 Model build(const Case& one, const Monitor& monitor) try {
   Model model;
   model.name = one.spec.name;

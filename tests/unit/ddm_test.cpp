@@ -249,3 +249,48 @@ TEST_CASE("optimum: spectra that do not converge make no optimum") {
       optimum(parts, parts, 0.05, {.solver = SpectralSolver::shift_invert, .inertia = {"singular", singular}});
   CHECK(found.status == OptimumStatus::not_converged);
 }
+
+TEST_CASE("deal out: every process has subdomains, of about equal weight, and too many processes are refused") {
+  Case one = random_lattice(3, 24, 24, {6, 6});
+  const Decomposition parts = build(one).parts;
+  Index unknowns = 0;
+  for (const Subdomain& subdomain : parts.subdomains) unknowns += subdomain.inertia.size();
+  for (const Index processes : {1, 2, 3, 4, 9, 17, 36}) {
+    CAPTURE(processes);
+    const std::vector<Index> process_of = deal_out(parts, processes);
+    REQUIRE(process_of.size() == parts.subdomains.size());
+    std::vector<Index> load(at(processes), 0);
+    for (std::size_t e = 0; e < process_of.size(); ++e) load[at(process_of[e])] += parts.subdomains[e].inertia.size();
+    CHECK(*std::ranges::min_element(load) > 0);
+    if (processes <= 4) CHECK(4 * *std::ranges::max_element(load) * processes < 5 * unknowns);
+  }
+  CHECK_THROWS_WITH_AS(deal_out(parts, 37), doctest::Contains("at most one for each of 36 subdomain(s), met 37"),
+                       Error);
+}
+
+TEST_CASE("shared decomposition: the parts of all processes are the whole") {
+  const Decomposition parts = build(random_lattice(3, 12, 12, {3, 2})).parts;
+  const std::vector<Index> process_of = deal_out(parts, 3);
+  RandomStream stream(3);
+  std::vector<Vector> velocities;
+  for (const Subdomain& subdomain : parts.subdomains)
+    velocities.push_back(stream.normal_vector(subdomain.inertia.size()));
+  Vector jumps = Vector::Zero(parts.interface_size());
+  Index contacts = 0;
+  for (Index rank = 0; rank < 3; ++rank) {
+    const Decomposition own = of_process(parts, process_of, {.rank = rank, .size = 3});
+    CHECK(own.interface_size() == parts.interface_size());
+    CHECK(own.interface.same_rows(parts.interface));
+    std::vector<Vector> of_own;
+    for (std::size_t e = 0; e < process_of.size(); ++e) {
+      const bool is_own = process_of[e] == rank;
+      CHECK(own.subdomains[e].h.cols() == (is_own ? parts.subdomains[e].h.cols() : 0));
+      CHECK(own.interface.ties(static_cast<Index>(e)).empty() == !is_own);
+      contacts += count(own.subdomains[e].contacts);
+      of_own.push_back(is_own ? velocities[e] : Vector());
+    }
+    jumps += own.interface.exchange(of_own);
+  }
+  CHECK(contacts == parts.contacts);
+  CHECK(jumps == parts.interface.exchange(velocities));
+}

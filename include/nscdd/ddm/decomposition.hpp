@@ -43,6 +43,14 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
 /// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact of the packing.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
 
+/// What a process holds of a decomposition that several share: the interface, and its own subdomains. Those of other
+/// processes are empty. `process_of_subdomain`: as `deal_out` has them.
+Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain, Processes processes);
+
+/// Deals subdomains out to processes: parts of about equal weight of the graph of subdomains (METIS), whose edges weigh
+/// what the two exchange. Throws Error for more processes than subdomains.
+std::vector<Index> deal_out(const Decomposition& parts, Index processes);
+
 /// The undivided packing again: one subdomain with whole masses, no interface and the grains that touch something.
 Subdomain reassemble(const Decomposition& parts);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
+#include <nscdd/core/processes.hpp>
 
 namespace nscdd {
 
@@ -37,8 +37,8 @@ enum class GluingShape {
 /// whatever they are: 2 or 3 in the plane. Vectors of the interface have n_Gamma = d x rows entries, row
 /// block k those from d k on. Rows ascend by grain, copies by subdomain.
 ///
-/// With one process per subdomain this class is what changes, and nothing above it: a subdomain knows its
-/// own ties and its neighbours, `exchange` sends to them, and `dot` adds up over the processes.
+/// Where several processes share the subdomains, each has the same rows and holds the ties of its own subdomains only:
+/// `exchange` adds up over the processes. Vectors of the interface are the same in all of them.
 class Interface {
  public:
   Interface() = default;
@@ -47,6 +47,10 @@ class Interface {
   /// `tied`: one flag per grain whether its copies are glued (driven ones are not), empty for all.
   Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
             const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
+
+  /// The interface as a process sees it that has these subdomains, one flag each.
+  Interface of_process(const std::vector<char>& own, Processes processes) const;
+  const Processes& processes() const { return processes_; }
 
   Index size() const { return dofs_ * count(gluing_); }  ///< n_Gamma
   Index dofs_per_grain() const { return dofs_; }         ///< d
@@ -73,6 +77,7 @@ class Interface {
       for (const Tie& tie : ties_[e])
         for (Index k = 0; k < dofs_; ++k)
           jumps[dofs_ * tie.row + k] += tie.sign * velocity(static_cast<Index>(e), tie.grain, k);
+    processes_.add_up({jumps.data(), at(jumps.size())});
     return jumps;
   }
   /// The same of velocities V_E, d n_E entries each.
@@ -91,13 +96,13 @@ class Interface {
 
   /// X_inf^-1 g,  X_inf = sum_E A_E M_E^-1 A_E^T,  in closed form grain by grain: for copies at o_j with the
   /// jumps g, each of inertia M/q, a chain has F_k = (M/q) sum_{j <= k} (o_j - mean o).
-  /// `inertia(copy, k)`: of unknown k of a copy; all copies of a grain have the same.
+  /// `inertia(row, k)`: of unknown k of the copies that a row ties; all copies of a grain have the same.
   template <class Inertia>
   Vector solve_generic(const Inertia& inertia, const Vector& g) const {
     Vector f(g.size());
     for (Index first = 0, last = 0; first < count(gluing_); first = last) {
       while (last < count(gluing_) && gluing_[at(last)].grain == gluing_[at(first)].grain) ++last;
-      for (Index k = 0; k < dofs_; ++k) balance(first, last, k, inertia(gluing_[at(first)].first, k), g, f);
+      for (Index k = 0; k < dofs_; ++k) balance(first, last, k, inertia(first, k), g, f);
     }
     return f;
   }
@@ -111,7 +116,8 @@ class Interface {
   std::vector<GrainCopy> copies_;  // grain by grain
   std::vector<Gluing> gluing_;
   std::vector<std::vector<Tie>> ties_;  // of each subdomain
-  std::vector<Index> held_;             // number of grains of each subdomain, n_E
+  std::vector<Index> held_;             // number of grains of each subdomain, n_E; 0 for those of other processes
+  Processes processes_;
 };
 
 }  // namespace nscdd

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
+#include <nscdd/core/processes.hpp>
 
 namespace nscdd {
 
 /// A = L D L^T, up to a permutation, of a sparse symmetric n x n matrix: by Sylvester's law of inertia D has as many
 /// negative eigenvalues as A. Most solutions are wanted on the last m rows only, the border; E = [0; I], n x m.
+///
+/// Where several processes share a matrix, each has the lower triangle of its part: rows of its own, and the border,
+/// which all have in common. A is the sum of the parts. Vectors have the own rows and the whole border.
 struct InertiaFactor {
   using Solve = std::function<Vector(const Vector&)>;
   bool regular = false;            ///< false where the factorisation broke down; nothing else may then be asked
@@ -49,7 +52,8 @@ InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve
 
 /// How far a factor is from exact: ||d|| / ||x|| on the border, where x = A^-1 E 1 as the factor has it and d is the
 /// correction of one step of iterative refinement. Infinite if the ratio is not a finite number.
-double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border);
+double inexactness(const InertiaFactor& factor, const SparseMatrix& lower, Index border,
+                   const Processes& processes = {});
 
 /// Inexactness below which an inertia and solutions are used.
 inline constexpr double reliable_inexactness = 1e-3;
@@ -66,5 +70,7 @@ struct ArpackOptions {
 
 /// b - A x for a symmetric matrix given by its lower triangle.
 Vector symmetric_residual(const SparseMatrix& lower, const Vector& x, const Vector& b);
+/// E g - A x, of a matrix that processes may share.
+Vector border_residual(const SparseMatrix& lower, const Vector& x, const Vector& g, const Processes& processes);
 
 }  // namespace nscdd

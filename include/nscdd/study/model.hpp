@@ -27,6 +27,9 @@ struct Model {
   bool has_geometry() const { return packing.size() > 0; }
 };
 
+/// The model as one of several processes has it: its own subdomains (see deal_out), and all that is not decomposed.
+Model of_process(Model model, const Processes& processes);
+
 /// Throws Error, naming what asks for it, if the model is a contact problem: its geometry is not known.
 void require_geometry(const Model& model, std::string_view what);
 

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <span>
+
+namespace nscdd {
+
+/// What the other processes throw where one has failed, and says why.
+struct FailedElsewhere : Error {
+  FailedElsewhere() : Error("another process has failed") {}
+};
+
+/// The processes that share the work on one problem; by default this one is alone. All of them make the same calls in
+/// the same order, with arrays of the same length, and all of them get the same bits.
+struct Processes {
+  Index rank = 0, size = 1;
+  std::function<void(std::span<double>)> add_up = [](std::span<double>) {};   ///< entry by entry
+  std::function<void(std::span<double>)> largest = [](std::span<double>) {};  ///< entry by entry
+  /// The numbers of all of them, one process after the other.
+  std::function<std::vector<double>(std::span<const double>)> gather = [](std::span<const double> own) {
+    return std::vector<double>(own.begin(), own.end());
+  };
+
+  bool alone() const { return size == 1; }
+  bool first() const { return rank == 0; }
+  double sum(double own) const { return add_up({&own, 1}), own; }
+  double maximum(double own) const { return largest({&own, 1}), own; }
+  /// Whether any of them says so.
+  bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
+
+  /// The result of the work. If it throws Error in some of them, the first of these throws that, the others
+  /// FailedElsewhere.
+  template <class Work>
+  auto together(Work&& work) const {
+    std::optional<std::invoke_result_t<Work>> result;
+    std::optional<Error> error;
+    try {
+      result.emplace(work());
+    } catch (const FailedElsewhere&) {  // whoever has failed says so here as well
+    } catch (const Error& met) {
+      error = met;
+    }
+    const auto failing = static_cast<Index>(-maximum(static_cast<double>(error ? -rank : -size)));
+    if (failing == rank) throw *error;
+    if (failing < size) throw FailedElsewhere();
+    return std::move(*result);
+  }
+};
+
+}  // namespace nscdd
