@@ -71,6 +71,20 @@ PrescribedVelocity parse_prescribed(const std::string& text) {
   return velocity;
 }
 
+// Numbers that two cases hardly have in common.
+std::vector<double> features(const Model& model) {
+  double places = 0;
+  for (Index c = 0; c < model.problem.contacts(); ++c)
+    places += static_cast<double>(model.partition.subdomain_of_contact[at(c)] * (c % 1009 + 1));
+  return {static_cast<double>(model.grains()),
+          static_cast<double>(model.problem.contacts()),
+          static_cast<double>(model.partition.subdomains),
+          static_cast<double>(model.parts.interface_size()),
+          model.problem.inertia.norm(),
+          model.problem.h.norm(),
+          places};
+}
+
 }  // namespace
 
 CaseSpec find_spec(const std::string& name) {
@@ -179,6 +193,36 @@ void MemoryLimit::require(const MemoryNeed& need) const {
       "larger --memory-limit may help",
       need.name, limit / gibibyte, gibibytes ? "--memory-limit" : "90 % of what is available", need.bytes / gibibyte,
       need.what, need.advice);
+}
+
+Model shared_model(const Case& one, const Machine& machine, const std::function<void(const Model&)>& check) {
+  const Processes& all = machine.processes;
+  return all.together([&] {
+    Model whole = all.together([&] {
+      Model built = build(one);
+      check(built);
+      return built;
+    });
+    const std::vector<double> known = features(whole);
+    const std::vector<double> of_all = all.gather(known);
+    for (std::size_t k = 0; k < of_all.size(); ++k)
+      if (of_all[k] != of_all[k % known.size()])
+        fail("{}: expected the same case in all processes, met another in process {}", one.spec.name, k / known.size());
+    return of_process(std::move(whole), all);
+  });
+}
+
+void require_one_process(const Machine& machine, std::string_view what) {
+  if (!machine.processes.alone()) fail("{}: expected one process, met {}: nscdd has it", what, machine.processes.size);
+}
+
+void require_shared(const SpectralOptions& spectral, const Machine& machine) {
+  if (spectral.solver == SpectralSolver::arpack) require_one_process(machine, "--solver arpack");
+}
+
+void MemoryLimit::require(MemoryNeed need, const Machine& machine) const {
+  need.bytes *= static_cast<double>(machine.processes_here) / static_cast<double>(machine.processes.size);
+  require(need);
 }
 
 Provenance provenance(const Context& context, const std::vector<Case>& cases) {

@@ -68,6 +68,29 @@ struct SpectralCommandOptions {
 };
 
 void declare_threads(Command& command, Index& threads);
+/// Threads at the most: as asked for, or where nothing is said as the machine has it.
+inline Index threads_of(Index asked, const Machine& machine) { return asked > 0 ? asked : machine.threads; }
+
+/// Work that may leave something in the cache: the first process does it before the others.
+template <class Work>
+auto in_turn(const Processes& processes, Work&& work) {
+  std::optional<std::invoke_result_t<Work>> result;
+  for (const bool turn_of_first : {true, false})
+    processes.together([&] {
+      if (processes.first() == turn_of_first) result.emplace(work());
+      return true;
+    });
+  return std::move(*result);
+}
+
+/// The model of a case as this process has it. `check` is called with the whole one before. Throws Error in all
+/// processes if one throws it, or if they do not have the same.
+Model shared_model(const Case& one, const Machine& machine, const std::function<void(const Model& whole)>& check);
+
+/// Throws Error for what needs the whole packing where several processes share it.
+void require_one_process(const Machine& machine, std::string_view what);
+/// The same of a solver of spectra that solves with X_eta.
+void require_shared(const SpectralOptions& spectral, const Machine& machine);
 
 /// Memory that a run may take, and its refusal before the run begins.
 struct MemoryLimit {
@@ -76,6 +99,24 @@ struct MemoryLimit {
   void declare(Command& command);
 
   void require(const MemoryNeed& need) const;  ///< throws Error with both amounts where the need exceeds the limit
+  /// The same where processes share the work: what those on one computer need of it. `need`: of all.
+  void require(MemoryNeed need, const Machine& machine) const;
+};
+
+/// A table that several processes work on. The first of them has it; what the others write is lost.
+class SharedTable {
+ public:
+  /// Throws Error in all processes if the first cannot open it.
+  SharedTable(const Machine& machine, const std::string& path, const TableWork& work, Reopening how);
+  ResumableTable& operator*() { return *table_; }
+  ResumableTable* operator->() { return &*table_; }
+  Index kept() const { return kept_; }           ///< rows that existed before this run, for all processes
+  void forget() const { remove_record(path_); }  ///< of a finished table, see remove_record
+
+ private:
+  std::string path_;
+  std::optional<ResumableTable> table_;
+  Index kept_ = 0;
 };
 
 /// The options --resume and --redo, described alike for every verb that has them.
@@ -85,6 +126,8 @@ void declare_redo(Command& command, bool& redo);
 /// Whether --resume meets a table that is complete, of which a note then tells the user. Throws Error if an
 /// HDF5 file is still asked for, because nothing tells what work the table came from.
 bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how);
+/// The same for all processes, as the first has it.
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine);
 
 /// The bytes that OutputFile keeps of an output that is written in one piece at the end: none, because what
 /// an interrupted run left of it is empty.

@@ -73,7 +73,7 @@ Monitor progress(std::string label, Index before, std::string unit) {
   };
 }
 
-Interruption::Interruption() {
+Interruption::Interruption(Processes processes) : processes_(std::move(processes)) {
   requested = 0;
   for (const int signal : signals) {
     struct sigaction action {
@@ -97,7 +97,8 @@ Interruption::~Interruption() {
 Monitor Interruption::watch(std::string label, Index before, std::string unit) {
   return [this, bar = progress(std::move(label), before, std::move(unit))](Index done, Index total) {
     report(bar, done, total);
-    stopped_ = stopped_ || (requested != 0 && done < total);
+    const bool asked = processes_.any(requested != 0);
+    stopped_ = stopped_ || (asked && done < total);
     return !stopped_;
   };
 }

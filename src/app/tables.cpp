@@ -131,6 +131,18 @@ bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopenin
   return true;
 }
 
+bool nothing_to_resume(const std::string& csv, const std::string& hdf5, Reopening how, const Machine& machine) {
+  const Processes& all = machine.processes;
+  return all.any(all.together([&] { return all.first() && nothing_to_resume(csv, hdf5, how); }));
+}
+
+SharedTable::SharedTable(const Machine& machine, const std::string& path, const TableWork& work, Reopening how)
+    : path_(machine.processes.first() ? path : "/dev/null") {
+  const Reopening own = machine.processes.first() ? how : Reopening{};
+  kept_ = machine.processes.together([&] { return table_.emplace(path_, work, own).kept(); });
+  kept_ = static_cast<Index>(machine.processes.sum(static_cast<double>(kept_)));
+}
+
 int leave(ResumableTable& table, const std::string& path) {
   table.leave();
   const auto total = table.total();

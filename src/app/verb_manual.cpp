@@ -188,8 +188,8 @@ Option& Command::add_target(const std::string& form, Option::Target target, std:
   return options.emplace_back(Option{std::move(names), target, std::move(help), std::move(value)});
 }
 
-std::string short_guide(const std::vector<Verb>& verbs) {
-  std::string text = fmt::format(R"(nscdd {}: how fast does domain decomposition converge on granular media?
+std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine) {
+  std::string text = fmt::format(R"({} {}: how fast does domain decomposition converge on granular media?
 
 Examples:
   nscdd sweep disks4 --epsilon 0,1 --csv -          spectral radii of the 4 disks of the paper
@@ -199,8 +199,9 @@ Examples:
 
 Verbs:
 )",
-                                 version());
-  for (const Verb& verb : verbs) text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);
+                                 machine.program, version());
+  for (const Verb& verb : verbs)
+    if (machine.serves(verb.name)) text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);
   return text + fmt::format(R"(
 'nscdd VERB --help' has the options and examples of a verb, 'nscdd list' the known cases, studies and
 parameters, 'man nscdd' the manual.

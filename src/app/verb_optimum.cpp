@@ -37,17 +37,22 @@ StudyTable table_of(const Options& options) {
   return work;
 }
 
-int run(const Options& options) {
-  const StudyTable work = table_of(options);
+int run(const Options& options, const Context& context) {
+  const Machine& machine = context.machine;
+  StudyTable work = in_turn(machine.processes, [&] { return table_of(options); });
+  work.sweep.spectral.inertia = machine.inertia;
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.how.resume))
     fail("--redo: expected a finished table in a file with --csv, without --resume");
-  if (!options.redo && nothing_to_resume(options.csv, "", options.how)) return 0;
-  const ThreadLimit limit(options.threads);
-  const Model model = build(work.cases.front());
+  if (options.redo) require_one_process(machine, "--redo");
+  require_shared(work.sweep.spectral, machine);
+  if (!options.redo && nothing_to_resume(options.csv, "", options.how, machine)) return 0;
+  const ThreadLimit limit(threads_of(options.threads, machine));
+  const Model model = shared_model(work.cases.front(), machine, [&](const Model& whole) {
+    options.memory.require(sweep_need(whole, work.sweep), machine);
+  });
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));
-  options.memory.require(sweep_need(model, work.sweep));
   if (options.csv.empty()) {
     Index reports = 0;
     optima(model, work.sweep, [&](const OptimumResult& result) {
@@ -57,14 +62,14 @@ int run(const Options& options) {
     return 0;
   }
   if (options.redo) return redo_table(work, options.csv);
-  Interruption interruption;
-  ResumableTable csv(options.csv, table_work(work), options.how);
-  const RowSink write = [&](const Row& cells) { csv.write(cells); };
+  Interruption interruption(machine.processes);
+  SharedTable csv(machine, options.csv, table_work(work), options.how);
+  const RowSink write = [&](const Row& cells) { csv->write(cells); };
   const Index failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
                               interruption.watch(work.name, csv.kept()), csv.kept());
-  if (interruption.stopped()) return leave(csv, options.csv);
-  csv.finish();
-  remove_record(options.csv);
+  if (interruption.stopped()) return leave(*csv, options.csv);
+  csv->finish();
+  csv.forget();
   if (failed > 0) note("{} row(s) did not converge: see the column 'status'", failed);
   return 0;
 }
@@ -89,7 +94,7 @@ beats the generic algorithm, and the same with the best relaxation.
 Examples:
   nscdd optimum disks8                        the nonsmooth case, active contacts
   nscdd optimum disks8 --epsilon 0,1 --contacts all --csv -)";
-  return [options](const Context&) { return run(*options); };
+  return [options](const Context& context) { return run(*options, context); };
 }
 
 }  // namespace nscdd::app

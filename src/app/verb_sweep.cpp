@@ -38,7 +38,7 @@ SweepParameters parameters(const Options& options) {
 
 // The rows of the sweep, those found included; `sink` takes them all. Tells which rows stay without proof and what
 // to do about it, unless it is interrupted.
-void work_through(const Model& model, const StudyTable& work, ResumableTable& csv, Interruption& interruption,
+void work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
                   const RowSink& sink) {
   const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
   const Table layout{headings(columns), {}};
@@ -49,12 +49,12 @@ void work_through(const Model& model, const StudyTable& work, ResumableTable& cs
     rigid += open && limit && std::get<std::string>(cells[solver]) == "shift-invert";
     sink(cells);
   };
-  csv.replay(take);
+  csv->replay(take);
   const auto write = [&](const SweepResult& result) {
     if (work.sweep.spectral.certify && result.radius.converged && !result.radius.certified)
       note("a row converged but is not certified: see the column 'certified'; --redo tries again");
     const Row cells = row(columns, result);
-    csv.write(cells);
+    csv->write(cells);
     take(cells);
   };
   sweep(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
@@ -95,33 +95,46 @@ Asked asked(const Options& options) {
 }
 
 int run(const Options& options, const Context& context) {
-  const auto [work, curve] = asked(options);
-  if (!options.redo && nothing_to_resume(options.csv, options.hdf5, options.how)) return 0;
-  const ThreadLimit limit(options.threads);
-  const Model model = build(work.cases.front());
+  const Machine& machine = context.machine;
+  auto [work, curve] = in_turn(machine.processes, [&] { return asked(options); });
+  work.sweep.spectral.inertia = machine.inertia;
+  if (options.redo) require_one_process(machine, "--redo");
+  if (curve && !std::ranges::all_of(work.sweep.eta, [](double eta) { return std::isinf(eta); }))
+    require_one_process(machine, "--curve with a finite eta");
+  require_shared(work.sweep.spectral, machine);
+  if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
+    require_one_process(machine, "--gauss-seidel-sweeps");
+  if (!options.redo && nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
+  const ThreadLimit limit(threads_of(options.threads, machine));
+  const Model model = shared_model(work.cases.front(), machine, [&, &sweep = work.sweep](const Model& whole) {
+    options.memory.require(sweep_need(whole, sweep), machine);
+  });
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
-  options.memory.require(sweep_need(model, work.sweep));
   if (options.redo) return redo_table(work, options.csv);
-  Interruption interruption;  // from here on there is something to be left in good order
+  Interruption interruption(machine.processes);  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
-  ResumableTable csv(options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
+  SharedTable csv(machine, options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
   std::optional<OutputFile> hdf5;
-  if (!options.hdf5.empty()) hdf5.emplace(options.hdf5, options.how.force, kept_of_whole(options.how));
+  machine.processes.together([&] {
+    if (!options.hdf5.empty() && machine.processes.first())
+      hdf5.emplace(options.hdf5, options.how.force, kept_of_whole(options.how));
+    return hdf5.has_value();
+  });
   Table table{curve ? headings(curve_columns(work.sweep)) : headings(sweep_columns(work.sweep)), {}};
   const RowSink keep = [&table, wanted = hdf5.has_value()](const Row& row) {
     if (wanted) table.rows.push_back(row);
   };
   int code = 0;
   if (curve)
-    code = trace(model, *curve, csv, interruption, keep);
+    code = trace(model, *curve, *csv, interruption, keep);
   else
     work_through(model, work, csv, interruption, keep);
-  if (interruption.stopped()) return curve ? leave_nothing(options.csv) : leave(csv, options.csv);
+  if (interruption.stopped()) return curve ? leave_nothing(options.csv) : leave(*csv, options.csv);
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
-  csv.finish();
+  csv->finish();
   if (hdf5) hdf5->finish();
-  remove_record(options.csv);
+  csv.forget();
   return code;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "core/fail.hpp"
+#include <nscdd/core/processes.hpp>
+#include <nscdd/linalg/inertia_factor.hpp>
 
 #include <deque>
 #include <variant>
@@ -30,7 +32,8 @@ inline constexpr int interrupted_exit_code = 130;
 /// one ends the program at once. A signal that is ignored already (nohup, a background job) stays ignored.
 class Interruption {
  public:
-  Interruption();
+  /// `processes`: stop together.
+  explicit Interruption(Processes processes = {});
   ~Interruption();
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
@@ -41,6 +44,7 @@ class Interruption {
   bool stopped() const { return stopped_; }  ///< the work was told to stop before its end
 
  private:
+  Processes processes_;
   bool stopped_ = false;
 };
 
@@ -100,10 +104,23 @@ struct Command {
 
 struct Verb;
 
+/// What the program runs on: this process alone, or several that share the subdomains.
+struct Machine {
+  std::string program = "nscdd";
+  std::vector<std::string> verbs = {};  ///< those that it serves; all of them where it names none
+  Processes processes = {};
+  Index processes_here = 1;  ///< those that share this computer's memory
+  InertiaMethod inertia = multifrontal();
+  Index threads = 0;  ///< of a process where nothing is said, 0 for all
+
+  bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }
+};
+
 /// What every verb may need to know of the call.
 struct Context {
   std::string command_line;        ///< as typed, program name without its folder
   const std::vector<Verb>& verbs;  ///< all verbs with their options
+  const Machine& machine;
 };
 
 /// What a verb does once its options are parsed. The result is the exit code (0 done, 1 a check failed).
@@ -123,8 +140,8 @@ struct Verb {
 Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
     declare_modes, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
 
-/// What `nscdd` prints alone: what the program is for, where to begin, and its verbs.
-std::string short_guide(const std::vector<Verb>& verbs);
+/// What the program prints alone: what the program is for, where to begin, and its verbs.
+std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine);
 
 /// What `nscdd VERB --help` prints, at most 100 columns wide: a line per option, then remarks and examples.
 /// Of the help of an option it shows the part before the first "; "; the manual page has it all.
