@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd-mpi: the verbs that several processes can share.
+#include "app/program.hpp"
+#include "mpi/mumps.hpp"
+#include "mpi/processes.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+namespace nscdd::mpi {
+namespace {
+
+constexpr double patience = 5;  // s, until a process that failed alone ends the others
+
+// Which process tells the user why the run has failed: the first one that knows, or none (as many as there are). Empty
+// if some process has not come to its end yet, and this one has failed: it waits for the others in vain.
+std::optional<int> speaker(const app::Outcome& outcome) {
+  int rank = 0, size = 1, first = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  const int own = outcome.error.empty() ? size : rank;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Iallreduce(&own, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD, &request);
+  const double since = app::seconds();
+  for (int done = 0;;) {
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    if (done != 0) return first;
+    if (!outcome.error.empty() && app::seconds() - since > patience + 0.1 * rank) return std::nullopt;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+// Processes that share the memory of this one's computer, itself among them.
+Index processes_here() {
+  MPI_Comm here = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+  int size = 1;
+  MPI_Comm_size(here, &size);
+  MPI_Comm_free(&here);
+  return size;
+}
+
+// The first process speaks; what the others would say is the same.
+void keep_silent() {
+  if (std::freopen("/dev/null", "w", stdout) == nullptr || std::freopen("/dev/null", "w", stderr) == nullptr)
+    throw Error("/dev/null: cannot be opened");
+}
+
+int run(int argc, char** argv) {
+  const int standard_error = dup(STDERR_FILENO);
+  // It goes after the last word: what it holds is given back by all processes together.
+  const app::Machine machine{.program = "nscdd-mpi",
+                             .verbs = {"sweep", "optimum"},
+                             .processes = processes_of(MPI_COMM_WORLD),
+                             .processes_here = processes_here(),
+                             .inertia = mumps(MPI_COMM_WORLD),
+                             .threads = 1};
+  if (!machine.processes.first()) keep_silent();
+  const app::Outcome outcome = app::run_program(argc, argv, machine);
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  const std::optional<int> speaks = speaker(outcome);
+  if (!outcome.error.empty() && speaks.value_or(rank) == rank) {
+    dup2(standard_error, STDERR_FILENO);
+    app::note("error: {}", outcome.error);
+    std::fflush(stderr);
+  }
+  if (!speaks) MPI_Abort(MPI_COMM_WORLD, outcome.code);
+  return outcome.code;
+}
+
+}  // namespace
+}  // namespace nscdd::mpi
+
+int main(int argc, char** argv) {
+  int provided = 0;
+  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  const int code = nscdd::mpi::run(argc, argv);
+  MPI_Finalize();
+  return code;
+}

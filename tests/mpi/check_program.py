@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""nscdd-mpi as users run it: the tables of nscdd by 1, 2 and 4 processes, refusals, killed runs.
+
+usage: check_program.py MPIEXEC NSCDD NSCDD_MPI SOURCE
+"""
+import csv
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+MPIEXEC, SERIAL, SHARED, SOURCE = sys.argv[1:5]
+os.environ["NSCDD_DATA"] = SOURCE
+BED = ["deposit", "--set", "packing.grains=600", "--set", "packing.width=6", "--subdomains", "3x2"]
+# Numbers that depend on the way to the result, not on the result.
+OF_THE_WAY = {"solver", "applications", "residual", "factorisations", "program_seconds"}
+checks = 0
+
+
+def check(condition, what):
+    global checks
+    checks += 1
+    if not condition:
+        sys.exit(f"check_program: {what}")
+
+
+def start(processes, arguments, **options):
+    return subprocess.Popen([MPIEXEC, "-q", "-n", str(processes), SHARED, *arguments], text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+
+
+def run(processes, *arguments):
+    """Exit code, standard output and standard error; by nscdd alone for 0 processes."""
+    if processes == 0:
+        done = subprocess.run([SERIAL, *arguments], text=True, capture_output=True, timeout=120)
+        return done.returncode, done.stdout, done.stderr
+    process = start(processes, arguments)
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err
+
+
+def rows(text):
+    return list(csv.DictReader(text.splitlines()))
+
+
+def compare(expected, met, where):
+    """Texts and counts are equal, numbers agree to the residuals."""
+    check(len(expected) == len(met) > 0, f"{where}: {len(expected)} rows expected, {len(met)} met")
+    for number, (one, other) in enumerate(zip(expected, met)):
+        slack = 1e-9 + float(one.get("residual", 0)) + float(other.get("residual", 0))
+        for column in one:
+            if column in OF_THE_WAY:
+                continue
+            a, b = one[column], other[column]
+            try:
+                close = a == b or abs(float(a) - float(b)) <= slack * max(1, abs(float(a)))
+            except ValueError:
+                close = False
+            check(close, f"{where}: row {number}, {column}: expected {a}, met {b}")
+
+
+def same_tables():
+    work = {
+        "sweep": ["sweep", *BED, "--epsilon", "0,1e-3,1", "--eta", "inf,0.3", "--certify", "--csv", "-"],
+        "sweep by shift-invert": ["sweep", *BED, "--epsilon", "0,1e-3,1", "--eta", "inf,0.3", "--certify",
+                                  "--eigenvalues", "3", "--solver", "shift-invert", "--csv", "-"],
+        "active contacts": ["sweep", "disks12", "--epsilon", "0", "--eta", "0.1,inf", "--contacts", "active",
+                            "--csv", "-"],
+        "relaxed": ["sweep", *BED, "--epsilon", "1", "--relaxation", "0.5,optimal", "--csv", "-"],
+        "a proved curve": ["sweep", *BED, "--epsilon", "1e-2:1", "--curve", "1e-2", "--csv", "-"],
+        "optimum": ["optimum", *BED, "--epsilon", "1e-3", "--contacts", "all", "--csv", "-"],
+    }
+    for name, arguments in work.items():
+        code, expected, err = run(0, *arguments)
+        check(code == 0, f"{name}: nscdd ends with {code}: {err}")
+        for processes in (1, 2) if "disks12" in arguments else (1, 2, 4):
+            code, met, err = run(processes, *arguments)
+            where = f"{name}, {processes} process(es)"
+            check(code == 0 and err == "", f"{where}: exit code {code}, {err}")
+            loose = [dict(row, residual="1e-5") for row in rows(met)] if name == "optimum" else rows(met)
+            compare(rows(expected), loose, where)
+
+
+def refusals(folder):
+    taken = os.path.join(folder, "taken.csv")
+    with open(taken, "w") as file:
+        file.write("mine\n")
+    new = os.path.join(folder, "new.csv")
+    cases = {
+        "expected a verb that several processes can share": ["solve", "x.hdf5"],
+        "met no such file": ["sweep", "nosuch", "--epsilon", "1", "--csv", new],
+        "exists already": ["sweep", "disks12", "--epsilon", "1", "--csv", taken],
+        "expected a number, met 'q'": ["sweep", "disks12", "--epsilon", "1,q", "--csv", new],
+        "--gauss-seidel-sweeps: expected one process": ["sweep", "disks12", "--epsilon", "1",
+                                                        "--gauss-seidel-sweeps", "inf,3", "--csv", new],
+        "--redo: expected one process": ["sweep", "disks12", "--epsilon", "1", "--redo", "--csv", taken],
+        "--curve with a finite eta: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "1e-2:1e2",
+                                                            "--curve", "1e-2", "--csv", new],
+        "--solver arpack: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",
+                                                  "--solver", "arpack", "--csv", new],
+    }
+    for message, arguments in cases.items():
+        code, out, err = run(2, *arguments)
+        check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
+        check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
+        check(out == "", f"{arguments}: no output expected, met {out!r}")
+    code, out, err = run(4, "sweep", "disks4", "--epsilon", "1", "--csv", new)
+    check(code == 2 and "at most one for each of 2 subdomain(s), met 4" in err, f"too many processes: {code}, {err}")
+    check(sorted(os.listdir(folder)) == ["taken.csv"], f"refusals leave {os.listdir(folder)}")
+    with open(taken) as file:
+        check(file.read() == "mine\n", "a refusal changed a file")
+
+
+def one_fails(folder):
+    """A file that one process cannot read, and a disk that is full for the one that writes."""
+    case = os.path.join(folder, "seen.toml")
+    with open(os.path.join(SOURCE, "cases", "disks12.toml")) as source, open(case, "w") as file:
+        file.write(source.read())
+    common = ["--epsilon", "1", "--csv", os.path.join(folder, "out.csv")]
+    done = subprocess.run([MPIEXEC, "-q", "-n", "1", SHARED, "sweep", case, *common, ":",
+                           "-n", "1", SHARED, "sweep", os.path.join(folder, "unseen.toml"), *common],
+                          text=True, capture_output=True, timeout=60)
+    check(done.returncode == 2, f"one file missing: exit code 2 expected, {done.returncode} met: {done.stderr}")
+    said = done.stderr
+    check(said.count("nscdd: error:") == 1 and "unseen.toml" in said, f"one file missing: {said!r}")
+    check(os.listdir(folder) == ["seen.toml"], f"one file missing: leaves {os.listdir(folder)}")
+    other = ["sweep", "disks12", "--epsilon", "1", "--csv", os.path.join(folder, "out.csv")]
+    done = subprocess.run([MPIEXEC, "-q", "-n", "1", SHARED, *other, ":", "-n", "1", SHARED, *other, "--density", "2"],
+                          text=True, capture_output=True, timeout=60)
+    check(done.returncode == 2 and "the same case in all processes" in done.stderr, f"two cases: {done.stderr!r}")
+    began = time.monotonic()
+    code, _, err = run(2, "sweep", *BED, "--epsilon", "1e-3:1:40", "--solver", "shift-invert", "--csv", "/dev/full")
+    check(code != 0 and err.count("nscdd: error:") == 1 and "written" in err, f"full disk: {code}, {err!r}")
+    check(time.monotonic() - began < 40, "full disk: the others went on")
+
+
+def children(parent):
+    found = []
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{name}/stat") as file:
+                after_name = file.read().rpartition(")")[2].split()
+        except OSError:  # it has ended meanwhile
+            continue
+        if int(after_name[1]) == parent:
+            found.append(int(name))
+    return sorted(found)
+
+
+def killed_and_resumed(folder):
+    table = os.path.join(folder, "curve.csv")
+    partial = table + ".partial"
+    arguments = ["sweep", *BED, "--epsilon", "1e-4:1:120", "--eta", "0.3", "--solver", "shift-invert", "--csv", table]
+    process = start(2, arguments)
+    written = 0
+    for _ in range(600):
+        time.sleep(0.1)
+        if os.path.exists(partial):
+            with open(partial) as file:
+                written = file.read().count("\n") - 1
+        if written >= 10 or process.poll() is not None:
+            break
+    check(process.poll() is None, "the run ended before it was killed")
+    began = time.monotonic()
+    os.kill(children(process.pid)[1], signal.SIGKILL)
+    process.communicate(timeout=60)
+    check(process.returncode != 0, "killed: an exit code that is not 0 expected")
+    check(time.monotonic() - began < 20, "killed: the others went on")
+    check(not os.path.exists(table), "killed: a table that is not complete has its name")
+    with open(partial) as file:
+        kept = file.read().count("\n") - 1
+    check(10 <= kept < 120, f"killed: {kept} rows are left")
+    code, _, err = run(4, *arguments, "--resume")
+    check(code == 0, f"resumed: exit code {code}, {err}")
+    with open(table) as file:
+        met = rows(file.read())
+    whole = os.path.join(folder, "whole.csv")
+    code, _, err = run(0, *arguments[:-1], whole)
+    check(code == 0, f"nscdd: exit code {code}, {err}")
+    with open(whole) as file:
+        compare(rows(file.read()), met, "resumed")
+    check(sorted(os.listdir(folder)) == ["curve.csv", "whole.csv"], f"resumed: leaves {os.listdir(folder)}")
+
+
+same_tables()
+for test in (refusals, one_fails, killed_and_resumed):
+    with tempfile.TemporaryDirectory() as folder:
+        test(folder)
+print(f"{checks} checks passed")

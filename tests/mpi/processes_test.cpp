@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What crosses from process to process.
+#include "mpi/processes.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+using namespace nscdd;
+
+namespace {
+
+const Processes& all() {
+  static const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
+  return processes;
+}
+
+// Whether the others have the bits of the first process.
+bool same_bits(double value) {
+  double of_first = value;
+  MPI_Bcast(&of_first, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  return std::memcmp(&of_first, &value, sizeof value) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("processes: sums and maxima are those of all, with the same bits everywhere") {
+  int size = 0, rank = -1;
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  CHECK(all().size == size);
+  CHECK(all().rank == rank);
+  CHECK(all().alone() == (size == 1));
+  CHECK(all().sum(static_cast<double>(rank)) == size * (size - 1) / 2);
+  CHECK(all().maximum(static_cast<double>(-rank)) == 0);
+  CHECK(all().maximum(static_cast<double>(rank)) == size - 1);
+  CHECK(all().any(rank == size - 1));
+  CHECK(!all().any(false));
+  double harmonic = 0;
+  for (int k = 1; k <= size; ++k) harmonic += 1.0 / k;
+  const double sum = all().sum(1.0 / (rank + 1));
+  CHECK(std::abs(sum - harmonic) < 1e-15 * size);
+  CHECK(same_bits(sum));
+  std::vector<double> numbers(1000);
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<double>(k) * (rank + 1);
+  all().add_up(numbers);
+  for (std::size_t k = 0; k < numbers.size(); ++k) CHECK(numbers[k] == static_cast<double>(k) * size * (size + 1) / 2);
+}
+
+TEST_CASE("processes: what one of them throws, all throw, and one says why") {
+  for (Index culprit = 0; culprit < all().size; ++culprit) {
+    const auto work = [&] {
+      if (all().rank >= culprit) throw Error("too bad");
+      return 1;
+    };
+    std::string met;
+    try {
+      all().together(work);
+    } catch (const FailedElsewhere&) {
+      met = "elsewhere";
+    } catch (const Error& error) {
+      met = error.what();
+    }
+    CHECK(met == (all().rank == culprit ? "too bad" : "elsewhere"));
+  }
+  std::string inner;  // one has failed, and all are together again further out
+  try {
+    all().together([&] {
+      return all().together([&] {
+        if (all().rank == all().size - 1) throw Error("the last one");
+        return 1;
+      });
+    });
+  } catch (const FailedElsewhere&) {
+    inner = "elsewhere";
+  } catch (const Error& error) {
+    inner = error.what();
+  }
+  CHECK(inner == (all().rank == all().size - 1 ? "the last one" : "elsewhere"));
+  CHECK(all().together([] { return 7; }) == 7);
+}
+
+TEST_CASE("processes: a communicator of the caller is not disturbed") {
+  MPI_Comm pair = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, static_cast<int>(all().rank) / 2, 0, &pair);
+  {
+    const Processes two = mpi::processes_of(pair);
+    CHECK(two.sum(1) == static_cast<double>(two.size));
+    CHECK(two.size <= 2);
+  }
+  int size = 0;
+  MPI_Comm_size(pair, &size);  // it is still there
+  CHECK(size >= 1);
+  MPI_Comm_free(&pair);
+}

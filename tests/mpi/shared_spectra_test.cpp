@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Spectra of packings that processes share, against those of one process with our own factorisation.
+#include "../support/problems.hpp"
+#include "../support/spectra.hpp"
+#include "ddm/shifted_pencil.hpp"
+#include "mpi/mumps.hpp"
+#include "mpi/processes.hpp"
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/study/model.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+struct Shared {
+  Processes processes = mpi::processes_of(MPI_COMM_WORLD);
+  InertiaMethod method = mpi::mumps(MPI_COMM_WORLD);
+};
+
+struct Pair {
+  double epsilon, eta;
+};
+const std::vector<Pair> pairs{{1e-4, infinity}, {1e-2, infinity}, {1.0, infinity}, {1e-2, 1.0},
+                              {1e-2, 1e-3},     {1e2, 5.0},       {0.1, 0.1001}};
+
+// Those that the laws are tested on.
+std::vector<Case> packings() {
+  std::vector<Case> all = every_problem();
+  const std::vector<Case> more = packings_up_to(500);
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+// Packings with as many subdomains as there are processes, or more.
+int for_shared_packings(const Shared& shared, Index most_unknowns,
+                        const std::function<void(const Model& whole, const Model& own)>& visit) {
+  int visited = 0;
+  for (const Case& one : packings()) {
+    const Model whole = build(one);
+    if (count(whole.parts.subdomains) < shared.processes.size || whole.parts.interface_size() < 5 ||
+        whole.parts.interface_size() > most_unknowns)
+      continue;
+    CAPTURE(one.spec.name);
+    visit(whole, of_process(whole, shared.processes));
+    ++visited;
+  }
+  return visited;
+}
+
+void check_same(const SpectralRadius& found, const SpectralRadius& known, double slack) {
+  CHECK(known.converged);
+  CHECK(found.converged);
+  CHECK(found.certified);
+  CHECK(found.unit_multiplicity == known.unit_multiplicity);
+  const double off = found.residual + known.residual + slack;
+  CHECK(std::abs(found.value - known.value) <= off);
+  CHECK(std::abs(found.subdominant_min - known.subdominant_min) <= off);
+  CHECK(std::abs(found.subdominant_max - known.subdominant_max) <= off);
+  CHECK(found.within_min == known.within_min);
+  CHECK(found.within_max == known.within_max);
+  for (std::size_t side : {0, 1}) {
+    CHECK(std::abs(found.interval_min[side] - known.interval_min[side]) <= off);
+    CHECK(std::abs(found.interval_max[side] - known.interval_max[side]) <= off);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("shared: radii, certified intervals and counts are those of one process") {
+  const Shared shared;
+  const SpectralOptions serial{.solver = SpectralSolver::shift_invert, .certify = true};
+  SpectralOptions options = serial;
+  options.inertia = shared.method;
+  const int visited = for_shared_packings(shared, 500, [&](const Model& whole, const Model& own) {
+    const InterfaceFamily family(whole.parts), of_own(own.parts);
+    for (const auto& [epsilon, eta] : pairs) {
+      CAPTURE(epsilon);
+      CAPTURE(eta);
+      const SpectralRadius found = spectral_radius({of_own.at(eta), of_own.at(epsilon)}, options);
+      if (shared.processes.first())
+        check_same(found, spectral_radius({family.at(eta), family.at(epsilon)}, serial), 1e-10);
+    }
+  });
+  CHECK(visited > 5);
+}
+
+TEST_CASE("shared: the rigid limit") {
+  const Shared shared;
+  const SpectralOptions serial{.solver = SpectralSolver::shift_invert, .certify = true};
+  SpectralOptions options = serial;
+  options.inertia = shared.method;
+  int found_zeros = 0;
+  for_shared_packings(shared, 400, [&](const Model& whole, const Model& own) {
+    const InterfaceFamily family(whole.parts), of_own(own.parts);
+    for (const double eta : {infinity, 0.3}) {
+      const SpectralRadius known = spectral_radius({family.at(eta), family.at(0)}, serial);
+      const SpectralRadius found = spectral_radius({of_own.at(eta), of_own.at(0)}, options);
+      if (!known.converged) continue;
+      CAPTURE(eta);
+      check_same(found, known, 1e-10);
+      found_zeros += found.unit_multiplicity > 0;
+    }
+  });
+  CHECK(found_zeros > 0);
+}
+
+TEST_CASE("shared: operators have the bits of one process") {
+  const Shared shared;
+  const int visited = for_shared_packings(shared, 800, [&](const Model& whole, const Model& own) {
+    const InterfaceFamily family(whole.parts), of_own(own.parts);
+    const Vector f = Vector::LinSpaced(whole.parts.interface_size(), -1, 2);
+    for (const double eta : {infinity, 1.0, 1e-3}) {
+      CAPTURE(eta);
+      CHECK(of_own.at(eta).apply(f) == family.at(eta).apply(f));
+      CHECK(of_own.at(eta).scale() == family.at(eta).scale());
+      CHECK(of_own.at(eta).dense() == family.at(eta).dense());
+      CHECK(of_own.at(eta).slope(f) == doctest::Approx(family.at(eta).slope(f)).epsilon(1e-13));
+    }
+    CHECK(of_own.at(infinity).solve(f) == family.at(infinity).solve(f));
+    CHECK(Matrix(of_own.at(1).generic()) == Matrix(family.at(1).generic()));
+    CHECK(of_own.at(0).nullity() == family.at(0).nullity());
+  });
+  CHECK(visited > 5);
+}
+
+TEST_CASE("shared: a factor counts and solves as our own does, also after the next one was made") {
+  const Shared shared;
+  const int visited = for_shared_packings(shared, 400, [&](const Model& whole, const Model& own) {
+    const InterfaceFamily family(whole.parts), of_own(own.parts);
+    const Contraction one{family.at(0.3), family.at(1e-2)}, mine{of_own.at(0.3), of_own.at(1e-2)};
+    const ShiftedPencilFamily alone(one), together(mine, SystemForm::condensed, shared.method);
+    const Vector g = Vector::LinSpaced(one.rows(), 1, -3);
+    std::optional<ShiftedPencil> kept;
+    for (const double sigma : {0.05, 0.4, 1.3}) {
+      CAPTURE(sigma);
+      const ShiftedPencil known = alone.at(1e-2, 0.3, sigma), found = together.at(1e-2, 0.3, sigma);
+      REQUIRE(found.reliable());
+      CHECK(found.below() == known.below());
+      const Vector x = known.solve(g);
+      CHECK((found.solve(g) - x).norm() < 1e-8 * x.norm());
+      if (kept) CHECK((kept->solve(g) - alone.at(1e-2, 0.3, kept->shift()).solve(g)).norm() < 1e-6 * x.norm());
+      kept = found;
+    }
+  });
+  CHECK(visited > 3);
+}
+
+TEST_CASE("shared: what needs the undivided packing is refused") {
+  const Shared shared;
+  if (shared.processes.alone()) return;
+  const int visited = for_shared_packings(shared, 100, [&](const Model&, const Model& own) {
+    const InterfaceFamily family(own.parts);
+    CHECK_THROWS_WITH_AS(family.at(1).solve(Vector::Ones(own.parts.interface_size())),
+                         doctest::Contains("expected one for solutions with X_eta"), Error);
+  });
+  CHECK(visited > 0);
+}
