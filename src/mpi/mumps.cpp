@@ -90,9 +90,11 @@ class Mumps {
   bool factorise(const SparseMatrix& lower) {
     values_ = Eigen::Map<const Vector>(lower.valuePtr(), lower.nonZeros());
     data_.a_loc = values_.data();
-    if (!analysed_) run(1);
-    if (infog(1) < 0) fail("MUMPS: expected an analysis, met status {} ({})", infog(1), infog(2));
-    analysed_ = true;
+    if (!analysed_) {
+      run(1);
+      if (infog(1) < 0) fail("MUMPS: expected an analysis, met status {} ({})", infog(1), infog(2));
+      analysed_ = true;
+    }
     run(2);
     const auto too_small = [this] {  // its work space, or what it sends and receives in
       return infog(1) == -8 || infog(1) == -9 || infog(1) == -17 || infog(1) == -20;

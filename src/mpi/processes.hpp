@@ -8,8 +8,7 @@
 namespace nscdd::mpi {
 
 /// The processes of a communicator, which is duplicated: messages of the caller are not disturbed. MPI must have been
-/// initialised. Sums are made by one process and sent to the
-/// others: all have the same bits.
+/// initialised. Sums are made by one process and sent to the others: all have the same bits.
 Processes processes_of(MPI_Comm communicator);
 
 }  // namespace nscdd::mpi

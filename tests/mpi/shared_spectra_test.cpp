@@ -148,6 +148,22 @@ TEST_CASE("shared: a factor counts and solves as our own does, also after the ne
   CHECK(visited > 3);
 }
 
+TEST_CASE("shared: a matrix after a singular one is factorised") {
+  const Shared shared;
+  SparseMatrix lower(3, 3);  // a row of each process, and a border of two
+  lower.setIdentity();
+  const SparseMatrix zero = 0 * lower, negative = -1 * lower;
+  const InertiaFamily family = shared.method.analyse({.lower = lower, .group = {}, .border = 2});
+  for (int round = 0; round < 2; ++round) {
+    CHECK(!family.factorise(zero, {}).regular);
+    const InertiaFactor factor = family.factorise(negative, {});
+    REQUIRE(factor.regular);
+    CHECK(factor.negative_eigenvalues == shared.processes.size + 2);
+    const Vector x = factor.solve_on_border(Vector::Ones(2));  // the border is the sum over the processes
+    CHECK((x + Vector::Constant(2, 1.0 / static_cast<double>(shared.processes.size))).norm() < 1e-14);
+  }
+}
+
 TEST_CASE("shared: what needs the undivided packing is refused") {
   const Shared shared;
   if (shared.processes.alone()) return;
