@@ -203,13 +203,16 @@ Model shared_model(const Case& one, const Machine& machine, const std::function<
       check(built);
       return built;
     });
-    const std::vector<double> known = features(whole);
-    const std::vector<double> of_all = all.gather(known);
-    for (std::size_t k = 0; k < of_all.size(); ++k)
-      if (of_all[k] != of_all[k % known.size()])
-        fail("{}: expected the same case in all processes, met another in process {}", one.spec.name, k / known.size());
+    require_same(features(whole), one.spec.name, all);
     return of_process(std::move(whole), all);
   });
+}
+
+void require_same(const std::vector<double>& numbers, const std::string& name, const Processes& processes) {
+  const std::vector<double> of_all = processes.gather(numbers);
+  for (std::size_t k = 0; k < of_all.size(); ++k)
+    if (of_all[k] != of_all[k % numbers.size()])
+      fail("{}: expected the same case in all processes, met another in process {}", name, k / numbers.size());
 }
 
 void require_one_process(const Machine& machine, std::string_view what) {

@@ -87,6 +87,9 @@ auto in_turn(const Processes& processes, Work&& work) {
 /// processes if one throws it, or if they do not have the same.
 Model shared_model(const Case& one, const Machine& machine, const std::function<void(const Model& whole)>& check);
 
+/// Throws Error in all processes unless they have the same numbers, which tell one case from another.
+void require_same(const std::vector<double>& numbers, const std::string& name, const Processes& processes);
+
 /// Throws Error for what needs the whole packing where several processes share it.
 void require_one_process(const Machine& machine, std::string_view what);
 /// The same of a solver of spectra that solves with X_eta.

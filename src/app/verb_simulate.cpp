@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 #include "app/simulate_output.hpp"
+#include "core/text.hpp"
 #include "files/output_file.hpp"
 #include "linalg/threads.hpp"
 
@@ -135,52 +136,140 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
   return 1;
 }
 
+// What several processes share is Algorithm 1 in its generic form.
+void require_shared(const CaseSpec& spec, const Machine& machine) {
+  if (machine.processes.alone()) return;
+  const StepSolver& solver = spec.dynamics->solver;
+  if (solver.algorithm != StepAlgorithm::generic)
+    fail("solver.algorithm: expected generic on several processes, met {}: nscdd has it on one",
+         to_string(solver.algorithm));
+  if (solver.model != SwitchedModel::none)
+    require_one_process(machine, fmt::format("solver.switch {}", to_string(solver.model)));
+  if (const Index most = subdomains(spec.partition); machine.processes.size > most)
+    fail("processes: expected at most one for each of {} subdomain(s), met {}", most, machine.processes.size);
+}
+
+// What tells the start of one run from that of another, and what is asked of it.
+std::vector<double> features(const Simulation& simulation, const std::string& case_text, const Options& options) {
+  const auto& [system, state] = std::tie(simulation.system, simulation.state);
+  std::string text = case_text;
+  for (const auto* values : {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin,
+                             &system.radius, &system.mass})
+    text += fingerprint(std::span<const double>(*values));
+  std::vector<double> remembered;
+  for (const auto& one : state.impulses) remembered.insert(remembered.end(), {one.impulse.n, one.impulse.t});
+  for (const RememberedGluing& one : state.gluing) remembered.insert(remembered.end(), {one.x, one.y, one.rim});
+  text += fingerprint(std::span<const double>(remembered));
+  text += fmt::format("{} {} {}", state.step, options.convergence.empty(), options.convergence_every.value_or(0));
+  std::vector<double> numbers;
+  for (const char letter : fingerprint(std::string_view(text))) numbers.push_back(static_cast<double>(letter));
+  return numbers;
+}
+
+// What is written of a run: the trajectory and the table of iterations. Of several processes the first one has them.
+class RunOutput {
+ public:
+  RunOutput(const Options& options, const Machine& machine) : options_(options), processes_(machine.processes) {}
+
+  void open(const TrajectoryHeader& header, const Simulation& simulation, const std::optional<RunSoFar>& found,
+            const std::string& command_line) {
+    first([&] {
+      if (found) trajectory_.emplace(options_.output, headings(step_columns()));
+      table_ = convergence_table(options_.convergence, options_.force, found);
+      if (found)
+        trajectory_->go_on(header.case_text,
+                           fmt::format("from step {}: nscdd {}: {}\n", simulation.state.step, version(), command_line));
+      else
+        trajectory_.emplace(options_.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
+    });
+  }
+  // Looks at no iteration unless there is a table, and then in all processes.
+  IterationSink iterations() {
+    if (options_.convergence.empty()) return {};
+    const auto write = [this](const IterationRow& each) {
+      if (!table_ || failure_) return;
+      try {
+        table_->write(row(iteration_columns(), each));
+      } catch (const Error& error) {  // the others are in the middle of a step: they hear of it at its end
+        failure_ = error;
+      }
+    };
+    return {write, options_.convergence_every.value_or(0)};
+  }
+  void add(const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+    first([&] {
+      const bool keep = report.step % options_.save_every == 0 || report.step == after.dynamics.time.steps;
+      trajectory_->append(trajectory_step(after, solved), row(step_columns(), report), keep);
+      if (!trajectory_->due()) return;
+      if (table_) table_->flush();  // first: a restart needs the rows of all the steps that the trajectory has
+      trajectory_->commit();
+    });
+  }
+  void end(const RunOutcome& outcome) {
+    first([&] {
+      if (table_) table_->flush();
+      trajectory_->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
+                                              : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
+      if (table_ && outcome.end == RunEnd::stopped) table_->leave();
+      if (table_ && outcome.end != RunEnd::stopped) table_->finish();
+    });
+  }
+
+ private:
+  template <class Work>
+  void first(Work&& work) {
+    processes_.together([&] {
+      if (failure_) throw Error(*failure_);
+      if (processes_.first()) work();
+      return true;
+    });
+  }
+
+  const Options& options_;
+  const Processes& processes_;
+  std::optional<TrajectoryWriter> trajectory_;
+  std::unique_ptr<CsvWriter> table_;
+  std::optional<Error> failure_;
+};
+
 int run(const Options& options, const Context& context) {
-  check_names(options);
-  const ThreadLimit limit(options.threads);
-  CaseSpec spec = find_spec(options.name);
-  apply(options, spec);
-  if (options.restart) check_restart(options.output, options.convergence, spec);
-  const Case one = resolve_case(spec, {options.output, options.convergence});
-  Simulation simulation = simulation_of(one);
-  const TrajectoryHeader header{to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system};
+  const Processes& all = context.machine.processes;
+  const ThreadLimit limit(threads_of(options.threads, context.machine));
+  CaseSpec spec = all.together([&] {
+    if (all.first()) check_names(options);
+    CaseSpec found = find_spec(options.name);
+    apply(options, found);
+    require_shared(found, context.machine);
+    if (options.restart && all.first()) check_restart(options.output, options.convergence, found);
+    return found;
+  });
+  const Case one = in_turn(all, [&] { return resolve_case(spec, {options.output, options.convergence}); });
   std::optional<RunSoFar> found;
   std::vector<double> speeds;
-  if (options.restart) {
-    take_up(simulation, options.output);
+  Simulation simulation = all.together([&] {
+    Simulation start = simulation_of(one);
+    start.processes = all;
+    if (!options.restart) return start;
+    take_up(start, options.output);
     found = run_so_far(options.output);
-    for (const double kinetic : found->kinetic) speeds.push_back(mean_speed(simulation.system, kinetic));
-  }
-  const Index before = simulation.state.step;
-  Interruption interruption;
-  std::optional<TrajectoryWriter> trajectory;
-  if (options.restart) trajectory.emplace(options.output, headings(step_columns()));
-  const auto table = convergence_table(options.convergence, options.force, found);
-  if (options.restart)
-    trajectory->go_on(header.case_text,
-                      fmt::format("from step {}: nscdd {}: {}\n", before, version(), context.command_line));
-  else
-    trajectory.emplace(options.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
+    for (const double kinetic : found->kinetic) speeds.push_back(mean_speed(start.system, kinetic));
+    return start;
+  });
+  require_same(features(simulation, to_toml(spec), options), spec.name, all);
+  Interruption interruption(all);
+  RunOutput output(options, context.machine);
+  output.open({to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system}, simulation, found,
+              context.command_line);
   RunTotals totals;
   RunSinks sinks;
-  if (table)
-    sinks.iteration = {[&](const IterationRow& each) { table->write(row(iteration_columns(), each)); },
-                       options.convergence_every.value_or(0)};
-  sinks.monitor = interruption.watch("simulate " + spec.name, before, "step");
+  sinks.iteration = output.iterations();
+  sinks.monitor = interruption.watch("simulate " + spec.name, simulation.state.step, "step");
   sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
-    const bool keep = report.step % options.save_every == 0 || report.step == after.dynamics.time.steps;
-    trajectory->append(trajectory_step(after, solved), row(step_columns(), report), keep);
+    output.add(after, solved, report);
     totals.add(report);
-    if (!trajectory->due()) return;
-    if (table) table->flush();  // first: a restart needs the rows of all the steps that the trajectory has
-    trajectory->commit();
   };
   const RunOutcome outcome = run_simulation(simulation, sinks, speeds);
-  if (table) table->flush();
-  trajectory->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
-                                         : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
-  if (table && outcome.end == RunEnd::stopped) table->leave();
-  if (table && outcome.end != RunEnd::stopped) table->finish();
+  output.end(outcome);
   return close(options, simulation, outcome, totals);
 }
 

@@ -25,24 +25,30 @@ void fill_empty(std::vector<Index>& process_of, const std::vector<idx_t>& weight
 }  // namespace
 
 std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
-  const Index subdomains = count(parts.subdomains);
+  std::vector<Index> weight;
+  for (const Subdomain& subdomain : parts.subdomains) weight.push_back(1 + subdomain.inertia.size());
+  return deal_out(parts.interface, weight, processes);
+}
+
+std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes) {
+  const Index subdomains = count(weight);
   if (processes > subdomains)
     fail("processes: expected at most one for each of {} subdomain(s), met {}", subdomains, processes);
   std::vector<Index> process_of(at(subdomains), 0);
   if (processes == 1) return process_of;
   std::vector<std::map<Index, idx_t>> shared(at(subdomains));  // rows that a subdomain shares with each other one
-  for (const Gluing& row : parts.interface.gluing()) {
+  for (const Gluing& row : interface.gluing()) {
     ++shared[at(row.first.subdomain)][row.second.subdomain];
     ++shared[at(row.second.subdomain)][row.first.subdomain];
   }
-  std::vector<idx_t> start{0}, neighbours, rows, weight;
+  std::vector<idx_t> start{0}, neighbours, rows, weights;
   for (Index e = 0; e < subdomains; ++e) {
     for (const auto& [other, number] : shared[at(e)]) {
       neighbours.push_back(static_cast<idx_t>(other));
       rows.push_back(number);
     }
     start.push_back(static_cast<idx_t>(neighbours.size()));
-    weight.push_back(static_cast<idx_t>(1 + parts.subdomains[at(e)].inertia.size()));
+    weights.push_back(static_cast<idx_t>(weight[at(e)]));
   }
   auto vertices = static_cast<idx_t>(subdomains), wanted = static_cast<idx_t>(processes);
   idx_t constraints = 1, cut = 0;
@@ -51,13 +57,13 @@ std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
   options[METIS_OPTION_SEED] = 1;
   std::vector<idx_t> part(at(subdomains), 0);
   const int status = metis_status([&] {
-    return METIS_PartGraphRecursive(&vertices, &constraints, start.data(), neighbours.data(), weight.data(), nullptr,
+    return METIS_PartGraphRecursive(&vertices, &constraints, start.data(), neighbours.data(), weights.data(), nullptr,
                                     rows.data(), &wanted, nullptr, nullptr, options, &cut, part.data());
   });
   if (status != METIS_OK)
     fail("METIS: expected subdomains dealt out to {} processes, met status {}", processes, status);
   process_of.assign(part.begin(), part.end());
-  fill_empty(process_of, weight, processes);
+  fill_empty(process_of, weights, processes);
   return process_of;
 }
 

@@ -92,12 +92,11 @@ Decomposition restrict_contacts(const Decomposition& parts, const std::vector<ch
   return restricted;
 }
 
-Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain, Processes processes) {
-  std::vector<char> own;
-  for (const Index process : process_of_subdomain) own.push_back(process == processes.rank);
-  parts.interface = parts.interface.of_process(own, std::move(processes));
-  for (std::size_t e = 0; e < own.size(); ++e)
-    if (!own[e])
+Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
+                         const Processes& processes) {
+  parts.interface = parts.interface.of_process(process_of_subdomain, processes);
+  for (std::size_t e = 0; e < process_of_subdomain.size(); ++e)
+    if (process_of_subdomain[e] != processes.rank)
       parts.subdomains[e] = {
           .grains = {}, .contacts = {}, .inertia = {}, .h = {}, .a = parts.interface.matrix(static_cast<Index>(e))};
   return parts;

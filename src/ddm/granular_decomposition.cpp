@@ -165,8 +165,22 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
   return parts;
 }
 
+GranularDecomposition of_process(GranularDecomposition parts, const Processes& processes) {
+  std::vector<Index> weight;
+  for (const GranularSubdomain& subdomain : parts.subdomains) weight.push_back(1 + count(subdomain.numbers));
+  parts.interface = parts.interface.of_process(deal_out(parts.interface, weight, processes.size), processes);
+  parts.interface.meet_neighbours();
+  for (Index e = 0; e < count(parts.subdomains); ++e) {
+    ContactRows& contacts = parts.subdomains[at(e)].contacts;
+    if (parts.interface.process_of(e) == processes.rank) continue;
+    contacts.rows = std::vector<ContactRows::Row>();  // {} would keep the memory
+    contacts.bias_t = contacts.pull = std::vector<double>();
+  }
+  return parts;
+}
+
 Vector interface_jumps(const GranularDecomposition& parts) {
-  return parts.interface.exchange([&](Index e, Index grain, Index k) {
+  return parts.interface.exchange_with_neighbours([&](Index e, Index grain, Index k) {
     const DiskVelocity& v = copy_of(parts, {e, grain});
     return k == 0 ? v.x : k == 1 ? v.y : v.rim;
   });
@@ -180,15 +194,13 @@ Vector free_velocities(const GranularDecomposition& parts) {
   return Vector::Map(values.data(), count(values));
 }
 
-double glued_speed_squared(const GranularDecomposition& parts) {
+double glued_speed_squared(const GranularDecomposition& parts, Index subdomain) {
   double sum = 0;
   Index before = -1;
-  for (const Gluing& row : parts.interface.gluing()) {
-    if (row.grain == std::exchange(before, row.grain)) continue;
-    for (const GrainCopy& copy : parts.interface.copies(row.grain)) {
-      const DiskVelocity& v = copy_of(parts, copy);
-      sum += v.x * v.x + v.y * v.y + v.rim * v.rim;
-    }
+  for (const Tie& tie : parts.interface.ties(subdomain)) {  // two of them in a row have the same copy
+    if (tie.grain == std::exchange(before, tie.grain)) continue;
+    const DiskVelocity& v = copy_of(parts, {subdomain, tie.grain});
+    sum += v.x * v.x + v.y * v.y + v.rim * v.rim;
   }
   return sum;
 }

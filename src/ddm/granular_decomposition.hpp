@@ -37,14 +37,19 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
                                 std::uint64_t seed);
 
-/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma.
+/// What one of several processes works on: the contacts of its own subdomains. Of all subdomains it keeps which bodies
+/// and contacts they have, their velocities and impulses; those of other processes stay as they are at the beginning.
+/// Throws Error for more processes than subdomains.
+GranularDecomposition of_process(GranularDecomposition parts, const Processes& processes);
+
+/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy.
 Vector interface_jumps(const GranularDecomposition& parts);
 
 /// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
 Vector free_velocities(const GranularDecomposition& parts);
 
-/// Sum over the copies of shared grains of |V|^2, rim speed included.
-double glued_speed_squared(const GranularDecomposition& parts);
+/// Sum over the copies of shared grains in a subdomain of |V|^2, rim speed included.
+double glued_speed_squared(const GranularDecomposition& parts, Index subdomain);
 
 /// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
 Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g);

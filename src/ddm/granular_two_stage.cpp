@@ -93,6 +93,7 @@ void GranularTwoStage::restart(const Vector& z) {
 
 // n_GS sweeps; the change is that of all of them together.
 SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
+  if (subdomain.contacts.size() == 0) return {};  // another process has them
   const bool compare = solver_.gauss_seidel_sweeps > 1;
   std::vector<LocalVector> before;
   if (compare) before = subdomain.contacts.impulses;
@@ -121,7 +122,7 @@ void GranularTwoStage::switch_models(const std::vector<RememberedModel>& before,
   }
 }
 
-SweepSums GranularTwoStage::stage_one() {
+std::vector<SweepSums> GranularTwoStage::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
   const auto discrete = [&](GranularSubdomain& subdomain) { return sweeps(subdomain); };
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
@@ -131,12 +132,26 @@ SweepSums GranularTwoStage::stage_one() {
                       : switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
   });
   sweeps_ += solver_.gauss_seidel_sweeps;
-  SweepSums total;
-  for (const SweepSums& one : sums) {
-    total.change += one.change;
-    total.impulses += one.impulses;
-  }
-  return total;
+  return sums;
+}
+
+Vector GranularTwoStage::summed(Eigen::MatrixXd parts) const {
+  parts_.interface.processes().add_up({parts.data(), at(parts.size())});
+  Vector sum = Vector::Zero(parts.rows());
+  for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
+  return sum;
+}
+
+double GranularTwoStage::dot(const Vector& f, const Vector& g) const {
+  Eigen::MatrixXd parts(1, count(parts_.subdomains));
+  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = parts_.interface.part_of_dot(e, f, g);
+  return summed(std::move(parts))[0];
+}
+
+double GranularTwoStage::glued_speed_squared() const {
+  Eigen::MatrixXd parts(1, count(parts_.subdomains));
+  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = nscdd::glued_speed_squared(parts_, e);
+  return summed(std::move(parts))[0];
 }
 
 Vector GranularTwoStage::preconditioned(const Vector& g) const {
@@ -151,23 +166,22 @@ void GranularTwoStage::correct(const Vector& change) {
 
 // One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F +
 // d shows the curvature d.S d. The direction is reset if it is not conjugate.
-Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
-  const Interface& interface = parts_.interface;
+Vector GranularTwoStage::conjugate_step(const Vector& g, std::vector<SweepSums>& sums) {
   const Vector z = preconditioned(g);
   double beta = 0;
   if (direction_.size() == g.size()) {
-    const double before = interface.dot(last_jumps_, last_preconditioned_);
+    const double before = dot(last_jumps_, last_preconditioned_);
     // With an inexact Stage 1 jumps may grow; then the last direction is forgotten.
-    if (before > 0 && interface.dot(g, z) < before) beta = std::max(0.0, interface.dot(g - last_jumps_, z) / before);
+    if (before > 0 && dot(g, z) < before) beta = std::max(0.0, dot(g - last_jumps_, z) / before);
   }
   Vector d = z;
   if (beta > 0) d += beta * direction_;
-  if (interface.dot(d, g) <= 0) d = z;
+  if (dot(d, g) <= 0) d = z;
   correct(d);
   sums = stage_one();
-  const double curvature = interface.dot(d, g - interface_jumps(parts_));
+  const double curvature = dot(d, g - interface_jumps(parts_));
   // If statuses change, there may be no curvature at all. The plain step is safe.
-  const double length = curvature > 0 ? std::clamp(interface.dot(d, g) / curvature, 0.1, 10.0) : 1.0;
+  const double length = curvature > 0 ? std::clamp(dot(d, g) / curvature, 0.1, 10.0) : 1.0;
   correct((length - 1) * d);
   direction_ = d;
   last_jumps_ = g;
@@ -177,14 +191,26 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, SweepSums& sums) {
 
 IterationRecord GranularTwoStage::iterate() {
   ++iteration_;
-  SweepSums sums = stage_one();
-  const auto squared = [&](const Vector& f) { return parts_.interface.dot(f, f); };
-  IterationRecord record;
-  record.iteration = iteration_;
+  std::vector<SweepSums> sums = stage_one();
+  const Interface& interface = parts_.interface;
+  const Index subdomains = count(parts_.subdomains);
+  enum Quantity {
+    changes,
+    impulses,
+    jumps,
+    speeds,
+    interface_changes,
+    interface_second_changes,
+    interface_squares,
+    all
+  };
+  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(all, subdomains);
   if (parts_.interface_size() > 0) {
     const Vector g = interface_jumps(parts_);
-    // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
-    record.gluing = ratio(squared(g), at_least(free_speed_squared_, glued_speed_squared(parts_)));
+    for (Index e = 0; e < subdomains; ++e) {
+      parts(jumps, e) = interface.part_of_dot(e, g, g);
+      parts(speeds, e) = nscdd::glued_speed_squared(parts_, e);
+    }
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
       if (solver_.interface_method == InterfaceMethod::conjugate_gradient) {
@@ -193,15 +219,28 @@ IterationRecord GranularTwoStage::iterate() {
         change = solver_.interface_relaxation * preconditioned(g);
         correct(change);
       }
-      record.interface_change = ratio(squared(change), squared(interface_impulses_));
-      record.interface_second_change = ratio(squared(change - last_change_), squared(interface_impulses_));
+      const Vector second = change - last_change_;
+      for (Index e = 0; e < subdomains; ++e) {
+        parts(interface_changes, e) = interface.part_of_dot(e, change, change);
+        parts(interface_second_changes, e) = interface.part_of_dot(e, second, second);
+        parts(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
+      }
       last_change_ = std::move(change);
     }
   }
-  record.sweeps = sweeps_;
-  record.zeta = ratio(sums.change, at_least(impulse_floor_squared_, sums.impulses));
-  record.impulses = sums.impulses;
-  return record;
+  for (Index e = 0; e < subdomains; ++e) {
+    parts(changes, e) = sums[at(e)].change;
+    parts(impulses, e) = sums[at(e)].impulses;
+  }
+  const Vector sum = summed(std::move(parts));
+  // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
+  return {.iteration = iteration_,
+          .sweeps = sweeps_,
+          .zeta = ratio(sum[changes], at_least(impulse_floor_squared_, sum[impulses])),
+          .interface_change = ratio(sum[interface_changes], sum[interface_squares]),
+          .interface_second_change = ratio(sum[interface_second_changes], sum[interface_squares]),
+          .gluing = ratio(sum[jumps], at_least(free_speed_squared_, sum[speeds])),
+          .impulses = sum[impulses]};
 }
 
 ContactResidual GranularTwoStage::residual() const {
@@ -209,26 +248,67 @@ ContactResidual GranularTwoStage::residual() const {
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
   });
-  ContactResidual sum;
-  for (const ContactResidual& one : parts) sum += one;
-  sum.impulses = at_least(impulse_floor_squared_, sum.impulses);
-  return sum;
+  Eigen::MatrixXd numbers(9, count(parts));
+  for (Index e = 0; e < numbers.cols(); ++e) {
+    const ContactResidual& one = parts[at(e)];
+    numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
+        static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
+  }
+  const Vector sum = summed(std::move(numbers));
+  return {.natural_map = sum[0],
+          .impulses = at_least(impulse_floor_squared_, sum[1]),
+          .violation = sum[2],
+          .work = sum[3],
+          .scale_work = sum[4],
+          .scale_velocity = sum[5],
+          .active = static_cast<Index>(sum[6]),
+          .stick = static_cast<Index>(sum[7]),
+          .slide = static_cast<Index>(sum[8])};
+}
+
+void GranularTwoStage::gather() {
+  const Interface& interface = parts_.interface;
+  const Processes& all = interface.processes();
+  if (all.alone()) return;
+  const auto visit = [&](Index process, const auto& each) {
+    for (Index e = 0; e < count(parts_.subdomains); ++e) {
+      if (interface.process_of(e) != process) continue;
+      for (DiskVelocity& v : parts_.subdomains[at(e)].velocities) each(v.x), each(v.y), each(v.rim);
+      for (LocalVector& r : parts_.subdomains[at(e)].contacts.impulses) each(r.n), each(r.t);
+    }
+    for (Index row = 0; row < count(interface.gluing()); ++row)
+      if (interface.process_of(interface.gluing()[at(row)].first.subdomain) == process)
+        for (Index k = 0; k < 3; ++k) each(interface_impulses_[3 * row + k]);
+  };
+  std::vector<double> own;
+  visit(all.rank, [&](double& number) { own.push_back(number); });
+  Index expected = 0;
+  for (Index process = 0; process < all.size; ++process) visit(process, [&](double&) { ++expected; });
+  const std::vector<double> numbers = all.gather(own);
+  if (count(numbers) != expected)
+    throw Error("processes: expected the same step in all of them, met others: their processors may differ");
+  auto next = numbers.begin();
+  for (Index process = 0; process < all.size; ++process) visit(process, [&](double& number) { number = *next++; });
 }
 
 std::vector<ContactStatus> GranularTwoStage::statuses() const {
   std::size_t contacts = 0;
-  for (const GranularSubdomain& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
-  std::vector<ContactStatus> result(contacts);
+  for (const GranularSubdomain& subdomain : parts_.subdomains) contacts += subdomain.numbers.size();
+  std::vector<double> numbers(contacts, 0);
   for (const GranularSubdomain& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contacts.contact(k, subdomain.velocities));
+      numbers[at(subdomain.numbers[k])] =
+          static_cast<double>(status_of(law_, subdomain.contacts.contact(k, subdomain.velocities)));
+  parts_.interface.processes().add_up(numbers);
+  std::vector<ContactStatus> result;
+  for (const double number : numbers) result.push_back(static_cast<ContactStatus>(static_cast<int>(number)));
   return result;
 }
 
 std::vector<DiskContact> GranularTwoStage::contacts(const StepProblem& problem) const {
   std::vector<DiskContact> result = problem.contacts;
   for (const GranularSubdomain& subdomain : parts_.subdomains)
-    for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
       result[at(subdomain.numbers[k])].impulse = subdomain.contacts.impulses[k];
   return result;
 }
@@ -254,17 +334,18 @@ std::vector<DiskVelocity> GranularTwoStage::velocities(const StepProblem& proble
 }
 
 std::vector<RememberedGluing> GranularTwoStage::gluing() const {
-  std::vector<Vector> impulses;  // A_E^T F
-  for (Index e = 0; e < count(parts_.subdomains); ++e)
-    impulses.push_back(parts_.interface.distribute(e, interface_impulses_));
   std::vector<RememberedGluing> result;
-  Index before = -1;
-  for (const Gluing& row : parts_.interface.gluing()) {
-    if (row.grain == std::exchange(before, row.grain)) continue;
-    for (const GrainCopy& copy : parts_.interface.copies(row.grain)) {
-      const auto f = impulses[at(copy.subdomain)].segment<3>(3 * copy.grain);
-      result.push_back({row.grain, copy.subdomain, f[0], f[1], f[2]});
+  const auto& rows = parts_.interface.gluing();
+  for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy less that before it
+    const Index grain = rows[at(row)].grain, first = row, last = row + parts_.interface.multiplicity(grain) - 1;
+    for (const GrainCopy& copy : parts_.interface.copies(grain)) {
+      Eigen::Vector3d f = Eigen::Vector3d::Zero();
+      if (row > first) f -= interface_impulses_.segment<3>(3 * (row - 1));
+      if (row < last) f += interface_impulses_.segment<3>(3 * row);
+      result.push_back({grain, copy.subdomain, f[0], f[1], f[2]});
+      ++row;
     }
+    row = last;
   }
   return result;
 }

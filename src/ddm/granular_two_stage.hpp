@@ -21,7 +21,8 @@ struct IterationRecord {
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
 /// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's
-/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads. With conjugate gradients
+/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads or processes. Processes that share
+/// the subdomains construct it, iterate and ask for sums together. With conjugate gradients
 /// an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the second alone.
 class GranularTwoStage {
  public:
@@ -36,7 +37,8 @@ class GranularTwoStage {
   void start(const std::vector<RememberedGluing>& gluing);
 
   /// What the algorithm goes on from, z = (r, F_Gamma): 2c impulses (n, t) in the numbers of the step problem, then
-  /// n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew.
+  /// n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew. Of one process
+  /// alone.
   Vector state() const;
   void restart(const Vector& z);
 
@@ -55,6 +57,10 @@ class GranularTwoStage {
   /// Sums over all subdomains at the present velocities.
   ContactResidual residual() const;
 
+  /// Brings velocities and impulses of all subdomains together in every process that shares them. Contacts, velocities,
+  /// gluing and interface impulses are known of all of them from then on, until the next iteration.
+  void gather();
+
   /// Status of every contact, in the numbers of the step problem.
   std::vector<ContactStatus> statuses() const;
 
@@ -68,21 +74,25 @@ class GranularTwoStage {
   const GranularDecomposition& parts() const { return parts_; }
 
  private:
+  // Sums over the subdomains, one column each, in their order, whoever has them: no bit depends on the processes.
+  Vector summed(Eigen::MatrixXd parts) const;
+  double dot(const Vector& f, const Vector& g) const;
+  double glued_speed_squared() const;
   SweepSums sweeps(GranularSubdomain& subdomain) const;
-  SweepSums stage_one();
+  std::vector<SweepSums> stage_one();
   Vector preconditioned(const Vector& jumps) const;
   void correct(const Vector& change);
-  Vector conjugate_step(const Vector& jumps, SweepSums& sums);
+  Vector conjugate_step(const Vector& jumps, std::vector<SweepSums>& sums);
 
   GranularDecomposition parts_;
   ContactLaw law_;
   StepSolver solver_;
   std::optional<InterfaceOperator> enriched_;
   Vector interface_impulses_ = Vector::Zero(parts_.interface_size()), last_change_ = interface_impulses_;
-  Vector direction_, last_jumps_, last_preconditioned_;      // of conjugate gradients
-  std::vector<ModelSwitch> switches_;                        // of the subdomains; empty unless models are switched
-  double free_speed_squared_ = glued_speed_squared(parts_);  // |V_free|^2 over the copies of shared grains
-  double impulse_floor_squared_ = 0;  // impulses below it are rounding of those that grains bring
+  Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
+  std::vector<ModelSwitch> switches_;                    // of the subdomains; empty unless models are switched
+  double free_speed_squared_ = glued_speed_squared();    // |V_free|^2 over the copies of shared grains
+  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
   Index iteration_ = 0, sweeps_ = 0;
 };
 

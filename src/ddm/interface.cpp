@@ -2,7 +2,9 @@
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/ddm/interface.hpp>
 
+#include <map>
 #include <numeric>
+#include <set>
 
 namespace nscdd {
 
@@ -30,14 +32,35 @@ Interface::Interface(Index dofs_per_grain, Index grains, const std::vector<std::
   }
 }
 
-Interface Interface::of_process(const std::vector<char>& own, Processes processes) const {
+Interface Interface::of_process(const std::vector<Index>& process_of_subdomain, Processes processes) const {
   Interface shared = *this;
   for (std::size_t e = 0; e < ties_.size(); ++e)
-    if (!own[e]) {
+    if (process_of_subdomain[e] != processes.rank) {
       shared.ties_[e] = {};
       shared.held_[e] = 0;
     }
   shared.processes_ = std::move(processes);
+  shared.process_of_ = process_of_subdomain;
+  return shared;
+}
+
+void Interface::meet_neighbours() { between_neighbours_ = processes_.between_neighbours(shared_entries()); }
+
+// All rows of the grains of which this process and another one have copies.
+std::vector<SharedEntries> Interface::shared_entries() const {
+  std::map<Index, std::vector<Index>> entries_with;
+  for (Index first = 0, last = 0; first < count(gluing_); first = last) {
+    const Index grain = gluing_[at(first)].grain;
+    last = first + multiplicity(grain) - 1;
+    std::set<Index> holders;
+    for (const GrainCopy& copy : copies(grain)) holders.insert(process_of(copy.subdomain));
+    if (!holders.contains(processes_.rank)) continue;
+    for (const Index process : holders)
+      for (Index entry = dofs_ * first; process != processes_.rank && entry < dofs_ * last; ++entry)
+        entries_with[process].push_back(entry);
+  }
+  std::vector<SharedEntries> shared;
+  for (auto& [process, entries] : entries_with) shared.push_back({process, std::move(entries)});
   return shared;
 }
 
@@ -80,6 +103,13 @@ Vector Interface::distribute(Index subdomain, const Vector& f) const {
   for (const Tie& tie : ties(subdomain))
     impulses.segment(dofs_ * tie.grain, dofs_) += tie.sign * f.segment(dofs_ * tie.row, dofs_);
   return impulses;
+}
+
+double Interface::part_of_dot(Index subdomain, const Vector& f, const Vector& g) const {
+  double sum = 0;
+  for (const Tie& tie : ties(subdomain))
+    if (tie.sign > 0) sum += f.segment(dofs_ * tie.row, dofs_).dot(g.segment(dofs_ * tie.row, dofs_));
+  return sum;
 }
 
 std::vector<Vector> Interface::copies_apart(const Vector& g) const {

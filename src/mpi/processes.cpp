@@ -3,6 +3,8 @@
 
 #include "mpi/communicator.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace nscdd::mpi {
@@ -24,6 +26,9 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
 }
 
 std::vector<double> gathered(const Communicator& all, std::span<const double> own) {
+  double total = static_cast<double>(own.size());
+  combine(all, {&total, 1}, MPI_SUM);
+  if (total > std::numeric_limits<int>::max()) throw Error("processes: expected at most 2^31 numbers to gather");
   const int size = static_cast<int>(own.size());
   std::vector<int> sizes(static_cast<std::size_t>(all.size())), first(sizes.size(), 0);
   MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, all.get());
@@ -33,6 +38,46 @@ std::vector<double> gathered(const Communicator& all, std::span<const double> ow
   return numbers;
 }
 
+// Persistent messages between neighbours: each sends its own parts of the entries that it shares with another one.
+class Neighbourhood {
+ public:
+  Neighbourhood(std::shared_ptr<const Communicator> all, const std::vector<SharedEntries>& shared)
+      : all_(std::move(all)), shared_(shared), sent_(shared.size()), received_(shared.size()) {
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+      const int size = static_cast<int>(shared_[k].entries.size()), other = static_cast<int>(shared_[k].process);
+      sent_[k].resize(shared_[k].entries.size());
+      received_[k].resize(shared_[k].entries.size());
+      MPI_Send_init(sent_[k].data(), size, MPI_DOUBLE, other, 0, all_->get(), &requests_.emplace_back());
+      MPI_Recv_init(received_[k].data(), size, MPI_DOUBLE, other, 0, all_->get(), &requests_.emplace_back());
+    }
+  }
+  ~Neighbourhood() {
+    int finalised = 0;
+    MPI_Finalized(&finalised);
+    for (MPI_Request& request : requests_)
+      if (finalised == 0) MPI_Request_free(&request);
+  }
+  Neighbourhood(const Neighbourhood&) = delete;
+  Neighbourhood& operator=(const Neighbourhood&) = delete;
+
+  void add_up(std::span<double> numbers) {
+    for (std::size_t k = 0; k < shared_.size(); ++k)
+      std::ranges::transform(shared_[k].entries, sent_[k].begin(), [&](Index i) { return numbers[place(i)]; });
+    MPI_Startall(static_cast<int>(requests_.size()), requests_.data());
+    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+    for (std::size_t k = 0; k < shared_.size(); ++k)
+      for (std::size_t i = 0; i < received_[k].size(); ++i) numbers[place(shared_[k].entries[i])] += received_[k][i];
+  }
+
+ private:
+  static std::size_t place(Index i) { return static_cast<std::size_t>(i); }
+
+  std::shared_ptr<const Communicator> all_;
+  std::vector<SharedEntries> shared_;
+  std::vector<std::vector<double>> sent_, received_;
+  std::vector<MPI_Request> requests_;
+};
+
 }  // namespace
 
 Processes processes_of(MPI_Comm communicator) {
@@ -41,7 +86,13 @@ Processes processes_of(MPI_Comm communicator) {
           .size = all->size(),
           .add_up = [all](std::span<double> numbers) { combine(*all, numbers, MPI_SUM); },
           .largest = [all](std::span<double> numbers) { combine(*all, numbers, MPI_MAX); },
-          .gather = [all](std::span<const double> own) { return gathered(*all, own); }};
+          .gather = [all](std::span<const double> own) { return gathered(*all, own); },
+          .between_neighbours =
+              [all](const std::vector<SharedEntries>& shared) {
+                return [here = std::make_shared<Neighbourhood>(all, shared)](std::span<double> numbers) {
+                  here->add_up(numbers);
+                };
+              }};
 }
 
 }  // namespace nscdd::mpi

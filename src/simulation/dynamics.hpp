@@ -5,6 +5,7 @@
 #include "mechanics/granular_system.hpp"
 #include "mechanics/time_stepping.hpp"
 #include <nscdd/core/choice.hpp>
+#include <nscdd/core/processes.hpp>
 #include <nscdd/ddm/partitioner.hpp>
 
 namespace nscdd {
@@ -73,6 +74,7 @@ struct Simulation {
   GranularState state;
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
+  Processes processes = {};  ///< share the subdomains of the generic algorithm; all have the same system and state
 };
 
 /// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.

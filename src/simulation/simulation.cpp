@@ -143,10 +143,17 @@ bool IterationSink::looks_at(Index iteration) const {
 PreparedStep prepare_solution(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
-  StepProblem problem = checked_problem(simulation);
-  Partition partition = partition_step(simulation, problem);
-  const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-  GranularDecomposition parts = decompose(problem, partition, solver.order, seed);
+  const bool alone = simulation.processes.alone();
+  if (!alone && (solver.algorithm != StepAlgorithm::generic || switches_models(simulation)))
+    throw Error("processes: expected the generic algorithm where several of them share a step, met another");
+  auto [problem, partition, parts] = simulation.processes.together([&] {
+    StepProblem whole = checked_problem(simulation);
+    Partition of_contacts = partition_step(simulation, whole);
+    const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
+    GranularDecomposition all = decompose(whole, of_contacts, solver.order, seed);
+    if (!alone) all = of_process(std::move(all), simulation.processes);
+    return std::tuple(std::move(whole), std::move(of_contacts), std::move(all));
+  });
   StepReport report{.interface_size = parts.interface_size(), .scale = problem.scale};
   std::optional<InterfaceOperator> enriched;
   if (solver.algorithm == StepAlgorithm::enriched && parts.interface_size() > 0) {
@@ -195,6 +202,7 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
   }
   report.status = *status;
   report.residual = iteration.residual();
+  iteration.gather();
   step.contacts = iteration.contacts(step.problem);
   step.velocities = iteration.velocities(step.problem);
   if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ

@@ -150,6 +150,106 @@ def children(parent):
     return sorted(found)
 
 
+RUN = ["simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "3x2", "--criterion", "natural_map",
+       "--tolerance", "1e-3", "--iterations", "300", "--set", "solver.warm_start=true"]
+
+
+def pictures(folder, trajectory):
+    """All that a trajectory holds of grains and contacts, to the last bit."""
+    target = trajectory + "-pictures"
+    code, _, err = run(0, "export", trajectory, "--vtk", target)
+    check(code == 0, f"{trajectory}: export ends with {code}: {err}")
+    found = {}
+    for name in os.listdir(target):
+        with open(os.path.join(target, name), "rb") as file:
+            found["collection" if name.endswith(".pvd") else name] = file.read()
+    return found
+
+
+def iterations(path):
+    with open(path) as file:
+        return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
+
+
+def same_runs(folder):
+    """The bits of one process by any number of them, also where a run goes on with another number."""
+    def files(name):
+        return os.path.join(folder, name + ".h5"), os.path.join(folder, name + ".csv")
+
+    def simulate(processes, name, steps, *more):
+        trajectory, table = files(name)
+        code, out, err = run(processes, *RUN, "--steps", steps, "-o", trajectory, "--convergence", table, *more)
+        check(code == 0, f"{name}: exit code {code}, {err}")
+        return out.split("time:")[0].splitlines()[1:]
+
+    said = simulate(0, "one", "6")
+    expected, indicators = pictures(folder, files("one")[0]), iterations(files("one")[1])
+    check(len(expected) > 6 and len(indicators) > 60, "one: steps and iterations expected")
+    for processes in (1, 2, 4, 6):
+        name = f"of-{processes}"
+        check(simulate(processes, name, "6") == said, f"{name}: another report")
+        check(pictures(folder, files(name)[0]) == expected, f"{name}: another trajectory")
+        check(iterations(files(name)[1]) == indicators, f"{name}: other indicators")
+    simulate(2, "restarted", "2")
+    simulate(4, "restarted", "4", "--restart")
+    simulate(0, "restarted", "6", "--restart")
+    check(pictures(folder, files("restarted")[0]) == expected, "restarted: another trajectory")
+    check(iterations(files("restarted")[1]) == indicators, "restarted: other indicators")
+    conjugate = ["--set", "solver.interface_method=conjugate_gradient", "--gauss-seidel-sweeps", "3"]
+    simulate(0, "conjugate", "2", *conjugate)
+    simulate(3, "conjugate-3", "2", *conjugate)
+    check(iterations(files("conjugate")[1]) == iterations(files("conjugate-3")[1]), "conjugate gradients: other bits")
+    check(pictures(folder, files("conjugate")[0]) == pictures(folder, files("conjugate-3")[0]),
+          "conjugate gradients: another trajectory")
+
+
+def refused_runs(folder):
+    new = os.path.join(folder, "new.h5")
+    base = ["simulate", "settle-1k", "--subdomains", "3x2", "--steps", "2", "-o", new]
+    cases = {
+        "solver.algorithm: expected generic on several processes, met enriched: nscdd has it on one": ["--algorithm", "enriched"],
+        "solver.algorithm: expected generic on several processes, met two_stage_newton": ["--algorithm", "two_stage_newton"],
+        "solver.switch linear: expected one process": ["--algorithm", "generic", "--set", "solver.switch=linear"],
+        "such file": ["--algorithm", "generic", "--restart"],
+        "expected an integer": ["--algorithm", "generic", "--iterations", "many"],
+    }
+    for message, arguments in cases.items():
+        code, out, err = run(2, *base, *arguments)
+        check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
+        check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
+        check(out == "", f"{arguments}: no output expected, met {out!r}")
+    code, _, err = run(7, *base, "--algorithm", "generic")
+    check(code == 2 and "at most one for each of 6 subdomain(s), met 7" in err, f"too many processes: {code}, {err}")
+    one = [*base, "--algorithm", "generic"]
+    done = subprocess.run([MPIEXEC, "-q", "-n", "1", SHARED, *one, ":", "-n", "1", SHARED, *one, "--set",
+                           "masses.density=1234"], text=True, capture_output=True, timeout=60)
+    check(done.returncode == 2 and "the same case in all processes" in done.stderr, f"two cases: {done.stderr!r}")
+    check(os.listdir(folder) == [], f"refused runs leave {os.listdir(folder)}")
+
+
+def killed_and_restarted(folder):
+    trajectory = os.path.join(folder, "run.h5")
+    arguments = [*RUN, "--steps", "400", "-o", trajectory]
+    process = start(2, arguments)
+    for _ in range(600):
+        time.sleep(0.1)
+        if os.path.exists(trajectory) or process.poll() is not None:
+            break
+    time.sleep(1.5)
+    check(process.poll() is None, "the run ended before it was killed")
+    began = time.monotonic()
+    os.kill(children(process.pid)[1], signal.SIGKILL)
+    process.communicate(timeout=60)
+    check(process.returncode != 0, "killed run: an exit code that is not 0 expected")
+    check(time.monotonic() - began < 20, "killed run: the others went on")
+    code, _, _ = run(0, "export", trajectory, "--vtk", os.path.join(folder, "kept"))
+    check(code == 0, "killed run: the trajectory cannot be read")
+    kept = len(os.listdir(os.path.join(folder, "kept")))
+    steps = str(kept + 10)
+    code, out, err = run(3, *RUN, "--steps", steps, "-o", trajectory, "--restart")
+    check(code == 0 and f"{steps} of {steps} in all" in out, f"restarted: exit code {code}, {out} {err}")
+
+
 def killed_and_resumed(folder):
     table = os.path.join(folder, "curve.csv")
     partial = table + ".partial"
@@ -186,7 +286,7 @@ def killed_and_resumed(folder):
 
 
 same_tables()
-for test in (refusals, one_fails, killed_and_resumed):
+for test in (refusals, one_fails, killed_and_resumed, same_runs, refused_runs, killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 print(f"{checks} checks passed")

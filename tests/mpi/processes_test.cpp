@@ -49,6 +49,34 @@ TEST_CASE("processes: sums and maxima are those of all, with the same bits every
   for (std::size_t k = 0; k < numbers.size(); ++k) CHECK(numbers[k] == static_cast<double>(k) * size * (size + 1) / 2);
 }
 
+TEST_CASE("processes: neighbours add up what they share, and nobody else takes part") {
+  // A ring: entry k belongs to the processes k and k + 1. The last one shares with the first, and stays away where it
+  // would be its own neighbour.
+  const Index size = all().size, rank = all().rank;
+  std::vector<SharedEntries> shared;
+  const auto add = [&](Index process, std::vector<Index> entries) {
+    if (process != rank) shared.push_back({process, std::move(entries)});
+  };
+  const Index next = (rank + 1) % size, before = (rank + size - 1) % size;
+  if (next == before)
+    add(next, rank == 0 ? std::vector<Index>{rank, before} : std::vector<Index>{before, rank});
+  else if (next < before)
+    add(next, {rank}), add(before, {before});
+  else
+    add(before, {before}), add(next, {rank});
+  const auto add_up = all().between_neighbours(shared);
+  for (const double factor : {1.0, 3.0}) {  // the same messages again
+    std::vector<double> numbers(static_cast<std::size_t>(size + 1), 7);
+    const auto entry = [&](Index k) -> double& { return numbers[static_cast<std::size_t>(k)]; };
+    entry(rank) = factor;
+    if (size > 1) entry(before) = 10 * factor;
+    add_up(numbers);
+    CHECK(entry(rank) == (size == 1 ? factor : 11 * factor));
+    CHECK(entry(before) == (size == 1 ? factor : 11 * factor));
+    CHECK(entry(size) == 7);
+  }
+}
+
 TEST_CASE("processes: what one of them throws, all throw, and one says why") {
   for (Index culprit = 0; culprit < all().size; ++culprit) {
     const auto work = [&] {

@@ -12,6 +12,12 @@ struct FailedElsewhere : Error {
   FailedElsewhere() : Error("another process has failed") {}
 };
 
+/// Entries of an array to which this process and another one add, ascending: both have the same list.
+struct SharedEntries {
+  Index process = 0;
+  std::vector<Index> entries;
+};
+
 /// The processes that share the work on one problem; by default this one is alone. All of them make the same calls in
 /// the same order, with arrays of the same length, and all of them get the same bits.
 struct Processes {
@@ -22,6 +28,10 @@ struct Processes {
   std::function<std::vector<double>(std::span<const double>)> gather = [](std::span<const double> own) {
     return std::vector<double>(own.begin(), own.end());
   };
+  /// What adds up the entries that neighbours share, of one array after the other. Nobody else takes part, and only
+  /// these entries are then the same in both.
+  std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
+      [](const auto&) { return [](std::span<double>) {}; };
 
   bool alone() const { return size == 1; }
   bool first() const { return rank == 0; }

@@ -45,10 +45,13 @@ Decomposition restrict_contacts(const Decomposition& parts, const std::vector<ch
 
 /// What a process holds of a decomposition that several share: the interface, and its own subdomains. Those of other
 /// processes are empty. `process_of_subdomain`: as `deal_out` has them.
-Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain, Processes processes);
+Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
+                         const Processes& processes);
 
 /// Deals subdomains out to processes: parts of about equal weight of the graph of subdomains (METIS), whose edges weigh
-/// what the two exchange. Throws Error for more processes than subdomains.
+/// what the two exchange. `weight`: of each subdomain. Throws Error for more processes than subdomains.
+std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes);
+/// The same, each subdomain with the weight of its unknowns.
 std::vector<Index> deal_out(const Decomposition& parts, Index processes);
 
 /// The undivided packing again: one subdomain with whole masses, no interface and the grains that touch something.

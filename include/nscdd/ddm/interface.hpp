@@ -38,7 +38,9 @@ enum class GluingShape {
 /// block k those from d k on. Rows ascend by grain, copies by subdomain.
 ///
 /// Where several processes share the subdomains, each has the same rows and holds the ties of its own subdomains only:
-/// `exchange` adds up over the processes. Vectors of the interface are the same in all of them.
+/// `exchange` adds up over the processes, and vectors of the interface that come of it are the same in all of them.
+/// `exchange_with_neighbours` asks the neighbours alone: these vectors are right in the rows of grains of which this
+/// process has a copy, and nowhere else.
 class Interface {
  public:
   Interface() = default;
@@ -48,9 +50,12 @@ class Interface {
   Interface(Index dofs_per_grain, Index grains, const std::vector<std::span<const Index>>& held,
             const std::vector<char>& tied = {}, GluingShape shape = GluingShape::chain);
 
-  /// The interface as a process sees it that has these subdomains, one flag each.
-  Interface of_process(const std::vector<char>& own, Processes processes) const;
+  /// The interface as one of the processes sees it.
+  Interface of_process(const std::vector<Index>& process_of_subdomain, Processes processes) const;
   const Processes& processes() const { return processes_; }
+  /// Prepares messages to the processes that have copies of the same grains; copies of this object share them.
+  void meet_neighbours();
+  Index process_of(Index subdomain) const { return process_of_.empty() ? 0 : process_of_[at(subdomain)]; }
 
   Index size() const { return dofs_ * count(gluing_); }  ///< n_Gamma
   Index dofs_per_grain() const { return dofs_; }         ///< d
@@ -72,12 +77,16 @@ class Interface {
   /// The jumps sum_E A_E V_E. `velocity(e, i, k)`: unknown k of the grain with local number i of subdomain e.
   template <class Velocity>
   Vector exchange(const Velocity& velocity) const {
-    Vector jumps = Vector::Zero(size());
-    for (std::size_t e = 0; e < ties_.size(); ++e)
-      for (const Tie& tie : ties_[e])
-        for (Index k = 0; k < dofs_; ++k)
-          jumps[dofs_ * tie.row + k] += tie.sign * velocity(static_cast<Index>(e), tie.grain, k);
+    Vector jumps = own_jumps(velocity);
     processes_.add_up({jumps.data(), at(jumps.size())});
+    return jumps;
+  }
+  /// The same where this process has a copy of the grain; other rows are 0. `meet_neighbours` comes before. No bit
+  /// depends on the processes: an entry has two parts at most.
+  template <class Velocity>
+  Vector exchange_with_neighbours(const Velocity& velocity) const {
+    Vector jumps = own_jumps(velocity);
+    if (between_neighbours_) between_neighbours_({jumps.data(), at(jumps.size())});
     return jumps;
   }
   /// The same of velocities V_E, d n_E entries each.
@@ -88,6 +97,8 @@ class Interface {
 
   /// Inner product of two vectors of the interface: every unknown counts once, however many copies it ties.
   double dot(const Vector& f, const Vector& g) const { return f.dot(g); }
+  /// The part of it that the rows have whose first copy is in a subdomain: these parts add up to the whole.
+  double part_of_dot(Index subdomain, const Vector& f, const Vector& g) const;
 
   /// Velocities o_E of the copies with the jumps g, sum_E A_E o_E = g. The first copy of each grain is at rest.
   std::vector<Vector> copies_apart(const Vector& g) const;
@@ -108,6 +119,16 @@ class Interface {
   }
 
  private:
+  template <class Velocity>
+  Vector own_jumps(const Velocity& velocity) const {
+    Vector jumps = Vector::Zero(size());
+    for (std::size_t e = 0; e < ties_.size(); ++e)
+      for (const Tie& tie : ties_[e])
+        for (Index k = 0; k < dofs_; ++k)
+          jumps[dofs_ * tie.row + k] += tie.sign * velocity(static_cast<Index>(e), tie.grain, k);
+    return jumps;
+  }
+  std::vector<SharedEntries> shared_entries() const;
   void balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const;
 
   Index dofs_ = 0;
@@ -118,6 +139,8 @@ class Interface {
   std::vector<std::vector<Tie>> ties_;  // of each subdomain
   std::vector<Index> held_;             // number of grains of each subdomain, n_E; 0 for those of other processes
   Processes processes_;
+  std::vector<Index> process_of_;  // of each subdomain; empty where no processes share them
+  std::function<void(std::span<double>)> between_neighbours_;
 };
 
 }  // namespace nscdd
