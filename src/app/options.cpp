@@ -153,8 +153,8 @@ void SpectralCommandOptions::declare(Command& command, const std::string& defaul
       .words = all_names<ContactSet>();
   command
       .preset("--solver", solver,
-              "auto, dense, arpack, or shift-invert; auto: dense for small interfaces, else shift-invert; "
-              "arpack: matrix-free Lanczos")
+              "auto, dense, arpack, shift-invert, or slepc; auto: dense for small interfaces, else shift-invert; "
+              "arpack: matrix-free Lanczos; slepc: Krylov-Schur of SLEPc, by nscdd-mpi")
       .words = all_names<SpectralSolver>();
   command.preset("--residual-tolerance", options.tolerance, "largest residual that counts as converged");
 }
@@ -167,8 +167,9 @@ SpectralOptions SpectralCommandOptions::spectral() const {
   check_bounds(options.eigenvalues, Field{.description = "", .minimum = 1, .maximum = 100}, "--eigenvalues");
   SpectralOptions all = options;
   all.solver = Choice<SpectralSolver>::parse(solver, "--solver");
-  if (all.solver == SpectralSolver::arpack && (all.certify || all.eigenvalues > 1))
-    fail("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met arpack");
+  const bool ends_alone = all.solver == SpectralSolver::arpack || all.solver == SpectralSolver::slepc;
+  if (ends_alone && (all.certify || all.eigenvalues > 1))
+    fail("--solver: expected auto, dense or shift-invert with --certify or --eigenvalues, met {}", solver);
   return all;
 }
 
@@ -221,6 +222,9 @@ void require_one_process(const Machine& machine, std::string_view what) {
 
 void require_shared(const SpectralOptions& spectral, const Machine& machine) {
   if (spectral.solver == SpectralSolver::arpack) require_one_process(machine, "--solver arpack");
+  if (spectral.solver == SpectralSolver::slepc && !machine.slepc)
+    fail("--solver: expected auto, dense, arpack or shift-invert with {}, met slepc, which nscdd-mpi has",
+         machine.program);
 }
 
 void MemoryLimit::require(MemoryNeed need, const Machine& machine) const {

@@ -15,9 +15,10 @@ void require_provable(const SweepParameters& sweep) {
   for (const auto& relaxation : sweep.relaxation)
     if (!relaxation)
       fail("--relaxation: expected numbers with --curve (the optimal one changes along the curve), met optimal");
-  if (sweep.spectral.solver == SpectralSolver::arpack)
-    fail(
-        "--solver: expected auto, dense or shift-invert with --curve (ARPACK proves no end of a spectrum), met arpack");
+  const auto solver = sweep.spectral.solver;
+  if (solver == SpectralSolver::arpack || solver == SpectralSolver::slepc)
+    fail("--solver: expected auto, dense or shift-invert with --curve (others prove no end of a spectrum), met {}",
+         to_string(solver));
 }
 
 }  // namespace

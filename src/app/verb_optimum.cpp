@@ -41,6 +41,7 @@ int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
   StudyTable work = in_turn(machine.processes, [&] { return table_of(options); });
   work.sweep.spectral.inertia = machine.inertia;
+  work.sweep.spectral.slepc = machine.slepc;
   if (options.csv.empty() && options.how.resume) fail("--resume: expected --csv FILE with it, met none");
   if (options.redo && (options.csv.empty() || is_stream(options.csv) || options.how.resume))
     fail("--redo: expected a finished table in a file with --csv, without --resume");

@@ -98,6 +98,7 @@ int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
   auto [work, curve] = in_turn(machine.processes, [&] { return asked(options); });
   work.sweep.spectral.inertia = machine.inertia;
+  work.sweep.spectral.slepc = machine.slepc;
   if (options.redo) require_one_process(machine, "--redo");
   if (curve && !std::ranges::all_of(work.sweep.eta, [](double eta) { return std::isinf(eta); }))
     require_one_process(machine, "--curve with a finite eta");

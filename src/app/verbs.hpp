@@ -3,7 +3,7 @@
 
 #include "core/fail.hpp"
 #include <nscdd/core/processes.hpp>
-#include <nscdd/linalg/inertia_factor.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
 
 #include <deque>
 #include <variant>
@@ -111,6 +111,7 @@ struct Machine {
   Processes processes = {};
   Index processes_here = 1;  ///< those that share this computer's memory
   InertiaMethod inertia = multifrontal();
+  SpectrumSolver slepc = {};
   Index threads = 0;  ///< of a process where nothing is said, 0 for all
 
   bool serves(std::string_view verb) const { return verbs.empty() || std::ranges::find(verbs, verb) != verbs.end(); }

@@ -138,6 +138,18 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   return result;
 }
 
+SpectralRadius slepc_radius(const Contraction& b, const SpectralOptions& options) {
+  if (!options.slepc) throw Error("solver slepc: expected a program with SLEPc, nscdd-mpi, met one without");
+  if (options.certify || options.eigenvalues > 1)
+    throw Error("solver slepc: expected dense or shift-invert to certify and for more eigenvalues, met slepc");
+  SpectralRadius result = options.slepc(b, options);
+  if (result.low.empty()) return not_converged("slepc");
+  result.solver = "slepc";
+  set_ends(result, result.low.front(), result.high.front(), 0);
+  result.converged = accurate(result, options.tolerance);
+  return result;
+}
+
 }  // namespace
 
 void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_multiplicity) {
@@ -211,6 +223,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
   const SolverChoice choice = choose_solver(n, b.system.eta() == 0, options);
   SpectralRadius plain = choice.solver == SpectralSolver::dense    ? dense_radius(b, options)
                          : choice.solver == SpectralSolver::arpack ? arpack_radius(b, options, known)
+                         : choice.solver == SpectralSolver::slepc  ? slepc_radius(b, options)
                                                                    : shift_invert_radius(b, options, known);
   // A last resort, for small eta (docs/algorithms.md, section 7).
   if (!plain.converged && choice.dense_fallback) plain = dense_radius(b, options);

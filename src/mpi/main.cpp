@@ -3,6 +3,7 @@
 #include "app/program.hpp"
 #include "mpi/mumps.hpp"
 #include "mpi/processes.hpp"
+#include "mpi/slepc.hpp"
 
 #include <unistd.h>
 
@@ -57,6 +58,7 @@ int run(int argc, char** argv) {
                              .processes = processes_of(MPI_COMM_WORLD),
                              .processes_here = processes_here(),
                              .inertia = mumps(MPI_COMM_WORLD),
+                             .slepc = slepc(MPI_COMM_WORLD),
                              .threads = 1};
   if (!machine.processes.first()) keep_silent();
   const app::Outcome outcome = app::run_program(argc, argv, machine);

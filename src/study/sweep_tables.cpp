@@ -111,7 +111,7 @@ ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
       {"dominant_imaginary", "1", "its imaginary part, of a pair the positive one",
        [](const SweepResult& result) { return result.dominant.imag(); }}};
   static const ResultColumns<Radius> certificate{
-      {"solver", "", "dense, arpack, shift-invert, or none for an empty interface", &Radius::solver},
+      {"solver", "", "dense, arpack, shift-invert, slepc, or none for an empty interface", &Radius::solver},
       {"applications", "1", "operator applications, 0 where matrices were assembled", &Radius::applications},
       {"residual", "1", "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)",
        &Radius::residual},

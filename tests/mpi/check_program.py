@@ -71,10 +71,11 @@ def same_tables():
                             "--csv", "-"],
         "relaxed": ["sweep", *BED, "--epsilon", "1", "--relaxation", "0.5,optimal", "--csv", "-"],
         "a proved curve": ["sweep", *BED, "--epsilon", "1e-2:1", "--curve", "1e-2", "--csv", "-"],
+        "by SLEPc": ["sweep", *BED, "--epsilon", "1e-3,1", "--eta", "inf,0.3", "--solver", "slepc", "--csv", "-"],
         "optimum": ["optimum", *BED, "--epsilon", "1e-3", "--contacts", "all", "--csv", "-"],
     }
     for name, arguments in work.items():
-        code, expected, err = run(0, *arguments)
+        code, expected, err = run(0, *["shift-invert" if word == "slepc" else word for word in arguments])
         check(code == 0, f"{name}: nscdd ends with {code}: {err}")
         for processes in (1, 2) if "disks12" in arguments else (1, 2, 4):
             code, met, err = run(processes, *arguments)
@@ -99,6 +100,8 @@ def refusals(folder):
         "--redo: expected one process": ["sweep", "disks12", "--epsilon", "1", "--redo", "--csv", taken],
         "--curve with a finite eta: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "1e-2:1e2",
                                                             "--curve", "1e-2", "--csv", new],
+        "expected auto, dense or shift-invert with --certify or --eigenvalues, met slepc": [
+            "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--certify", "--csv", new],
         "--solver arpack: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",
                                                   "--solver", "arpack", "--csv", new],
     }
@@ -107,6 +110,8 @@ def refusals(folder):
         check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
         check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
         check(out == "", f"{arguments}: no output expected, met {out!r}")
+    code, _, err = run(0, "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--csv", new)
+    check(code == 2 and "met slepc, which nscdd-mpi has" in err, f"slepc by nscdd: {code}, {err}")
     code, out, err = run(4, "sweep", "disks4", "--epsilon", "1", "--csv", new)
     check(code == 2 and "at most one for each of 2 subdomain(s), met 4" in err, f"too many processes: {code}, {err}")
     check(sorted(os.listdir(folder)) == ["taken.csv"], f"refusals leave {os.listdir(folder)}")

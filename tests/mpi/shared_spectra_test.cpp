@@ -5,6 +5,7 @@
 #include "ddm/shifted_pencil.hpp"
 #include "mpi/mumps.hpp"
 #include "mpi/processes.hpp"
+#include "mpi/slepc.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
 #include <nscdd/study/model.hpp>
 
@@ -85,6 +86,37 @@ TEST_CASE("shared: radii, certified intervals and counts are those of one proces
     }
   });
   CHECK(visited > 5);
+}
+
+TEST_CASE("shared: SLEPc, which has another pencil and another search, finds the same ends") {
+  const Shared shared;
+  const SpectralOptions serial{.solver = SpectralSolver::shift_invert};
+  const SpectralOptions options{.solver = SpectralSolver::slepc, .slepc = mpi::slepc(MPI_COMM_WORLD)};
+  const int visited = for_shared_packings(shared, 150, [&](const Model& whole, const Model& own) {
+    const InterfaceFamily family(whole.parts), of_own(own.parts);
+    for (const auto& [epsilon, eta] : pairs) {
+      CAPTURE(epsilon);
+      CAPTURE(eta);
+      const SpectralRadius found = spectral_radius({of_own.at(eta), of_own.at(epsilon)}, options);
+      if (!shared.processes.first()) continue;
+      if (eta / epsilon < 1.01 && eta > epsilon) {  // all eigenvalues next to 1: SLEPc may break down, and says so
+        CHECK((found.converged || std::isnan(found.residual)));
+        continue;
+      }
+      const SpectralRadius known = spectral_radius({family.at(eta), family.at(epsilon)}, serial);
+      CHECK(found.solver == "slepc");
+      CHECK(found.converged);
+      const double off = 2 * (found.residual + known.residual) + 1e-9;
+      CHECK(std::abs(found.value - known.value) <= off);
+      CHECK(std::abs(found.subdominant_min - known.subdominant_min) <= off);
+      CHECK(std::abs(found.subdominant_max - known.subdominant_max) <= off);
+    }
+  });
+  CHECK(visited > 3);
+  const Model own = of_process(build(random_lattice(3, 12, 12, {3, 2})), shared.processes);
+  const InterfaceFamily rigid(own.parts);
+  CHECK_THROWS_WITH_AS(spectral_radius({rigid.at(infinity), rigid.at(0)}, options),
+                       "solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit", Error);
 }
 
 TEST_CASE("shared: the rigid limit") {

@@ -12,11 +12,18 @@ enum class SpectralSolver {
   dense,         ///< both ends of the dense pencil (LAPACK)
   arpack,        ///< both ends by Lanczos on P^-1 S and S^-1 P, matrix-free (ARPACK)
   shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them
+  slepc,         ///< another program's: see SpectralOptions::slepc
 };
 
 constexpr auto names_of(SpectralSolver) {
-  return std::to_array<std::string_view>({"auto", "dense", "arpack", "shift-invert"});
+  return std::to_array<std::string_view>({"auto", "dense", "arpack", "shift-invert", "slepc"});
 }
+
+struct SpectralOptions;
+struct SpectralRadius;
+/// Another way to find the ends of a spectrum: the lists of a result, of one eigenvalue each (empty if an end is not
+/// found), modes, residual and counts. What follows from these is worked out elsewhere.
+using SpectrumSolver = std::function<SpectralRadius(const Contraction&, const SpectralOptions&)>;
 
 struct SpectralOptions {
   SpectralSolver solver = SpectralSolver::automatic;
@@ -26,6 +33,7 @@ struct SpectralOptions {
   bool certify = false;     ///< prove by inertia counts that no eigenvalue was missed (dense, shift_invert)
   ArpackOptions arpack = {};
   InertiaMethod inertia = multifrontal();  ///< what factorises and counts for shift_invert
+  SpectrumSolver slepc = {};               ///< Krylov-Schur of SLEPc, which nscdd-mpi has (see mpi/slepc.hpp)
 };
 
 /// How one spectrum is computed.
@@ -58,7 +66,7 @@ struct SpectralRadius {
   double subdominant = 0;
   double subdominant_min = not_a_number;  ///< ends of the spectrum without the unit eigenvalues
   double subdominant_max = not_a_number;
-  std::string_view solver = "none";  ///< "dense", "arpack", "shift-invert", or "none" for an empty interface
+  std::string_view solver = "none";  ///< "dense", "arpack", "shift-invert", "slepc", or "none" for an empty interface
   Index applications = 0;            ///< products with interface operators or solves; 0 where they were assembled
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
   /// this distance of each end given. For shift-invert the distance of the end from a shift with no
