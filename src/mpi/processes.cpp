@@ -61,6 +61,7 @@ class Neighbourhood {
   Neighbourhood& operator=(const Neighbourhood&) = delete;
 
   void add_up(std::span<double> numbers) {
+    if (shared_.empty()) return;  // MPI wants at least one request
     for (std::size_t k = 0; k < shared_.size(); ++k)
       std::ranges::transform(shared_[k].entries, sent_[k].begin(), [&](Index i) { return numbers[place(i)]; });
     MPI_Startall(static_cast<int>(requests_.size()), requests_.data());
