@@ -261,29 +261,30 @@ class Pencil {
   OwnedMatrix k_, n_;
 };
 
-// Puts the shift next to an end: `wanted` eigenvalues lie above 1 / tau, another number above that of the shift half
-// way to 0 (`low`: above that of half the shift; high: above that of twice the shift). No other eigenvalue is nearer to
-// it.
-void shift_next_to_end(Pencil& pencil, double& tau, bool low, Index wanted) {
-  const auto beyond = [&](double shift) {  // no eigenvalue lies further out
+// A shift beyond an end of the spectrum, where `wanted` eigenvalues lie above 1 / tau: none is further out, 1 / lambda
+// of the end is less than half as large or as small again, and nearer to the shift than 0 is. None if there is no such
+// shift on the way from `tau`, by steps outwards and then inwards.
+std::optional<double> shift_next_to_end(Pencil& pencil, double tau, bool low, Index wanted) {
+  int shifts = 0;
+  bool broken = false;
+  const auto beyond = [&](double shift) {
     for (const double nudge : {1.0, 1.01, 0.99}) {
       tau = shift * nudge;
       if (const std::optional<Index> count = pencil.above(tau)) return *count == wanted;
     }
-    fail("SLEPc: expected a factorisation at a shift, met none at {}", shift);
+    broken = true;
+    return false;
   };
-  const double outwards = low ? between_shifts : 1 / between_shifts;
-  int shifts = 0;
-  const auto another = [&] {
-    if (++shifts > most_shifts) fail("SLEPc: expected an end of the spectrum, met none after {} shifts", most_shifts);
-  };
-  for (; !beyond(tau); another()) tau *= outwards;
-  const double inwards = low ? 1 / 1.4 : 1.4;
-  for (double last = tau;; last = tau, another()) {
-    if (beyond(last * inwards)) continue;
-    tau = last * (low ? 1.1 : 0.9);  // not on an eigenvalue: 1 often is one
-    return;
+  const double outwards = low ? between_shifts : 1 / between_shifts, inwards = low ? 1 / 1.4 : 1.4;
+  while (!beyond(tau)) {
+    if (broken || ++shifts > most_shifts) return std::nullopt;
+    tau *= outwards;
   }
+  double last = tau;
+  for (; beyond(last * inwards); last = tau)
+    if (++shifts > most_shifts) return std::nullopt;
+  if (broken) return std::nullopt;
+  return last * (low ? 1.1 : 0.9);  // not on an eigenvalue: 1 often is one
 }
 
 SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
@@ -291,12 +292,13 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
   if (b.system.eta() == 0) fail("solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit");
   const OneBlasThread serial_blas;
   Pencil pencil(b, all, options);
+  const auto end = [&](double tau, bool low) {  // and the shift it was found from
+    const std::optional<double> shift = shift_next_to_end(pencil, tau, low, low ? b.rows() : 0);
+    return std::pair(shift ? pencil.nearest(*shift) : std::nullopt, shift.value_or(1));
+  };
+  auto [low, shift] = end(1, true);  // lambda lies on both sides of 1 or next to it
+  std::optional<Pair> high = end(shift, false).first;
   SpectralRadius result;
-  double tau = 1;  // lambda lies on both sides of 1 or next to it
-  shift_next_to_end(pencil, tau, true, b.rows());
-  std::optional<Pair> low = pencil.nearest(tau);
-  shift_next_to_end(pencil, tau, false, 0);
-  std::optional<Pair> high = pencil.nearest(tau);
   if (!low || !high) return result;
   result.factorisations = pencil.factorisations;
   result.residual = std::max(low->residual, high->residual);
