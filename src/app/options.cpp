@@ -213,7 +213,8 @@ void require_same(const std::vector<double>& numbers, const std::string& name, c
   const std::vector<double> of_all = processes.gather(numbers);
   for (std::size_t k = 0; k < of_all.size(); ++k)
     if (of_all[k] != of_all[k % numbers.size()])
-      fail("{}: expected the same case in all processes, met another in process {}", name, k / numbers.size());
+      fail("{}: expected the same case and options in all processes, met others in process {}", name,
+           k / numbers.size());
 }
 
 void require_one_process(const Machine& machine, std::string_view what) {

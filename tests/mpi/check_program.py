@@ -27,9 +27,22 @@ def check(condition, what):
         sys.exit(f"check_program: {what}")
 
 
-def start(processes, arguments, **options):
-    return subprocess.Popen([MPIEXEC, "-q", "-n", str(processes), SHARED, *arguments], text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+def start(processes, arguments):
+    return launch(["-n", str(processes), SHARED, *arguments])
+
+
+def launch(arguments):
+    return subprocess.Popen([MPIEXEC, "-q", *arguments], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def end(process):
+    try:
+        out, err = process.communicate(timeout=120)
+    except subprocess.TimeoutExpired:
+        process.terminate()  # mpirun then ends its processes, which would go on for ever
+        process.wait(timeout=20)
+        raise
+    return process.returncode, out, err
 
 
 def run(processes, *arguments):
@@ -37,9 +50,12 @@ def run(processes, *arguments):
     if processes == 0:
         done = subprocess.run([SERIAL, *arguments], text=True, capture_output=True, timeout=120)
         return done.returncode, done.stdout, done.stderr
-    process = start(processes, arguments)
-    out, err = process.communicate(timeout=120)
-    return process.returncode, out, err
+    return end(start(processes, arguments))
+
+
+def run_apart(one, other):
+    """Two processes with arguments of their own."""
+    return end(launch(["-n", "1", SHARED, *one, ":", "-n", "1", SHARED, *other]))
 
 
 def rows(text):
@@ -125,17 +141,13 @@ def one_fails(folder):
     with open(os.path.join(SOURCE, "cases", "disks12.toml")) as source, open(case, "w") as file:
         file.write(source.read())
     common = ["--epsilon", "1", "--csv", os.path.join(folder, "out.csv")]
-    done = subprocess.run([MPIEXEC, "-q", "-n", "1", SHARED, "sweep", case, *common, ":",
-                           "-n", "1", SHARED, "sweep", os.path.join(folder, "unseen.toml"), *common],
-                          text=True, capture_output=True, timeout=60)
-    check(done.returncode == 2, f"one file missing: exit code 2 expected, {done.returncode} met: {done.stderr}")
-    said = done.stderr
+    code, _, said = run_apart(["sweep", case, *common], ["sweep", os.path.join(folder, "unseen.toml"), *common])
+    check(code == 2, f"one file missing: exit code 2 expected, {code} met: {said}")
     check(said.count("nscdd: error:") == 1 and "unseen.toml" in said, f"one file missing: {said!r}")
     check(os.listdir(folder) == ["seen.toml"], f"one file missing: leaves {os.listdir(folder)}")
     other = ["sweep", "disks12", "--epsilon", "1", "--csv", os.path.join(folder, "out.csv")]
-    done = subprocess.run([MPIEXEC, "-q", "-n", "1", SHARED, *other, ":", "-n", "1", SHARED, *other, "--density", "2"],
-                          text=True, capture_output=True, timeout=60)
-    check(done.returncode == 2 and "the same case in all processes" in done.stderr, f"two cases: {done.stderr!r}")
+    code, _, err = run_apart(other, [*other, "--density", "2"])
+    check(code == 2 and "the same case and options" in err, f"two cases: {err!r}")
     began = time.monotonic()
     code, _, err = run(2, "sweep", *BED, "--epsilon", "1e-3:1:40", "--solver", "shift-invert", "--csv", "/dev/full")
     check(code != 0 and err.count("nscdd: error:") == 1 and "written" in err, f"full disk: {code}, {err!r}")
@@ -212,8 +224,8 @@ def refused_runs(folder):
     new = os.path.join(folder, "new.h5")
     base = ["simulate", "settle-1k", "--subdomains", "3x2", "--steps", "2", "-o", new]
     cases = {
-        "solver.algorithm: expected generic on several processes, met enriched: nscdd has it on one": ["--algorithm", "enriched"],
-        "solver.algorithm: expected generic on several processes, met two_stage_newton": ["--algorithm", "two_stage_newton"],
+        "expected generic on several processes, met enriched: nscdd has it on one": ["--algorithm", "enriched"],
+        "expected generic on several processes, met two_stage_newton": ["--algorithm", "two_stage_newton"],
         "solver.switch linear: expected one process": ["--algorithm", "generic", "--set", "solver.switch=linear"],
         "such file": ["--algorithm", "generic", "--restart"],
         "expected an integer": ["--algorithm", "generic", "--iterations", "many"],
@@ -226,9 +238,11 @@ def refused_runs(folder):
     code, _, err = run(7, *base, "--algorithm", "generic")
     check(code == 2 and "at most one for each of 6 subdomain(s), met 7" in err, f"too many processes: {code}, {err}")
     one = [*base, "--algorithm", "generic"]
-    done = subprocess.run([MPIEXEC, "-q", "-n", "1", SHARED, *one, ":", "-n", "1", SHARED, *one, "--set",
-                           "masses.density=1234"], text=True, capture_output=True, timeout=60)
-    check(done.returncode == 2 and "the same case in all processes" in done.stderr, f"two cases: {done.stderr!r}")
+    table = ["--convergence", os.path.join(folder, "new.csv")]
+    for first, second in ([[], ["--set", "masses.density=1234"]], [[], table],
+                          [table, [*table, "--convergence-every", "5"]]):
+        code, _, err = run_apart([*one, *first], [*one, *second])
+        check(code == 2 and "the same case and options" in err, f"{first} and {second}: {code}, {err!r}")
     check(os.listdir(folder) == [], f"refused runs leave {os.listdir(folder)}")
 
 
