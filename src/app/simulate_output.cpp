@@ -199,6 +199,60 @@ std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force
   return std::make_unique<CsvWriter>(path, force || kept.value_or(0) > 0, headings(iteration_columns()), kept);
 }
 
+void RunOutput::first(const std::function<void()>& work) {
+  processes_.together([&] {
+    if (failure_) throw Error(*failure_);
+    if (processes_.first()) work();
+    return true;
+  });
+}
+
+void RunOutput::open(const TrajectoryHeader& header, const Simulation& simulation, const std::optional<RunSoFar>& found,
+                     const std::string& command_line) {
+  first([&] {
+    if (found) trajectory_.emplace(files_.output, headings(step_columns()));
+    table_ = convergence_table(files_.convergence, files_.force, found);
+    if (found)
+      trajectory_->go_on(header.case_text,
+                         fmt::format("from step {}: nscdd {}: {}\n", simulation.state.step, version(), command_line));
+    else
+      trajectory_.emplace(files_.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
+  });
+}
+
+IterationSink RunOutput::iterations() {
+  if (files_.convergence.empty()) return {};
+  const auto write = [this](const IterationRow& each) {
+    if (!table_ || failure_) return;
+    try {
+      table_->write(row(iteration_columns(), each));
+    } catch (const Error& error) {  // the others are in the middle of a step: they hear of it at its end
+      failure_ = error;
+    }
+  };
+  return {write, files_.convergence_every.value_or(0)};
+}
+
+void RunOutput::add(const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+  first([&] {
+    const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
+    trajectory_->append(trajectory_step(after, solved), row(step_columns(), report), keep);
+    if (!trajectory_->due()) return;
+    if (table_) table_->flush();  // first: a restart needs the rows of all the steps that the trajectory has
+    trajectory_->commit();
+  });
+}
+
+void RunOutput::end(const RunOutcome& outcome) {
+  first([&] {
+    if (table_) table_->flush();
+    trajectory_->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
+                                            : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
+    if (table_ && outcome.end == RunEnd::stopped) table_->leave();
+    if (table_ && outcome.end != RunEnd::stopped) table_->finish();
+  });
+}
+
 std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome) {
   const Index free = simulation.system.free_disks();
   std::vector<std::string> statuses;

@@ -30,6 +30,39 @@ void take_up(Simulation& simulation, const std::string& path);
 /// continued, it keeps the rows of the steps that are done and drops those of the step that was not.
 std::unique_ptr<CsvWriter> convergence_table(const std::string& path, bool force, const std::optional<RunSoFar>& run);
 
+/// The files that a run writes, and how.
+struct RunFiles {
+  std::string output, convergence;         ///< the trajectory; the table of iterations, empty for none
+  Index save_every = 1;                    ///< steps, of the trajectory
+  std::optional<Index> convergence_every;  ///< iterations; without it about ten per decade
+  bool force = false;                      ///< replace what is there
+};
+
+/// What is written of a run while it goes on. Of several processes the first one writes, and all of them make these
+/// calls: what fails there fails everywhere.
+class RunOutput {
+ public:
+  /// Both must outlive this.
+  RunOutput(const RunFiles& files, const Processes& processes) : files_(files), processes_(processes) {}
+
+  /// `found`: the run that is continued.
+  void open(const TrajectoryHeader& header, const Simulation& simulation, const std::optional<RunSoFar>& found,
+            const std::string& command_line);
+  /// Looks at no iteration unless there is a table, and then in all processes.
+  IterationSink iterations();
+  void add(const Simulation& after, const SolvedStep& solved, const StepReport& report);
+  void end(const RunOutcome& outcome);
+
+ private:
+  void first(const std::function<void()>& work);
+
+  const RunFiles& files_;
+  const Processes& processes_;
+  std::optional<TrajectoryWriter> trajectory_;
+  std::unique_ptr<CsvWriter> table_;
+  std::optional<Error> failure_;  // of the table, in the middle of a step
+};
+
 /// The lines at the end of a run, among them warnings that a reader of the numbers must know.
 std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome);
 

@@ -16,7 +16,8 @@ struct ParameterOption {
 };
 
 struct Options {
-  std::string name, subdomains, output, convergence;
+  std::string name, subdomains;
+  RunFiles files;
   std::vector<ParameterOption> parameters{
       {"--algorithm", "WORD", "solver.algorithm",
        "nlgs, generic, enriched, auto, continuation, newton, admm, apgd, two_stage_newton or two_stage_admm",
@@ -30,9 +31,8 @@ struct Options {
       {"--iterations", "N", "solver.maximum_iterations", "of a step at the most"},
       {"--steps", "N", "dynamics.steps", "number of time steps"}};
   std::vector<std::string> settings;
-  Index threads = 0, save_every = 1;
-  std::optional<Index> convergence_every;
-  bool restart = false, force = false;
+  Index threads = 0;
+  bool restart = false;
 };
 
 // A parameter that the command line gives, with the name of its option.
@@ -112,27 +112,27 @@ void require_not_beside(const std::string& output, const std::string& table) {
 }
 
 void check_names(const Options& options) {
-  require_hdf5_name(options.output);
-  if (!options.convergence.empty()) {
-    require_distinct(options.output, options.convergence);
-    require_not_beside(options.output, options.convergence);
+  require_hdf5_name(options.files.output);
+  if (!options.files.convergence.empty()) {
+    require_distinct(options.files.output, options.files.convergence);
+    require_not_beside(options.files.output, options.files.convergence);
   }
-  if (options.restart && options.force)
+  if (options.restart && options.files.force)
     fail("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;
-  require_writable(options.output, options.force);
-  if (!options.convergence.empty()) require_writable(options.convergence, options.force);
+  require_writable(options.files.output, options.files.force);
+  if (!options.files.convergence.empty()) require_writable(options.files.convergence, options.files.force);
 }
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunTotals& totals) {
   if (outcome.end == RunEnd::stopped) {
-    note("{}: interrupted after {} of {} steps; --restart goes on with it", options.output, simulation.state.step,
+    note("{}: interrupted after {} of {} steps; --restart goes on with it", options.files.output, simulation.state.step,
          simulation.dynamics.time.steps);
     return interrupted_exit_code;
   }
-  fmt::print(options.convergence == "-" ? stderr : stdout, "{}", report_text(totals, simulation, outcome));
+  fmt::print(options.files.convergence == "-" ? stderr : stdout, "{}", report_text(totals, simulation, outcome));
   if (outcome.end != RunEnd::broke_down) return 0;
-  note("{}: broke down in {}; it holds the last good state", options.output, outcome.reason);
+  note("{}: broke down in {}; it holds the last good state", options.files.output, outcome.reason);
   return 1;
 }
 
@@ -145,8 +145,7 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
          to_string(solver.algorithm));
   if (solver.model != SwitchedModel::none)
     require_one_process(machine, fmt::format("solver.switch {}", to_string(solver.model)));
-  if (const Index most = subdomains(spec.partition); machine.processes.size > most)
-    fail("processes: expected at most one for each of {} subdomain(s), met {}", most, machine.processes.size);
+  require_subdomains(subdomains(spec.partition), machine.processes.size);
 }
 
 // What tells the start of one run from that of another, and what is asked of it.
@@ -160,77 +159,12 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
   for (const auto& one : state.impulses) remembered.insert(remembered.end(), {one.impulse.n, one.impulse.t});
   for (const RememberedGluing& one : state.gluing) remembered.insert(remembered.end(), {one.x, one.y, one.rim});
   text += fingerprint(std::span<const double>(remembered));
-  text += fmt::format("{} {} {}", state.step, options.convergence.empty(), options.convergence_every.value_or(0));
+  text += fmt::format("{} {} {}", state.step, options.files.convergence.empty(),
+                      options.files.convergence_every.value_or(0));
   std::vector<double> numbers;
   for (const char letter : fingerprint(std::string_view(text))) numbers.push_back(static_cast<double>(letter));
   return numbers;
 }
-
-// What is written of a run: the trajectory and the table of iterations. Of several processes the first one has them.
-class RunOutput {
- public:
-  RunOutput(const Options& options, const Machine& machine) : options_(options), processes_(machine.processes) {}
-
-  void open(const TrajectoryHeader& header, const Simulation& simulation, const std::optional<RunSoFar>& found,
-            const std::string& command_line) {
-    first([&] {
-      if (found) trajectory_.emplace(options_.output, headings(step_columns()));
-      table_ = convergence_table(options_.convergence, options_.force, found);
-      if (found)
-        trajectory_->go_on(header.case_text,
-                           fmt::format("from step {}: nscdd {}: {}\n", simulation.state.step, version(), command_line));
-      else
-        trajectory_.emplace(options_.output, header, TrajectoryStep{simulation.state, {}}, headings(step_columns()));
-    });
-  }
-  // Looks at no iteration unless there is a table, and then in all processes.
-  IterationSink iterations() {
-    if (options_.convergence.empty()) return {};
-    const auto write = [this](const IterationRow& each) {
-      if (!table_ || failure_) return;
-      try {
-        table_->write(row(iteration_columns(), each));
-      } catch (const Error& error) {  // the others are in the middle of a step: they hear of it at its end
-        failure_ = error;
-      }
-    };
-    return {write, options_.convergence_every.value_or(0)};
-  }
-  void add(const Simulation& after, const SolvedStep& solved, const StepReport& report) {
-    first([&] {
-      const bool keep = report.step % options_.save_every == 0 || report.step == after.dynamics.time.steps;
-      trajectory_->append(trajectory_step(after, solved), row(step_columns(), report), keep);
-      if (!trajectory_->due()) return;
-      if (table_) table_->flush();  // first: a restart needs the rows of all the steps that the trajectory has
-      trajectory_->commit();
-    });
-  }
-  void end(const RunOutcome& outcome) {
-    first([&] {
-      if (table_) table_->flush();
-      trajectory_->end(outcome.reason.empty() ? std::string(to_string(outcome.end))
-                                              : fmt::format("{}: {}", to_string(outcome.end), outcome.reason));
-      if (table_ && outcome.end == RunEnd::stopped) table_->leave();
-      if (table_ && outcome.end != RunEnd::stopped) table_->finish();
-    });
-  }
-
- private:
-  template <class Work>
-  void first(Work&& work) {
-    processes_.together([&] {
-      if (failure_) throw Error(*failure_);
-      if (processes_.first()) work();
-      return true;
-    });
-  }
-
-  const Options& options_;
-  const Processes& processes_;
-  std::optional<TrajectoryWriter> trajectory_;
-  std::unique_ptr<CsvWriter> table_;
-  std::optional<Error> failure_;
-};
 
 int run(const Options& options, const Context& context) {
   const Processes& all = context.machine.processes;
@@ -240,24 +174,24 @@ int run(const Options& options, const Context& context) {
     CaseSpec found = find_spec(options.name);
     apply(options, found);
     require_shared(found, context.machine);
-    if (options.restart && all.first()) check_restart(options.output, options.convergence, found);
+    if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);
     return found;
   });
-  const Case one = in_turn(all, [&] { return resolve_case(spec, {options.output, options.convergence}); });
+  const Case one = in_turn(all, [&] { return resolve_case(spec, {options.files.output, options.files.convergence}); });
   std::optional<RunSoFar> found;
   std::vector<double> speeds;
   Simulation simulation = all.together([&] {
     Simulation start = simulation_of(one);
     start.processes = all;
     if (!options.restart) return start;
-    take_up(start, options.output);
-    found = run_so_far(options.output);
+    take_up(start, options.files.output);
+    found = run_so_far(options.files.output);
     for (const double kinetic : found->kinetic) speeds.push_back(mean_speed(start.system, kinetic));
     return start;
   });
-  require_same(features(simulation, to_toml(spec), options), spec.name, all);
+  if (!all.alone()) require_same(features(simulation, to_toml(spec), options), spec.name, all);
   Interruption interruption(all);
-  RunOutput output(options, context.machine);
+  RunOutput output(options.files, all);
   output.open({to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system}, simulation, found,
               context.command_line);
   RunTotals totals;
@@ -283,20 +217,20 @@ Action declare_simulate(Command& command) {
     command.add(one.option + " " + one.form, one.value, fmt::format("{}: {}", one.help, one.key)).words = one.words;
   command.add("--set KEY=VALUE", options->settings, "a parameter of the case, such as interaction.friction=0.2");
   declare_threads(command, options->threads);
-  command.required("-o,--output FILE", options->output, "trajectory, .h5 or .hdf5");
-  const Option* convergence = &command.add("--convergence FILE", options->convergence,
+  command.required("-o,--output FILE", options->files.output, "trajectory, .h5 or .hdf5");
+  const Option* convergence = &command.add("--convergence FILE", options->files.convergence,
                                            "also a table of the iterations of every step, - for standard output; with "
                                            "--restart the rows of the steps taken now are added to it");
   Option& every = command.add(
-      "--convergence-every", options->convergence_every,
+      "--convergence-every", options->files.convergence_every,
       "rows of every Nth iteration; without it of about ten per decade (1, 2, 3, 4, 6, 7, 8, 10, 13, ...), because a "
       "row costs several sweeps. The last of a step always has one");
   every.bounds = {1, 1000000000};
   every.needs = convergence;
-  command.preset("--save-every", options->save_every, "keep every Nth step; the last one always is").bounds = {
+  command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one always is").bounds = {
       1, 1000000000};
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");
-  command.add("--force", options->force, "replace existing outputs");
+  command.add("--force", options->files.force, "replace existing outputs");
   command.footer =
       R"(Prints how the run went; layout of the trajectory in docs/formats.md. A run that is killed, interrupted or
 finished goes on with --restart, bit for bit as in one piece.

@@ -24,6 +24,11 @@ void fill_empty(std::vector<Index>& process_of, const std::vector<idx_t>& weight
 
 }  // namespace
 
+void require_subdomains(Index subdomains, Index processes) {
+  if (processes > subdomains)
+    fail("processes: expected at most one for each of {} subdomain(s), met {}", subdomains, processes);
+}
+
 std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
   std::vector<Index> weight;
   for (const Subdomain& subdomain : parts.subdomains) weight.push_back(1 + subdomain.inertia.size());
@@ -32,8 +37,7 @@ std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
 
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes) {
   const Index subdomains = count(weight);
-  if (processes > subdomains)
-    fail("processes: expected at most one for each of {} subdomain(s), met {}", subdomains, processes);
+  require_subdomains(subdomains, processes);
   std::vector<Index> process_of(at(subdomains), 0);
   if (processes == 1) return process_of;
   std::vector<std::map<Index, idx_t>> shared(at(subdomains));  // rows that a subdomain shares with each other one

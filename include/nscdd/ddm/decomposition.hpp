@@ -48,6 +48,9 @@ Decomposition restrict_contacts(const Decomposition& parts, const std::vector<ch
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
                          const Processes& processes);
 
+/// Throws Error for more processes than subdomains.
+void require_subdomains(Index subdomains, Index processes);
+
 /// Deals subdomains out to processes: parts of about equal weight of the graph of subdomains (METIS), whose edges weigh
 /// what the two exchange. `weight`: of each subdomain. Throws Error for more processes than subdomains.
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes);
