@@ -312,9 +312,12 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
 }  // namespace
 
 SpectrumSolver slepc(MPI_Comm communicator) {
-  const auto session = std::make_shared<const Session>();
   const auto all = std::make_shared<const Communicator>(communicator);
-  return [session, all](const Contraction& b, const SpectralOptions& options) { return radius(b, options, all); };
+  const auto session = std::make_shared<std::optional<Session>>();  // begins where it is asked for
+  return [session, all](const Contraction& b, const SpectralOptions& options) {
+    if (!*session) session->emplace();
+    return radius(b, options, all);
+  };
 }
 
 }  // namespace nscdd::mpi
