@@ -174,7 +174,7 @@ RUN = ["simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "3x2",
 def pictures(folder, trajectory):
     """All that a trajectory holds of grains and contacts, to the last bit."""
     target = trajectory + "-pictures"
-    code, _, err = run(0, "export", trajectory, "--vtk", target)
+    code, _, err = run(0, "export", trajectory, "--vtk", target, "--force")
     check(code == 0, f"{trajectory}: export ends with {code}: {err}")
     found = {}
     for name in os.listdir(target):
@@ -246,51 +246,49 @@ def refused_runs(folder):
     check(os.listdir(folder) == [], f"refused runs leave {os.listdir(folder)}")
 
 
-def killed_and_restarted(folder):
-    trajectory = os.path.join(folder, "run.h5")
-    arguments = [*RUN, "--steps", "400", "-o", trajectory]
+def kill_one(arguments, ready):
+    """Starts two processes, kills the second one as soon as `ready`, and sees the other one end."""
     process = start(2, arguments)
     for _ in range(600):
         time.sleep(0.1)
-        if os.path.exists(trajectory) or process.poll() is not None:
+        if process.poll() is not None or ready():
             break
-    time.sleep(1.5)
-    check(process.poll() is None, "the run ended before it was killed")
+    check(process.poll() is None, f"{arguments[0]}: ended before it was killed")
     began = time.monotonic()
     os.kill(children(process.pid)[1], signal.SIGKILL)
-    process.communicate(timeout=60)
-    check(process.returncode != 0, "killed run: an exit code that is not 0 expected")
-    check(time.monotonic() - began < 20, "killed run: the others went on")
-    code, _, _ = run(0, "export", trajectory, "--vtk", os.path.join(folder, "kept"))
-    check(code == 0, "killed run: the trajectory cannot be read")
-    kept = len(os.listdir(os.path.join(folder, "kept")))
+    code, _, _ = end(process)
+    check(code != 0, f"{arguments[0]}, killed: an exit code that is not 0 expected")
+    check(time.monotonic() - began < 20, f"{arguments[0]}, killed: the others went on")
+
+
+def killed_and_restarted(folder):
+    trajectory, whole = os.path.join(folder, "run.h5"), os.path.join(folder, "whole.h5")
+    began = time.monotonic()
+    kill_one([*RUN, "--steps", "400", "-o", trajectory],
+             lambda: os.path.exists(trajectory) and time.monotonic() - began > 2)
+    kept = len(pictures(folder, trajectory)) - 2  # beside the start and the collection
     steps = str(kept + 10)
     code, out, err = run(3, *RUN, "--steps", steps, "-o", trajectory, "--restart")
     check(code == 0 and f"{steps} of {steps} in all" in out, f"restarted: exit code {code}, {out} {err}")
+    code, _, err = run(0, *RUN, "--steps", steps, "-o", whole)
+    check(code == 0, f"nscdd: exit code {code}, {err}")
+    check(pictures(folder, trajectory) == pictures(folder, whole), "killed and restarted: another trajectory")
 
 
 def killed_and_resumed(folder):
     table = os.path.join(folder, "curve.csv")
     partial = table + ".partial"
     arguments = ["sweep", *BED, "--epsilon", "1e-4:1:120", "--eta", "0.3", "--solver", "shift-invert", "--csv", table]
-    process = start(2, arguments)
-    written = 0
-    for _ in range(600):
-        time.sleep(0.1)
-        if os.path.exists(partial):
-            with open(partial) as file:
-                written = file.read().count("\n") - 1
-        if written >= 10 or process.poll() is not None:
-            break
-    check(process.poll() is None, "the run ended before it was killed")
-    began = time.monotonic()
-    os.kill(children(process.pid)[1], signal.SIGKILL)
-    process.communicate(timeout=60)
-    check(process.returncode != 0, "killed: an exit code that is not 0 expected")
-    check(time.monotonic() - began < 20, "killed: the others went on")
+
+    def kept_rows():
+        if not os.path.exists(partial):
+            return 0
+        with open(partial) as file:
+            return file.read().count("\n") - 1
+
+    kill_one(arguments, lambda: kept_rows() >= 10)
     check(not os.path.exists(table), "killed: a table that is not complete has its name")
-    with open(partial) as file:
-        kept = file.read().count("\n") - 1
+    kept = kept_rows()
     check(10 <= kept < 120, f"killed: {kept} rows are left")
     code, _, err = run(4, *arguments, "--resume")
     check(code == 0, f"resumed: exit code {code}, {err}")
