@@ -1,79 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "linalg/multifrontal/factor.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
-#include <mutex>
-#include <numeric>
-
 namespace nscdd {
-namespace {
-
-// One analysis, and the interior of the matrix that was factorised last.
-class Multifrontal {
- public:
-  explicit Multifrontal(const InertiaPattern& pattern)
-      : analysis_(pattern.lower, pattern.group, groups_of_border(pattern), last_rows(pattern)) {}
-
-  InertiaFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
-    const SymmetricFactor factor(interior(lower, parameters), lower);
-    if (!factor.regular()) return {};
-    return {.regular = true,
-            .negative_eigenvalues = factor.negative_eigenvalues(),
-            .solve = [factor](const Vector& b) { return factor.solve(b); },
-            .solve_from_border = [factor](const Vector& g) { return factor.solve_from_border(g); },
-            .solve_to_border = [factor](const Vector& b) { return factor.solve_to_border(b); },
-            .solve_on_border = [factor](const Vector& g) { return factor.solve_on_border(g); }};
-  }
-
-  void release() {
-    const std::lock_guard lock(mutex_);
-    interior_.reset();
-  }
-
- private:
-  static std::vector<Index> last_rows(const InertiaPattern& pattern) {
-    std::vector<Index> rows(at(pattern.border));
-    std::iota(rows.begin(), rows.end(), pattern.lower.rows() - pattern.border);
-    return rows;
-  }
-
-  // Marks groups that have no other row; none if there are none.
-  static std::vector<char> groups_of_border(const InertiaPattern& pattern) {
-    const Index groups = pattern.group.empty() ? 0 : *std::max_element(pattern.group.begin(), pattern.group.end()) + 1;
-    std::vector<char> of_border(at(groups), 1);
-    for (Index i = 0; i < pattern.lower.rows() - pattern.border; ++i)
-      if (const Index g = pattern.group[at(i)]; g >= 0) of_border[at(g)] = 0;
-    return std::ranges::count(of_border, 1) > 0 ? of_border : std::vector<char>{};
-  }
-
-  SymmetricInterior interior(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
-    const std::lock_guard lock(mutex_);
-    if (!interior_ || parameters_ != parameters) {
-      interior_.reset();  // before the next takes as much memory
-      interior_.emplace(analysis_, lower);
-      parameters_ = parameters;
-    }
-    return *interior_;
-  }
-
-  SymmetricAnalysis analysis_;
-  std::mutex mutex_;
-  std::optional<SymmetricInterior> interior_;
-  std::array<double, 2> parameters_{};
-};
-
-}  // namespace
-
-InertiaMethod multifrontal() {
-  return {"multifrontal", [](const InertiaPattern& pattern) {
-            const auto own = std::make_shared<Multifrontal>(pattern);
-            return InertiaFamily{
-                [own](const auto& lower, const auto& parameters) { return own->factorise(lower, parameters); },
-                [own] { own->release(); }};
-          }};
-}
-
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern) {
   const auto spread = [n = pattern.lower.rows()](const Vector& g) {
     Vector x = Vector::Zero(n);

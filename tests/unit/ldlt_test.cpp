@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The multifrontal L D L^T factorisation against dense algebra: inertia, solves, blocks of the inverse.
 #include "../support/matrices.hpp"
+#include "linalg/multifrontal/dense_front.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/multifrontal/last_groups.hpp"
 #include "linalg/random.hpp"
@@ -20,6 +21,12 @@ Index negative_count(const Dense& a) { return (symmetric_eigenvalues(a).array() 
 
 SymmetricFactor factorise(const SymmetricProblem& problem, const std::vector<char>& last = {}) {
   return {SymmetricAnalysis(problem.lower, problem.group, last), problem.lower};
+}
+
+// A_kk - A_ke A_ee^-1 A_ke^T.
+Matrix schur_complement(const Matrix& a_kk, const Matrix& a_ke, const Matrix& a_ee) {
+  if (a_ee.rows() == 0 || a_kk.rows() == 0) return a_kk;
+  return Dense(a_kk) - Dense(a_ke) * solve(Dense(a_ee), Dense(a_ke).transpose());
 }
 
 double largest(const Matrix& a) { return a.cwiseAbs().maxCoeff(); }
@@ -175,6 +182,72 @@ TEST_CASE("symmetric factor: what is apart from the border serves a family, to t
       CHECK(backward_error(lower, x, b) < 1e-11);
     }
   }
+}
+
+TEST_CASE("symmetric factor: rows that are kept leave their Schur complement, and solves go in steps") {
+  int kept_something = 0;
+  for (const SymmetricProblem& problem : every_symmetric_problem()) {
+    CAPTURE(problem.name);
+    const Index n = problem.lower.rows(), groups = *std::ranges::max_element(problem.group) + 1;
+    if (std::ranges::count(problem.group, -1) > 0) continue;
+    for (const Index every : {1, 3, 5}) {  // all groups are kept, or some of them
+      CAPTURE(every);
+      std::vector<char> kept(at(groups), 0), last(at(groups), 0);
+      for (Index g = 0; g < groups; g += every) kept[at(g)] = 1;
+      for (Index g = 1; g < groups; g += 4) last[at(g)] = 1;
+      std::vector<Index> border, rest;
+      for (Index i = 0; i < n; ++i) (kept[at(problem.group[at(i)])] ? border : rest).push_back(i);
+      const SymmetricAnalysis analysis(problem.lower, problem.group, last, border, kept);
+      std::vector<Index> rows = analysis.kept_rows();
+      REQUIRE(std::ranges::is_permutation(rows, border));
+      const Matrix a = full(problem.lower), a_ee = a(rest, rest), a_ke = a(rows, rest);
+      if (!rest.empty() && symmetric_eigenvalues(a_ee).cwiseAbs().minCoeff() < 1e-3) continue;  // must be regular
+      const SymmetricFactor factor(analysis, problem.lower);
+      if (!factor.regular()) {  // pivots are not delayed
+        CHECK(problem.name == "chain of groups with empty diagonals");
+        continue;
+      }
+      const Matrix schur = schur_complement(a(rows, rows), a_ke, a_ee);
+      const Matrix found = factor.kept_block().selfadjointView<Eigen::Lower>();
+      CHECK(largest(found - schur) < 1e-8 * (largest(schur) + largest(a)));
+      CHECK(factor.negative_eigenvalues() == (rest.empty() ? 0 : negative_count(a_ee)));
+      const Vector x = RandomStream(3).normal_vector(n), b = a * x;
+      Vector half = factor.go_forward(b, Fronts::all);
+      if (!rows.empty()) CHECK(largest(half(rows) - schur * x(rows)) < 1e-7 * largest(b));
+      half(rows) = x(rows);
+      CHECK(largest(factor.go_back(half, Fronts::all) - x) < 1e-6 * largest(x));
+      ++kept_something;
+    }
+  }
+  CHECK(kept_something > 10);
+}
+
+TEST_CASE("dense front: pivots, Schur complement and solves of part of a matrix") {
+  for (const Index pivots : {0, 1, 7, 150, 200}) {
+    CAPTURE(pivots);
+    const Index n = 200, rest = n - pivots;
+    const Vector noise = RandomStream(9).normal_vector(n * n);
+    Matrix a = Eigen::Map<const Matrix>(noise.data(), n, n);
+    a = (a + a.transpose()).eval();
+    std::vector<Index> ends;
+    for (Index end = std::min<Index>(3, pivots); end <= pivots && end > 0; end += 3) ends.push_back(end);
+    if (pivots > 0 && ends.back() != pivots) ends.push_back(pivots);
+    DenseFront front(a.triangularView<Eigen::Lower>(), ends);
+    REQUIRE(front.regular());
+    const Matrix head = a.topLeftCorner(pivots, pivots), side = a.bottomLeftCorner(rest, pivots);
+    CHECK(front.negative_eigenvalues() == (pivots == 0 ? 0 : negative_count(head)));
+    const Matrix schur = schur_complement(a.bottomRightCorner(rest, rest), side, head);
+    const Matrix update = front.take_update().selfadjointView<Eigen::Lower>();
+    if (rest > 0) CHECK(largest(update - schur) < 1e-8 * largest(schur));
+    const Vector x = RandomStream(4).normal_vector(n);
+    Vector values = a * x;
+    front.go_forward(values);
+    if (rest > 0) CHECK(largest(values.tail(rest) - schur * x.tail(rest)) < 1e-7 * largest(schur));
+    values.tail(rest) = x.tail(rest);
+    front.go_back(values);
+    CHECK(largest(values - x) < 1e-7);
+  }
+  CHECK(!DenseFront(Matrix::Zero(4, 4), {2}).regular());
 }
 
 TEST_CASE("symmetric factor: solves from and to the border are refused without one, or with another length") {

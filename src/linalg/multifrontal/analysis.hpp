@@ -20,6 +20,9 @@ struct Front {
   Index update_rows() const { return rows - pivots; }
 };
 
+/// Cuts the pivots of a front into panels. A panel ends where a group ends.
+std::vector<Index> cut_panels(const std::vector<Index>& group_ends);
+
 /// An entry of the matrix put into a front.
 struct FrontEntry {
   int source = 0;           ///< position among the stored values of the matrix
@@ -30,6 +33,7 @@ struct FrontEntry {
 struct FrontTree {
   Index rows = 0;                     ///< of the matrix
   std::vector<Front> fronts;          ///< children before parents
+  bool keeps_rows = false;            ///< the last front, without pivots, holds rows that are not eliminated
   std::vector<int> row_of;            ///< rows of the matrix, front by front, pivots first
   std::vector<int> place_in_parent;   ///< at row_of's positions: place of an update row in the parent's rows
   std::vector<FrontEntry> entries;    ///< front by front

@@ -48,6 +48,40 @@ void subtract_product(Block target, const Block& left, const Right& right, bool 
   }
 }
 
+// Nothing if a pivot is zero.
+std::optional<Index> factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps, double* off) {
+  double query = 0;
+  LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, &query, -1);
+  Vector work(static_cast<Index>(query));
+  const lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, work.data(),
+                                              static_cast<lapack_int>(query));
+  if (info != 0 || !std::isfinite(diagonal(n - 1, n - 1))) return std::nullopt;
+  LAPACKE_dsyconv_work(LAPACK_COL_MAJOR, 'L', 'C', n, diagonal.data(), stride, swaps, off);
+  return negative_pivots(diagonal, off);
+}
+
+// The columns of a panel become L with D on its diagonal; those to the right of it lose its product.
+std::optional<Index> eliminate_panel(FrontFactor& own, Block& columns, Matrix& multiples, Index first, Index width) {
+  const Index rows = columns.rows(), next = first + width, rest = rows - next, columns_left = columns.cols() - next;
+  Block diagonal(&columns(first, first), width, width, Eigen::OuterStride<>(rows));
+  lapack_int* const swaps = own.swaps.data() + first;
+  double* const off = own.off.data() + first;
+  const std::optional<Index> negative =
+      factorise_panel(diagonal, static_cast<lapack_int>(width), static_cast<lapack_int>(rows), swaps, off);
+  if (!negative || rest == 0) return negative;
+  Block left(&columns(next, first), rest, width, Eigen::OuterStride<>(rows));
+  interchange(swaps, width, [&](Index i, Index j) {
+    if (i != j) left.col(i).swap(left.col(j));
+  });
+  diagonal.triangularView<Eigen::UnitLower>().transpose().template solveInPlace<Eigen::OnTheRight>(left);
+  multiples.block(next, first, rest, width) = left;  // L D
+  solve_diagonal(diagonal, off, left.transpose());   // L
+  if (columns_left > 0)
+    subtract_product(Block(&columns(next, next), rest, columns_left, Eigen::OuterStride<>(rows)), left,
+                     multiples.block(next, first, columns_left, width), false);
+  return negative;
+}
+
 // Update rows first ... first + length - 1 of a child that follow each other in its parent too, from `place` on.
 struct Run {
   Index first, place, length;
@@ -81,70 +115,27 @@ class Elimination {
     own.swaps.resize(at(front.pivots));
     own.off = Vector::Zero(front.pivots);
     Matrix& update = result_.updates[at(s)];
-    const Index below = front.update_rows();
-    const bool leaf = front.children.empty();
-    update.resize(below, below);
-    if (!leaf) update.setZero();
+    const bool fresh = front.children.empty() && front.pivots > 0;
+    update.resize(front.update_rows(), front.update_rows());
+    if (!fresh) update.setZero();
     Block columns(own.columns, front.rows, front.pivots, Eigen::OuterStride<>(front.rows));
     columns.setZero();
     assemble(s, columns, update);
-    Matrix multiples(front.rows, front.pivots);  // L D below each panel
-    for (Index panel = 0, first = 0; panel < count(front.panels); ++panel) {
-      const Index width = front.panels[at(panel)] - first;
-      if (!eliminate_panel(own, columns, multiples, first, width)) return;
-      first += width;
-    }
-    if (below > 0) {
-      const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
-      subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left,
-                       multiples.bottomRows(below), leaf);
-    }
+    if (const auto negative = eliminate_front(front, own, update, fresh))
+      result_.negative += *negative;
+    else
+      result_.singular = true;
   }
 
  private:
-  // The columns of a panel become L with D on its diagonal; those to the right of it lose its product.
-  bool eliminate_panel(FrontFactor& own, Block& columns, Matrix& multiples, Index first, Index width) const {
-    const Index rows = columns.rows(), next = first + width, rest = rows - next, columns_left = columns.cols() - next;
-    Block diagonal(&columns(first, first), width, width, Eigen::OuterStride<>(rows));
-    lapack_int* const swaps = own.swaps.data() + first;
-    double* const off = own.off.data() + first;
-    if (!factorise_panel(diagonal, static_cast<lapack_int>(width), static_cast<lapack_int>(rows), swaps, off))
-      return false;
-    if (rest == 0) return true;
-    Block left(&columns(next, first), rest, width, Eigen::OuterStride<>(rows));
-    interchange(swaps, width, [&](Index i, Index j) {
-      if (i != j) left.col(i).swap(left.col(j));
-    });
-    diagonal.triangularView<Eigen::UnitLower>().transpose().template solveInPlace<Eigen::OnTheRight>(left);
-    multiples.block(next, first, rest, width) = left;  // L D
-    solve_diagonal(diagonal, off, left.transpose());   // L
-    if (columns_left > 0)
-      subtract_product(Block(&columns(next, next), rest, columns_left, Eigen::OuterStride<>(rows)), left,
-                       multiples.block(next, first, columns_left, width), false);
-    return true;
-  }
-
-  bool factorise_panel(Block& diagonal, lapack_int n, lapack_int stride, lapack_int* swaps, double* off) const {
-    double query = 0;
-    LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, &query, -1);
-    Vector work(static_cast<Index>(query));
-    lapack_int info = LAPACKE_dsytrf_work(LAPACK_COL_MAJOR, 'L', n, diagonal.data(), stride, swaps, work.data(),
-                                          static_cast<lapack_int>(query));
-    if (info != 0 || !std::isfinite(diagonal(n - 1, n - 1))) {
-      result_.singular = true;
-      return false;
-    }
-    LAPACKE_dsyconv_work(LAPACK_COL_MAJOR, 'L', 'C', n, diagonal.data(), stride, swaps, off);
-    result_.negative += negative_pivots(diagonal, off);
-    return true;
-  }
-
   // Entries of the matrix, then the updates of the children in their order.
   void assemble(Index s, Block& columns, Matrix& update) const {
     const Front& front = tree_.front(s);
     for (Index k = front.first_entry; k < front.last_entry; ++k) {
       const FrontEntry& entry = tree_.entries[at(k)];
-      columns(entry.row, entry.column) += values_[entry.source];
+      double& to = entry.column < front.pivots ? columns(entry.row, entry.column)
+                                               : update(entry.row - front.pivots, entry.column - front.pivots);
+      to += values_[entry.source];
     }
     for (const Index c : front.children) {
       const Front& child = tree_.front(c);
@@ -200,6 +191,24 @@ LargeArray large_array(Index size) {
   return LargeArray(static_cast<double*>(memory));
 }
 
+std::optional<Index> eliminate_front(const Front& front, FrontFactor& factor, Matrix& update, bool fresh) {
+  Block columns(factor.columns, front.rows, front.pivots, Eigen::OuterStride<>(front.rows));
+  Matrix multiples(front.rows, front.pivots);  // L D below each panel
+  Index negative = 0, first = 0;
+  for (const Index end : front.panels) {
+    const std::optional<Index> of_panel = eliminate_panel(factor, columns, multiples, first, end - first);
+    if (!of_panel) return std::nullopt;
+    negative += *of_panel;
+    first = end;
+  }
+  if (const Index below = front.update_rows(); below > 0 && front.pivots > 0) {
+    const Block left(columns.data() + front.pivots, below, front.pivots, Eigen::OuterStride<>(front.rows));
+    subtract_product(Block(update.data(), below, below, Eigen::OuterStride<>(below)), left, multiples.bottomRows(below),
+                     fresh);
+  }
+  return negative;
+}
+
 EliminatedFronts::EliminatedFronts(const FrontTree& tree, bool on_border, LargeArray memory)
     : columns(std::move(memory)), factors(at(tree.size())), updates(at(tree.size())) {
   double* next = columns.get();
@@ -222,7 +231,9 @@ FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts
     : interior(std::move(interior_fronts)), tree(*interior->tree), border(tree, true, memory_of_factor(*interior)) {
   const Elimination elimination(tree, lower, border, &interior->fronts);
   tree.for_roots(true, [&](Index root) { tree.up(root, true, [&](Index s) { elimination.eliminate(s); }); });
+  Matrix kept = tree.keeps_rows ? std::move(border.updates.back()) : Matrix();
   border.updates.clear();
+  border.updates.push_back(std::move(kept));
 }
 
 FactorFronts::~FactorFronts() {
@@ -242,6 +253,8 @@ SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const Sparse
 }
 
 bool SymmetricFactor::regular() const { return !fronts_->interior->fronts.singular && !fronts_->border.singular; }
+
+const Matrix& SymmetricFactor::kept_block() const { return fronts_->border.updates.front(); }
 
 Index SymmetricFactor::negative_eigenvalues() const {
   return fronts_->interior->fronts.negative + fronts_->border.negative;

@@ -20,12 +20,15 @@ class SymmetricAnalysis {
   /// least; by then all that the row ties can serve as its pivot. `last`: flags, one per group or none, of groups to be
   /// eliminated after all others, which makes `SymmetricFactor::inverse_block` on their rows cheap. `border`: rows on
   /// which solutions are wanted. The matrices of a family may differ between two rows of groups of the border only;
-  /// fronts on no way from a border row to the root then serve the whole family, see SymmetricInterior. `merged`: of
-  /// groups, see supernodes. Throws std::bad_alloc if the libraries run out of memory.
+  /// fronts on no way from a border row to the root then serve the whole family, see SymmetricInterior. `kept`: flags
+  /// like those of `last`, of groups of the border that are not eliminated at all. `merged`: of groups, see supernodes.
+  /// Throws std::bad_alloc if the libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const std::vector<char>& last = {},
-                    const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
+                    const std::vector<Index>& border = {}, const std::vector<char>& kept = {},
+                    const MergedColumns& merged = usually_merged);
 
-  double entries() const;  ///< of the factor
+  double entries() const;                ///< of the factor
+  std::vector<Index> kept_rows() const;  ///< in the order of their groups
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
 
  private:
@@ -41,6 +44,12 @@ class SymmetricInterior {
  private:
   friend class SymmetricFactor;
   std::shared_ptr<const InteriorFronts> fronts_;
+};
+
+/// Over which fronts a solve goes.
+enum class Fronts {
+  all,
+  border,  ///< those on the way from a border row to the root
 };
 
 /// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks (Bunch-Kaufman
@@ -64,6 +73,13 @@ class SymmetricFactor {
   Vector solve_from_border(const Vector& g) const;
   Vector solve_to_border(const Vector& b) const;
   Vector solve_on_border(const Vector& g) const;
+
+  /// Where rows k are kept and rows e are eliminated: the lower triangle of S = A_kk - A_ke A_ee^-1 A_ek, in the order
+  /// of `kept_rows`. The inertia is then that of A_ee. A x = b is solved in steps. `go_forward` gives L^-1 b_e, and on
+  /// the rows kept b_k - A_ke A_ee^-1 b_e; once S x_k = that is solved, `go_back` makes x_e of both.
+  const Matrix& kept_block() const;
+  Vector go_forward(const Vector& b, Fronts which) const;
+  Vector go_back(const Vector& x, Fronts which) const;
 
   /// (A^-1)_{rows, rows}; only the fronts on the way from these rows to the root take part.
   Matrix inverse_block(const std::vector<Index>& rows) const;

@@ -65,6 +65,57 @@ void solve_diagonal(const Diagonal& diagonal, const double* e, Rows&& b) {
   }
 }
 
+/// Calls visit(first pivot, width, L with D on its diagonal, L below) for a panel of a front.
+template <class Visit>
+void visit_panel(const Front& front, const FrontFactor& factor, std::size_t k, const Visit& visit) {
+  const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
+  const double* start = factor.columns + first * front.rows + first;
+  const Eigen::OuterStride<> stride(front.rows);
+  visit(first, width, ConstBlock(start, width, width, stride),
+        ConstBlock(start + width, front.rows - first - width, width, stride));
+}
+
+template <class Visit>
+void for_panels(const Front& front, const FrontFactor& factor, const Visit& visit) {
+  for (std::size_t k = 0; k < front.panels.size(); ++k) visit_panel(front, factor, k, visit);
+}
+
+/// What swaps two rows of the values of a panel.
+auto exchange_rows(auto& head) {
+  return [&head](Index i, Index j) {
+    if (i != j) head.row(i).swap(head.row(j));
+  };
+}
+
+/// Replaces the values of a front's rows, one column per right-hand side, by L^-1 times them.
+template <class Values>
+void go_forward(const Front& front, const FrontFactor& factor, Values& local) {
+  for_panels(front, factor, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+    auto head = local.middleRows(first, width);
+    interchange(factor.swaps.data() + first, width, exchange_rows(head));
+    diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
+    local.bottomRows(left.rows()).noalias() -= left * head;
+  });
+}
+/// The same by L^-T D^-1.
+template <class Values>
+void go_back(const Front& front, const FrontFactor& factor, Values& local) {
+  for (std::size_t k = front.panels.size(); k > 0; --k)
+    visit_panel(front, factor, k - 1,
+                [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
+                  auto head = local.middleRows(first, width);
+                  solve_diagonal(diagonal, factor.off.data() + first, head);
+                  head.noalias() -= left.transpose() * local.bottomRows(left.rows());
+                  diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
+                  interchange_back(factor.swaps.data() + first, width, exchange_rows(head));
+                });
+}
+
+/// Eliminates the pivots of a front whose entries are in `columns` (rows x pivots, which becomes L with D on its
+/// diagonal) and in `update` (the lower triangle of what is left, which becomes the Schur complement). `fresh`: the
+/// update has no values yet, and is zero. Returns the number of negative pivots, nothing if one is zero.
+std::optional<Index> eliminate_front(const Front& front, FrontFactor& factor, Matrix& update, bool fresh);
+
 /// An array of numbers without a value yet. A large one lies in huge pages if the system has them: to obtain gigabytes
 /// in pages of 4 KiB takes seconds. Throws std::bad_alloc.
 struct Free {
@@ -105,51 +156,6 @@ struct FactorFronts {
 
   const FrontFactor& factor(Index s) const {
     return (tree.front(s).on_border ? border : interior->fronts).factors[at(s)];
-  }
-
-  // Calls visit(first pivot, width, L with D on its diagonal, L below) for the panels of a front.
-  template <class Visit>
-  void for_panels(Index s, const Visit& visit) const {
-    for (std::size_t k = 0; k < tree.front(s).panels.size(); ++k) panel(s, k, visit);
-  }
-
-  // Replaces the values of a front's rows, one column per right-hand side, by L^-1 times them.
-  template <class Values>
-  void go_forward(Index s, Values& local) const {
-    for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-      auto head = local.middleRows(first, width);
-      interchange(factor(s).swaps.data() + first, width, exchange_rows(head));
-      diagonal.triangularView<Eigen::UnitLower>().solveInPlace(head);
-      local.bottomRows(left.rows()).noalias() -= left * head;
-    });
-  }
-  // The same by L^-T D^-1.
-  template <class Values>
-  void go_back(Index s, Values& local) const {
-    for (std::size_t k = tree.front(s).panels.size(); k > 0; --k)
-      panel(s, k - 1, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock& left) {
-        auto head = local.middleRows(first, width);
-        solve_diagonal(diagonal, factor(s).off.data() + first, head);
-        head.noalias() -= left.transpose() * local.bottomRows(left.rows());
-        diagonal.triangularView<Eigen::UnitLower>().transpose().solveInPlace(head);
-        interchange_back(factor(s).swaps.data() + first, width, exchange_rows(head));
-      });
-  }
-
- private:
-  static auto exchange_rows(auto& head) {
-    return [&head](Index i, Index j) {
-      if (i != j) head.row(i).swap(head.row(j));
-    };
-  }
-  template <class Visit>
-  void panel(Index s, std::size_t k, const Visit& visit) const {
-    const Front& front = tree.front(s);
-    const Index first = k == 0 ? 0 : front.panels[k - 1], width = front.panels[k] - first;
-    const double* start = factor(s).columns + first * front.rows + first;
-    const Eigen::OuterStride<> stride(front.rows);
-    visit(first, width, ConstBlock(start, width, width, stride),
-          ConstBlock(start + width, front.rows - first - width, width, stride));
   }
 };
 

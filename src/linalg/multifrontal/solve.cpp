@@ -9,8 +9,6 @@
 namespace nscdd {
 namespace {
 
-enum class Fronts { all, border };
-
 void go_forward(const FactorFronts& fronts, Index s, Vector& x, std::vector<Vector>& carried) {
   const Front& front = fronts.tree.front(s);
   const int* row = fronts.tree.rows_of(front);
@@ -23,8 +21,10 @@ void go_forward(const FactorFronts& fronts, Index s, Vector& x, std::vector<Vect
     for (Index i = 0; i < child.update_rows(); ++i) local[place[i]] += carried[at(c)][i];
     carried[at(c)].resize(0);
   }
-  fronts.go_forward(s, local);
+  go_forward(front, fronts.factor(s), local);
   for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
+  if (front.pivots == 0)  // rows that are kept
+    for (Index i = 0; i < front.rows; ++i) x[row[i]] += local[i];
   carried[at(s)] = local.tail(front.update_rows());
 }
 
@@ -33,22 +33,34 @@ void go_back(const FactorFronts& fronts, Index s, Vector& x) {
   const int* row = fronts.tree.rows_of(front);
   Vector local(front.rows);
   for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
-  fronts.go_back(s, local);
+  go_back(front, fronts.factor(s), local);
   for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
 }
 
-// L^-1 over all fronts or over those on the border, which are all where b is not zero; D^-1 and L^-T likewise.
-Vector solved(const FactorFronts& fronts, Vector x, Fronts forward, Fronts backward) {
+// L^-1 over all fronts or over those on the border, which are all where b is not zero.
+Vector forward(const FactorFronts& fronts, Vector x, Fronts which) {
   const FrontTree& tree = fronts.tree;
   std::vector<Vector> carried(at(tree.size()));  // updates on their way to the parent
-  const bool up_border = forward == Fronts::border, down_border = backward == Fronts::border;
+  const bool border = which == Fronts::border;
   with_threads([&] {
-    tree.for_roots(up_border,
-                   [&](Index root) { tree.up(root, up_border, [&](Index s) { go_forward(fronts, s, x, carried); }); });
-    tree.for_roots(down_border,
-                   [&](Index root) { tree.down(root, down_border, [&](Index s) { go_back(fronts, s, x); }); });
+    tree.for_roots(border,
+                   [&](Index root) { tree.up(root, border, [&](Index s) { go_forward(fronts, s, x, carried); }); });
   });
   return x;
+}
+
+// D^-1 and L^-T likewise.
+Vector back(const FactorFronts& fronts, Vector x, Fronts which) {
+  const FrontTree& tree = fronts.tree;
+  const bool border = which == Fronts::border;
+  with_threads([&] {
+    tree.for_roots(border, [&](Index root) { tree.down(root, border, [&](Index s) { go_back(fronts, s, x); }); });
+  });
+  return x;
+}
+
+Vector solved(const FactorFronts& fronts, Vector x, Fronts up, Fronts down) {
+  return back(fronts, forward(fronts, std::move(x), up), down);
 }
 
 void require_border(const FrontTree& tree) {
@@ -66,6 +78,10 @@ Vector spread(const FrontTree& tree, const Vector& g) {  // E g
 }
 
 }  // namespace
+
+Vector SymmetricFactor::go_forward(const Vector& b, Fronts which) const { return forward(*fronts_, b, which); }
+
+Vector SymmetricFactor::go_back(const Vector& x, Fronts which) const { return back(*fronts_, x, which); }
 
 Vector SymmetricFactor::solve(const Vector& b) const { return solved(*fronts_, b, Fronts::all, Fronts::all); }
 
@@ -107,9 +123,11 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
     change(local);
     x(list, Eigen::all) = local;
   };
-  for (const Index s : path) change_rows(s, [&](Matrix& local) { fronts.go_forward(s, local); });
+  for (const Index s : path)
+    change_rows(s, [&](Matrix& local) { nscdd::go_forward(tree.front(s), fronts.factor(s), local); });
   std::reverse(path.begin(), path.end());
-  for (const Index s : path) change_rows(s, [&](Matrix& local) { fronts.go_back(s, local); });
+  for (const Index s : path)
+    change_rows(s, [&](Matrix& local) { nscdd::go_back(tree.front(s), fronts.factor(s), local); });
   std::vector<Index> wanted;
   for (const Index row : rows) wanted.push_back(compact[at(row)]);
   return x(wanted, Eigen::all);
@@ -122,7 +140,7 @@ std::vector<Index> SymmetricFactor::smallest_pivots(Index wanted, Index first_ro
   for (Index s = 0; s < tree.size(); ++s) {
     const FrontFactor& own = fronts.factor(s);
     const int* row = tree.rows_of(tree.front(s));
-    fronts.for_panels(s, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock&) {
+    for_panels(tree.front(s), own, [&](Index first, Index width, const ConstBlock& diagonal, const ConstBlock&) {
       std::vector<Index> place(at(width));
       std::iota(place.begin(), place.end(), first);
       interchange(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(place[at(i)], place[at(j)]); });

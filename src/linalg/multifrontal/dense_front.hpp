@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/multifrontal/fronts.hpp"
+
+namespace nscdd {
+
+/// One front by itself: L D L^T of the first rows of a dense symmetric matrix, with pivots chosen as in
+/// SymmetricFactor, and the Schur complement on the others.
+class DenseFront {
+ public:
+  /// `lower`: its lower triangle. `group_ends`: ends of the groups of rows that are eliminated, ascending.
+  DenseFront(const Matrix& lower, const std::vector<Index>& group_ends);
+
+  bool regular() const { return negative_.has_value(); }            ///< false if a pivot is exactly zero
+  Index negative_eigenvalues() const { return negative_.value(); }  ///< among the pivots
+  Matrix take_update() { return std::move(update_); }               ///< the Schur complement, lower triangle
+
+  /// On the rows eliminated L^-1 times their values; from the others goes what these take off.
+  void go_forward(Vector& values) const;
+  /// On the rows eliminated the solution, once the others have theirs.
+  void go_back(Vector& values) const;
+
+ private:
+  Front front_;
+  LargeArray columns_;
+  FrontFactor factor_;
+  Matrix update_;
+  std::optional<Index> negative_;
+};
+
+}  // namespace nscdd

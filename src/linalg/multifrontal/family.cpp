@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/multifrontal/family.hpp"
+
+#include <numeric>
+
+namespace nscdd {
+
+SymmetricFactor SymmetricFamily::factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
+  return {interior(lower, parameters), lower};
+}
+
+void SymmetricFamily::release() {
+  const std::lock_guard lock(mutex_);
+  interior_.reset();
+}
+
+SymmetricInterior SymmetricFamily::interior(const SparseMatrix& lower, const std::array<double, 2>& parameters) {
+  const std::lock_guard lock(mutex_);
+  if (!interior_ || parameters_ != parameters) {
+    interior_.reset();  // before the next takes as much memory
+    interior_.emplace(analysis_, lower);
+    parameters_ = parameters;
+  }
+  return *interior_;
+}
+
+std::vector<char> groups_of_border(const InertiaPattern& pattern) {
+  const Index groups = pattern.group.empty() ? 0 : *std::max_element(pattern.group.begin(), pattern.group.end()) + 1;
+  std::vector<char> of_border(at(groups), 1);
+  for (Index i = 0; i < pattern.lower.rows() - pattern.border; ++i)
+    if (const Index g = pattern.group[at(i)]; g >= 0) of_border[at(g)] = 0;
+  return std::ranges::count(of_border, 1) > 0 ? of_border : std::vector<char>{};
+}
+
+namespace {
+
+SymmetricAnalysis analysis_of(const InertiaPattern& pattern) {
+  std::vector<Index> border(at(pattern.border));
+  std::iota(border.begin(), border.end(), pattern.lower.rows() - pattern.border);
+  return {pattern.lower, pattern.group, groups_of_border(pattern), border};
+}
+
+}  // namespace
+
+InertiaMethod multifrontal() {
+  const auto analyse = [](const InertiaPattern& pattern) {
+    const auto own = std::make_shared<SymmetricFamily>(analysis_of(pattern));
+    const auto factorise = [own](const SparseMatrix& lower, const std::array<double, 2>& parameters) -> InertiaFactor {
+      const SymmetricFactor factor = own->factorise(lower, parameters);
+      if (!factor.regular()) return {};
+      return {.regular = true,
+              .negative_eigenvalues = factor.negative_eigenvalues(),
+              .solve = [factor](const Vector& b) { return factor.solve(b); },
+              .solve_from_border = [factor](const Vector& g) { return factor.solve_from_border(g); },
+              .solve_to_border = [factor](const Vector& b) { return factor.solve_to_border(b); },
+              .solve_on_border = [factor](const Vector& g) { return factor.solve_on_border(g); }};
+    };
+    return InertiaFamily{factorise, [own] { own->release(); }};
+  };
+  return {"multifrontal", analyse};
+}
+
+}  // namespace nscdd

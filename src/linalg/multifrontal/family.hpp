@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/multifrontal/factor.hpp"
+#include <nscdd/linalg/inertia_factor.hpp>
+
+#include <mutex>
+
+namespace nscdd {
+
+/// One analysis, and the interior of the matrix that was factorised last.
+class SymmetricFamily {
+ public:
+  explicit SymmetricFamily(SymmetricAnalysis analysis) : analysis_(std::move(analysis)) {}
+
+  /// With equal parameters the interior is kept, see InertiaFamily.
+  SymmetricFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters);
+  void release();  ///< frees the interior
+
+  const SymmetricAnalysis& analysis() const { return analysis_; }
+
+ private:
+  SymmetricInterior interior(const SparseMatrix& lower, const std::array<double, 2>& parameters);
+
+  SymmetricAnalysis analysis_;
+  std::mutex mutex_;
+  std::optional<SymmetricInterior> interior_;
+  std::array<double, 2> parameters_{};
+};
+
+/// Marks the groups of a pattern that have border rows alone; empty if there are none.
+std::vector<char> groups_of_border(const InertiaPattern& pattern);
+
+}  // namespace nscdd
