@@ -115,11 +115,13 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   } else {
     add_condensed(entries, system, 0, interface);
   }
-  if (generic && !processes().first()) {
-    // X is there once.
-  } else if (generic) {
-    for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {  // X
-      if (i >= j) entries.add(interface + i, interface + j, value, 0);
+  if (generic) {
+    const Interface& tied = system.interface;
+    const auto here = [&](Index i) {  // X is there once: each row of it with the first copy
+      return tied.process_of(tied.gluing()[nscdd::at(i / tied.dofs_per_grain())].first.subdomain) == processes().rank;
+    };
+    for_entries(b.preconditioner.generic(), [&](Index i, Index j, double value) {
+      if (i >= j && here(i)) entries.add(interface + i, interface + j, value, 0);
     });
   } else {
     add_condensed(entries, preconditioner, system_size, interface);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd-mpi: the verbs that several processes can share.
 #include "app/program.hpp"
-#include "mpi/mumps.hpp"
+#include "mpi/multifrontal.hpp"
 #include "mpi/processes.hpp"
 #include "mpi/slepc.hpp"
 
@@ -57,7 +57,7 @@ int run(int argc, char** argv) {
                              .verbs = {"sweep", "optimum", "simulate"},
                              .processes = processes_of(MPI_COMM_WORLD),
                              .processes_here = processes_here(),
-                             .inertia = mumps(MPI_COMM_WORLD),
+                             .inertia = multifrontal(MPI_COMM_WORLD),
                              .slepc = slepc(MPI_COMM_WORLD),
                              .threads = 1};
   if (!machine.processes.first()) keep_silent();

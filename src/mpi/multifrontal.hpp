@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/linalg/inertia_factor.hpp>
+
+#include <mpi.h>
+
+namespace nscdd::mpi {
+
+/// Our own factorisation of matrices that the processes of a communicator share (see InertiaFactor). Each eliminates
+/// its rows, and the border rows that are its alone; what is left of its part is dense, and small. Pairs of processes
+/// put these together and eliminate what no third one has, pairs of pairs go on, until nothing is left. Inertias add.
+/// Processes next to each other in rank should share more than others do, and the one in the middle between two sets
+/// puts theirs together, so that each does so once at most. All make the same calls in the same order.
+InertiaMethod multifrontal(MPI_Comm communicator);
+
+}  // namespace nscdd::mpi
