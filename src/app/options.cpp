@@ -7,6 +7,10 @@
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <fstream>
 
 namespace nscdd::app {
@@ -196,7 +200,19 @@ void MemoryLimit::require(const MemoryNeed& need) const {
       need.what, need.advice);
 }
 
-Model shared_model(const Case& one, const Machine& machine, const std::function<void(const Model&)>& check) {
+namespace {
+
+// What the whole packing took would stay with the process, see keep_freed_memory.
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace
+
+Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
+                   const std::function<void(const Model&)>& check) {
   const Processes& all = machine.processes;
   return all.together([&] {
     Model whole = all.together([&] {
@@ -205,7 +221,12 @@ Model shared_model(const Case& one, const Machine& machine, const std::function<
       return built;
     });
     require_same(features(whole), one.spec.name, all);
-    return of_process(std::move(whole), all);
+    Model own = of_process(std::move(whole), all);
+    if (!all.alone()) {
+      if (contacts == ContactSet::all) own.problem.h = SparseMatrix(own.problem.h.rows(), own.problem.h.cols());
+      give_back_freed_memory();
+    }
+    return own;
   });
 }
 

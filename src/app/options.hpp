@@ -83,9 +83,11 @@ auto in_turn(const Processes& processes, Work&& work) {
   return std::move(*result);
 }
 
-/// The model of a case as this process has it. `check` is called with the whole one before. Throws Error in all
-/// processes if one throws it, or if they do not have the same.
-Model shared_model(const Case& one, const Machine& machine, const std::function<void(const Model& whole)>& check);
+/// The model of a case as this process has it; H of the undivided packing keeps its entries only where contacts must be
+/// chosen. `check` is called with the whole model before. Throws Error in all processes if one throws it, or if they do
+/// not have the same.
+Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
+                   const std::function<void(const Model& whole)>& check);
 
 /// Throws Error in all processes unless they have the same numbers, which tell one case from another.
 void require_same(const std::vector<double>& numbers, const std::string& name, const Processes& processes);

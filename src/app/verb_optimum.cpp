@@ -49,7 +49,7 @@ int run(const Options& options, const Context& context) {
   require_shared(work.sweep.spectral, machine);
   if (!options.redo && nothing_to_resume(options.csv, "", options.how, machine)) return 0;
   const ThreadLimit limit(threads_of(options.threads, machine));
-  const Model model = shared_model(work.cases.front(), machine, [&](const Model& whole) {
+  const Model model = shared_model(work.cases.front(), machine, work.sweep.contacts, [&](const Model& whole) {
     options.memory.require(sweep_need(whole, work.sweep), machine);
   });
   if (model.parts.interface_size() == 0)

@@ -107,9 +107,9 @@ int run(const Options& options, const Context& context) {
     require_one_process(machine, "--gauss-seidel-sweeps");
   if (!options.redo && nothing_to_resume(options.csv, options.hdf5, options.how, machine)) return 0;
   const ThreadLimit limit(threads_of(options.threads, machine));
-  const Model model = shared_model(work.cases.front(), machine, [&, &sweep = work.sweep](const Model& whole) {
-    options.memory.require(sweep_need(whole, sweep), machine);
-  });
+  const Model model = shared_model(
+      work.cases.front(), machine, work.sweep.contacts,
+      [&, &sweep = work.sweep](const Model& whole) { options.memory.require(sweep_need(whole, sweep), machine); });
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): nothing to contract, radius 0", model.name, why_empty(model));
   if (options.redo) return redo_table(work, options.csv);

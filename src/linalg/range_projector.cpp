@@ -164,7 +164,7 @@ LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolera
 }
 
 Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
-  Eigen::LeastSquaresConjugateGradient<SparseMatrix, DampedInverse> solver;
+  Eigen::LeastSquaresConjugateGradient<SparseMatrix::Base, DampedInverse> solver;
   solver.setTolerance(1e-13);
   solver.setMaxIterations(most_iterations);
   solver.compute(a);

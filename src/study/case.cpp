@@ -216,8 +216,18 @@ Model of_process(Model model, const Processes& processes) {
   if (processes.alone()) return model;
   const std::vector<Index> process_of = deal_out(model.parts, processes.size);
   model.parts = of_process(std::move(model.parts), process_of, processes);
+  model.network.contacts = {};
   return model;
 }
+
+namespace {
+
+void decompose(Model& model) {
+  model.parts = decompose(model.problem, model.partition);
+  if (model.problem.contacts() > 0) model.flexibility = mean_normal_delassus(model.problem);
+}
+
+}  // namespace
 
 Model build(const Case& one, const Monitor& monitor) try {
   Model model;
@@ -228,7 +238,7 @@ Model build(const Case& one, const Monitor& monitor) try {
            file->path, one.spec.prescribed.size());
     model.problem = reference_problem(one.problem, file->path);
     model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
-    model.parts = decompose(model.problem, model.partition);
+    decompose(model);
     return model;
   }
   model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
@@ -243,7 +253,7 @@ Model build(const Case& one, const Monitor& monitor) try {
   model.partition = distribute(
       one.spec.partition, [&] { return std::tie(model.packing, model.network); },
       [&]() -> const ReferenceProblem& { return model.problem; });
-  model.parts = decompose(model.problem, model.partition);
+  decompose(model);
   return model;
 } catch (const Error& error) {
   if (error.key().empty()) throw;

@@ -33,7 +33,7 @@ struct Work {
         scale(flexibility_scale(model)),
         parts(model.parts),
         stage_two(model.parts),
-        stage_one(asked.sweep.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one)),
+        stage_one(asked.sweep.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one)),
         options(asked.sweep.spectral) {
     // The certificate of a dense spectrum costs nothing and bounds the rounding of its ends.
     const SolverChoice choice = choose_solver(model.parts.interface_size(), false, options);
@@ -55,7 +55,7 @@ class Curve {
   Curve(Work& work, const SweepPoint& start) : work_(work), start_(start) {
     const SweepParameters& sweep = work.parameters.sweep;
     const std::vector<double>& range = work.along_epsilon() ? sweep.epsilon : sweep.eta;
-    const double bound = stiffest(work.along_epsilon() ? work.selection.stage_one : work.parts);
+    const double bound = stiffest(work.along_epsilon() ? *work.selection.stage_one : work.parts);
     law_ = {work.parameters.axis, bound * (1 + 1e-12), *start.relaxation};
     for (const double x : {range.front(), range.back()}) add(x, count(points_));
   }

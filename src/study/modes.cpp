@@ -67,7 +67,7 @@ Mode interface_mode(const Model& model, const ModeParameters& parameters) {
   const InterfaceFamily stage_two(model.parts);
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_one =
-      parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one);
+      parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one);
   const Contraction b{stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)};
   SpectralOptions options = parameters.spectral;
   // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.

@@ -108,9 +108,7 @@ SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double 
   return point;
 }
 
-double flexibility_scale(const Model& model) {
-  return model.problem.contacts() == 0 ? 1 : mean_normal_delassus(model.problem);
-}
+double flexibility_scale(const Model& model) { return model.flexibility; }
 
 Index point_count(const SweepParameters& parameters) {
   return count(parameters.epsilon) * count(parameters.eta) * count(parameters.relaxation) *
@@ -170,7 +168,9 @@ Selection select(const Model& model, ContactSet contacts) {
                             .interface_size = model.parts.interface_size(),
                             .contact_set = contacts,
                             .rule = choice.rule};
-  return {of_case, contacts == ContactSet::all ? model.parts : restrict_contacts(model.parts, choice.active),
+  if (contacts == ContactSet::all)
+    return {of_case, std::shared_ptr<const Decomposition>(std::shared_ptr<const void>(), &model.parts), choice.certain};
+  return {of_case, std::make_shared<const Decomposition>(restrict_contacts(model.parts, choice.active)),
           choice.certain};
 }
 
@@ -188,7 +188,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
   const SpectralOptions& options = parameters.spectral;
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.
   const InterfaceFamily stage_two(model.parts);
-  Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(selection.stage_one), stage_two,
+  Spectra spectra(parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one), stage_two,
                   options);
   const Index total = point_count(parameters);
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
@@ -201,7 +201,7 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
     const auto& [epsilon, eta, relaxation, sweeps] = result.point;
     if (number < first && sweeps) continue;
     if (sweeps)
-      set_inexact(result, selection.stage_one, spectra.preconditioner(eta), options);
+      set_inexact(result, *selection.stage_one, spectra.preconditioner(eta), options);
     else
       set_exact(result, spectra.at(epsilon, eta, number / per_pair), options.tolerance);
     if (number < first) {  // only to warm up the block that the first row belongs to

@@ -27,7 +27,27 @@ namespace nscdd {
 using Index = Eigen::Index;
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
-using SparseMatrix = Eigen::SparseMatrix<double>;  ///< compressed by columns
+
+/// Compressed by columns. It moves, where Eigen's own (3.4) copies, and frees its memory with `= {}`.
+class SparseMatrix : public Eigen::SparseMatrix<double> {
+ public:
+  using Base = Eigen::SparseMatrix<double>;
+  using Base::Base;
+  SparseMatrix() = default;
+  SparseMatrix(const SparseMatrix&) = default;
+  SparseMatrix(SparseMatrix&& other) noexcept { swap(other); }
+  SparseMatrix& operator=(const SparseMatrix&) = default;
+  SparseMatrix& operator=(SparseMatrix&& other) noexcept {
+    SparseMatrix taken(std::move(other));
+    swap(taken);
+    return *this;
+  }
+  template <class Expression>
+  SparseMatrix& operator=(const Eigen::EigenBase<Expression>& expression) {
+    Base::operator=(expression.derived());
+    return *this;
+  }
+};
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();

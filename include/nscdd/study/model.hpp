@@ -21,13 +21,15 @@ struct Model {
   ReferenceProblem problem;
   Partition partition;
   Decomposition parts;
+  double flexibility = 1;  ///< scale of flexibilities, see flexibility_scale, 1/kg
 
   Index grains() const { return problem.grains(); }
   Index contacts() const { return problem.contacts() / problem.columns_per_contact; }
   bool has_geometry() const { return packing.size() > 0; }
 };
 
-/// The model as one of several processes has it: its own subdomains (see deal_out), and all that is not decomposed.
+/// The model as one of several processes has it: its own subdomains (see deal_out), and all that is not decomposed but
+/// the geometry of contacts.
 Model of_process(Model model, const Processes& processes);
 
 /// Throws Error, naming what asks for it, if the model is a contact problem: its geometry is not known.

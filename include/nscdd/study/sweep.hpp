@@ -58,8 +58,9 @@ const ResultColumns<CaseSummary>& case_columns();
 /// The decomposition of a model together with what the choice of contacts makes of it.
 struct Selection {
   CaseSummary of_case;
-  Decomposition stage_one;  ///< with the contacts Stage 1 works with
-  bool certain = true;      ///< false where the impulses behind the choice were not found to 1e-8
+  /// With the contacts Stage 1 works with. Where these are all, that of the model, which must then live on.
+  std::shared_ptr<const Decomposition> stage_one;
+  bool certain = true;  ///< false where the impulses behind the choice were not found to 1e-8
 };
 
 /// Throws Error where the choice depends on impulses and no grain has an arriving velocity.
