@@ -22,7 +22,7 @@ constexpr double inexact_matrices = 9;
 constexpr double factors = 5;
 constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
 // These four are fitted to the peak memory of shift-invert on lattices of 10^4, 10^5 and 10^6 disks in 16
-// parts. On lattices cut down to a few grains per subdomain the estimate is up to 1.7 times what was
+// parts. On lattices cut down to a few grains per subdomain the estimate is up to 2.1 times what was
 // measured, and never below it. Let the saddle point have s rows, and let b be s over the unknowns of the
 // undivided packing. The rows of a grain are eliminated together, so an entry of a factor of the packing
 // becomes b^2.
