@@ -193,17 +193,18 @@ Index InterfaceOperator::nullity() const {
   });
 }
 
+Vector InterfaceOperator::solve_generic(const Vector& g) const {
+  const Vector& inertia = implementation_->preparation->row_inertia;
+  const Index d = parts().dofs_per_grain();
+  return parts().interface.solve_generic([&](Index row, Index k) { return inertia[d * row + k]; }, g);
+}
+
 Vector InterfaceOperator::solve(const Vector& g) const {
   const double eta = implementation_->eta;
   if (eta == 0) throw Error("interface operator: the rigid limit (eta = 0) has no inverse");
+  if (std::isinf(eta)) return solve_generic(g);
   const auto& subdomains = parts().subdomains;
   const Interface& interface = parts().interface;
-  if (std::isinf(eta))
-    return interface.solve_generic(
-        [&](Index row, Index k) {
-          return implementation_->preparation->row_inertia[interface.dofs_per_grain() * row + k];
-        },
-        g);
   require_one_process(parts(), "solutions with X_eta, which the solver arpack and a finite n_GS need");
   const auto& assembled = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v

@@ -30,8 +30,8 @@ struct CurveLaw {
 };
 
 /// The ends at x for a contraction operator with omega = 1 and its converged spectrum: the intervals of its certificate
-/// or, without one, its residual; the slopes for each end by a product with S and P, a solve with P for the residual of
-/// the vector, and one local solve per subdomain.
+/// or, without one, its residual; the slopes for each end by a product with S and P, a bound of the residual of the
+/// vector, and one local solve per subdomain.
 CurvePoint curve_point(const Contraction& b, const SpectralRadius& plain, CurveAxis axis);
 
 /// By how much the radius at a point is uncertain, because its ends are. No band is narrower there.

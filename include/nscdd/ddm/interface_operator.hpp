@@ -35,6 +35,7 @@ class InterfaceOperator {
   /// with the assembled M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses
   /// M_{E,eta} V_E balance on every grain; no Schur complement is formed. Throws Error for eta = 0.
   Vector solve(const Vector& g) const;
+  Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g, whatever eta
 
   /// diag(X_inf), the natural scale of every X_eta: 0 <= X_eta <= X_inf.
   const Vector& scale() const;
