@@ -73,10 +73,12 @@ struct Asked {
   std::optional<CurveParameters> curve;
 };
 
-Asked asked(const Options& options) {
+Asked asked(const Options& options, const Machine& machine) {
   Asked asked;
   asked.work.name = "sweep";
   SweepParameters& sweep = asked.work.sweep = parameters(options);
+  sweep.spectral.inertia = machine.inertia;
+  sweep.spectral.slepc = machine.slepc;
   if (options.curve) {
     if (options.how.resume || options.redo)
       fail("{}: expected a sweep of points given, met --curve, which places them itself",
@@ -96,12 +98,8 @@ Asked asked(const Options& options) {
 
 int run(const Options& options, const Context& context) {
   const Machine& machine = context.machine;
-  auto [work, curve] = in_turn(machine.processes, [&] { return asked(options); });
-  work.sweep.spectral.inertia = machine.inertia;
-  work.sweep.spectral.slepc = machine.slepc;
+  auto [work, curve] = in_turn(machine.processes, [&] { return asked(options, machine); });
   if (options.redo) require_one_process(machine, "--redo");
-  if (curve && !std::ranges::all_of(work.sweep.eta, [](double eta) { return std::isinf(eta); }))
-    require_one_process(machine, "--curve with a finite eta");
   require_shared(work.sweep.spectral, machine);
   if (std::ranges::any_of(work.sweep.gauss_seidel_sweeps, [](const auto& sweeps) { return sweeps.has_value(); }))
     require_one_process(machine, "--gauss-seidel-sweeps");

@@ -87,6 +87,10 @@ def same_tables():
                             "--csv", "-"],
         "relaxed": ["sweep", *BED, "--epsilon", "1", "--relaxation", "0.5,optimal", "--csv", "-"],
         "a proved curve": ["sweep", *BED, "--epsilon", "1e-2:1", "--curve", "1e-2", "--csv", "-"],
+        "a proved curve by shift-invert": ["sweep", *BED, "--epsilon", "1e-2:1", "--curve", "1e-2", "--solver",
+                                           "shift-invert", "--csv", "-"],
+        "a proved curve over eta": ["sweep", *BED, "--epsilon", "1e-2", "--eta", "1e-3:1e2", "--curve", "1e-1",
+                                    "--solver", "shift-invert", "--csv", "-"],
         "by SLEPc": ["sweep", *BED, "--epsilon", "1e-3,1", "--eta", "inf,0.3", "--solver", "slepc", "--csv", "-"],
         "optimum": ["optimum", *BED, "--epsilon", "1e-3", "--contacts", "all", "--csv", "-"],
     }
@@ -114,8 +118,6 @@ def refusals(folder):
         "--gauss-seidel-sweeps: expected one process": ["sweep", "disks12", "--epsilon", "1",
                                                         "--gauss-seidel-sweeps", "inf,3", "--csv", new],
         "--redo: expected one process": ["sweep", "disks12", "--epsilon", "1", "--redo", "--csv", taken],
-        "--curve with a finite eta: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "1e-2:1e2",
-                                                            "--curve", "1e-2", "--csv", new],
         "expected auto, dense or shift-invert with --certify or --eigenvalues, met slepc": [
             "sweep", "disks12", "--epsilon", "1", "--solver", "slepc", "--certify", "--csv", new],
         "--solver arpack: expected one process": ["sweep", *BED, "--epsilon", "1", "--eta", "0.3",
