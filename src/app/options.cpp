@@ -223,7 +223,8 @@ Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
     require_same(features(whole), one.spec.name, all);
     Model own = of_process(std::move(whole), all);
     if (!all.alone()) {
-      if (contacts == ContactSet::all) own.problem.h = SparseMatrix(own.problem.h.rows(), own.problem.h.cols());
+      if (contacts == ContactSet::all && own.parts.interface_size() > 0)  // an empty interface is explained by H
+        own.problem.h = SparseMatrix(own.problem.h.rows(), own.problem.h.cols());
       give_back_freed_memory();
     }
     return own;

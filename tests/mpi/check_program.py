@@ -97,7 +97,7 @@ def same_tables():
     for name, arguments in work.items():
         code, expected, err = run(0, *["shift-invert" if word == "slepc" else word for word in arguments])
         check(code == 0, f"{name}: nscdd ends with {code}: {err}")
-        for processes in (1, 2) if "disks12" in arguments else (1, 2, 4):
+        for processes in (1, 2) if "disks12" in arguments else (1, 3, 4):
             code, met, err = run(processes, *arguments)
             where = f"{name}, {processes} process(es)"
             check(code == 0 and err == "", f"{where}: exit code {code}, {err}")
