@@ -15,32 +15,30 @@ struct Reach {
   }
 };
 
+// Adds the sets of processes first ... last - 1, and returns the number of the whole.
+// Halves are those of METIS_PartGraphRecursive, which numbers the parts of the first half before the others.
+Index add_sets(std::vector<ProcessSet>& sets, Index first, Index last) {
+  if (last - first == 1) return first;
+  const Index middle = first + (last - first) / 2;
+  const Index left = add_sets(sets, first, middle), right = add_sets(sets, middle, last), whole = count(sets);
+  sets[at(left)].parent = sets[at(right)].parent = whole;
+  // The last process of the left half: no other set has the same one.
+  sets.push_back({.first = first,
+                  .last = last,
+                  .worker = middle - 1,
+                  .parent = -1,
+                  .children = {left, right},
+                  .eliminated = {},
+                  .handed_on = {}});
+  return whole;
+}
+
 std::vector<ProcessSet> sets_of(Index processes) {
-  std::vector<ProcessSet> sets(at(processes));
-  std::vector<Index> level;
-  for (Index p = 0; p < processes; ++p) {
-    sets[at(p)] = {
-        .first = p, .last = p + 1, .worker = p, .parent = -1, .children = {}, .eliminated = {}, .handed_on = {}};
-    level.push_back(p);
-  }
-  while (level.size() > 1) {
-    std::vector<Index> next;
-    for (std::size_t k = 0; k + 1 < level.size(); k += 2) {
-      ProcessSet &left = sets[at(level[k])], &right = sets[at(level[k + 1])];
-      left.parent = right.parent = count(sets);
-      next.push_back(count(sets));
-      // The last process of the left half: no other set has the same one.
-      sets.push_back({.first = left.first,
-                      .last = right.last,
-                      .worker = left.last - 1,
-                      .parent = -1,
-                      .children = {level[k], level[k + 1]},
-                      .eliminated = {},
-                      .handed_on = {}});
-    }
-    if (level.size() % 2 == 1) next.push_back(level.back());
-    level = next;
-  }
+  std::vector<ProcessSet> sets;
+  for (Index p = 0; p < processes; ++p)
+    sets.push_back(
+        {.first = p, .last = p + 1, .worker = p, .parent = -1, .children = {}, .eliminated = {}, .handed_on = {}});
+  add_sets(sets, 0, processes);
   return sets;
 }
 

@@ -76,6 +76,8 @@ std::vector<Index> first_of_group(const InertiaPattern& pattern) {
   std::vector<Index> first(at(pattern.border));
   std::map<Index, Index> met;
   const Index own = pattern.lower.rows() - pattern.border;
+  if (std::any_of(pattern.group.begin() + own, pattern.group.end(), [](Index group) { return group < 0; }))
+    throw Error("processes: expected a group for each border row, met a row without one");
   for (Index row = 0; row < pattern.border; ++row)
     first[at(row)] = met.try_emplace(pattern.group[at(own + row)], row).first->second;
   return first;
@@ -118,10 +120,11 @@ struct Plan {
     sets = elimination_tree(gathered(*all, rows.touched), group);
     const ProcessSet& alone = sets[at(rank)];
     own = std::make_unique<SymmetricFamily>(own_analysis(pattern, rows, alone.handed_on));
-    for (const Index row : own->analysis().kept_rows()) kept.push_back(row);
+    kept = own->analysis().kept_rows();
     std::vector<Index> touched_rows;
     for (const Index row : kept) touched_rows.push_back(rows.touched[at(row - rows.own)]);
     place_of_kept = places(touched_rows, alone.handed_on);
+    place_of_eliminated = places(alone.eliminated, rows.touched);
     for (Index s = all->size(); s < count(sets); ++s)
       if (sets[at(s)].worker == rank) joint = s;
     if (!joint) return;
@@ -140,9 +143,10 @@ struct Plan {
   OwnRows rows;
   std::vector<ProcessSet> sets;
   std::unique_ptr<SymmetricFamily> own;
-  std::vector<Index> kept;                           // rows that the own factor keeps, in its order
-  std::vector<Index> place_of_kept;                  // of each, among those that this process hands on
-  std::optional<Index> joint;                        // the set of several processes that this one puts together
+  std::vector<Index> kept;                 // rows that the own factor keeps, in its order
+  std::vector<Index> place_of_kept;        // of each, among those that this process hands on
+  std::vector<Index> place_of_eliminated;  // of border rows that are this process's alone, among those it touches
+  std::optional<Index> joint;              // the set of several processes that this one puts together
   std::array<std::vector<Index>, 2> place_of_child;  // of what its children hand on, in its front
   std::vector<Index> group_ends;                     // of the rows that it eliminates
 };
@@ -256,8 +260,7 @@ class SharedFactor {
     }
     x(plan.kept) = Vector(messages.from_parent(plan.rank, values.size())(plan.place_of_kept));
     x = own_.go_back(x, down);
-    result.tail(plan.border)(alone.eliminated) =
-        x.tail(count(plan.rows.touched))(places(alone.eliminated, plan.rows.touched));
+    result.tail(plan.border)(alone.eliminated) = x.tail(count(plan.rows.touched))(plan.place_of_eliminated);
     MPI_Allreduce(MPI_IN_PLACE, result.data() + own, static_cast<int>(plan.border), MPI_DOUBLE, MPI_SUM,
                   plan.all->get());
     result.head(own) = x.head(own);
@@ -266,14 +269,17 @@ class SharedFactor {
 
  private:
   // The Schur complement of the own part.
-  Vector handed_on() const {
-    const Matrix& block = own_.kept_block();
-    Matrix ordered(block.rows(), block.cols());
+  Vector handed_on() {
+    const Matrix block = own_.take_kept_block();
+    const Index n = block.rows();
+    Vector numbers(packed_size(n));
     const std::vector<Index>& place = plan_->place_of_kept;
-    for (Index j = 0; j < block.cols(); ++j)
-      for (Index i = j; i < block.rows(); ++i)
-        ordered(std::max(place[at(i)], place[at(j)]), std::min(place[at(i)], place[at(j)])) = block(i, j);
-    return packed(ordered);
+    for (Index j = 0; j < n; ++j)
+      for (Index i = j; i < n; ++i) {
+        const auto [column, row] = std::minmax(place[at(i)], place[at(j)]);
+        numbers[packed_size(n) - packed_size(n - column) + row - column] = block(i, j);
+      }
+    return numbers;
   }
 
   void join(Messages& messages) {
@@ -283,7 +289,7 @@ class SharedFactor {
       const std::vector<Index>& place = plan_->place_of_child[k];
       add_packed(messages.from_child(set.children[k], packed_size(count(place))), place, front);
     }
-    joint_ = std::make_unique<DenseFront>(front, plan_->group_ends);
+    joint_ = std::make_unique<DenseFront>(std::move(front), plan_->group_ends);
     messages.hand_up(*plan_->joint, packed(joint_->take_update()));
   }
 

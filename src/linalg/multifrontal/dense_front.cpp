@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-DenseFront::DenseFront(const Matrix& lower, const std::vector<Index>& group_ends) {
+DenseFront::DenseFront(Matrix lower, const std::vector<Index>& group_ends) {
   front_.rows = lower.rows();
   front_.pivots = group_ends.empty() ? 0 : group_ends.back();
   front_.panels = cut_panels(group_ends);
@@ -15,6 +15,7 @@ DenseFront::DenseFront(const Matrix& lower, const std::vector<Index>& group_ends
              .off = Vector::Zero(front_.pivots)};
   Block(columns_.get(), front_.rows, front_.pivots, Eigen::OuterStride<>(front_.rows)) = lower.leftCols(front_.pivots);
   update_ = lower.bottomRightCorner(front_.update_rows(), front_.update_rows());
+  lower.resize(0, 0);  // frees its memory
   with_threads([&] { negative_ = eliminate_front(front_, factor_, update_, false); });
 }
 

@@ -10,7 +10,7 @@ namespace nscdd {
 class DenseFront {
  public:
   /// `lower`: its lower triangle. `group_ends`: ends of the groups of rows that are eliminated, ascending.
-  DenseFront(const Matrix& lower, const std::vector<Index>& group_ends);
+  DenseFront(Matrix lower, const std::vector<Index>& group_ends);
 
   bool regular() const { return negative_.has_value(); }            ///< false if a pivot is exactly zero
   Index negative_eigenvalues() const { return negative_.value(); }  ///< among the pivots

@@ -231,9 +231,8 @@ FactorFronts::FactorFronts(std::shared_ptr<const InteriorFronts> interior_fronts
     : interior(std::move(interior_fronts)), tree(*interior->tree), border(tree, true, memory_of_factor(*interior)) {
   const Elimination elimination(tree, lower, border, &interior->fronts);
   tree.for_roots(true, [&](Index root) { tree.up(root, true, [&](Index s) { elimination.eliminate(s); }); });
-  Matrix kept = tree.keeps_rows ? std::move(border.updates.back()) : Matrix();
+  if (tree.keeps_rows) kept_block = std::move(border.updates.back());
   border.updates.clear();
-  border.updates.push_back(std::move(kept));
 }
 
 FactorFronts::~FactorFronts() {
@@ -249,12 +248,14 @@ SymmetricFactor::SymmetricFactor(const SymmetricAnalysis& analysis, const Sparse
     : SymmetricFactor(SymmetricInterior(analysis, lower), lower) {}
 
 SymmetricFactor::SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower) {
-  with_threads([&] { fronts_ = std::make_shared<const FactorFronts>(interior.fronts_, lower); });
+  with_threads([&] {
+    const auto fronts = std::make_shared<FactorFronts>(interior.fronts_, lower);
+    kept_block_ = std::move(fronts->kept_block);
+    fronts_ = fronts;
+  });
 }
 
 bool SymmetricFactor::regular() const { return !fronts_->interior->fronts.singular && !fronts_->border.singular; }
-
-const Matrix& SymmetricFactor::kept_block() const { return fronts_->border.updates.front(); }
 
 Index SymmetricFactor::negative_eigenvalues() const {
   return fronts_->interior->fronts.negative + fronts_->border.negative;

@@ -77,7 +77,8 @@ class SymmetricFactor {
   /// Where rows k are kept and rows e are eliminated: the lower triangle of S = A_kk - A_ke A_ee^-1 A_ek, in the order
   /// of `kept_rows`. The inertia is then that of A_ee. A x = b is solved in steps. `go_forward` gives L^-1 b_e, and on
   /// the rows kept b_k - A_ke A_ee^-1 b_e; once S x_k = that is solved, `go_back` makes x_e of both.
-  const Matrix& kept_block() const;
+  const Matrix& kept_block() const { return kept_block_; }
+  Matrix take_kept_block() { return std::move(kept_block_); }
   Vector go_forward(const Vector& b, Fronts which) const;
   Vector go_back(const Vector& x, Fronts which) const;
 
@@ -89,6 +90,7 @@ class SymmetricFactor {
 
  private:
   std::shared_ptr<const FactorFronts> fronts_;
+  Matrix kept_block_;
 };
 
 }  // namespace nscdd

@@ -153,6 +153,7 @@ struct FactorFronts {
   std::shared_ptr<const InteriorFronts> interior;
   const FrontTree& tree;
   EliminatedFronts border;
+  Matrix kept_block;
 
   const FrontFactor& factor(Index s) const {
     return (tree.front(s).on_border ? border : interior->fronts).factors[at(s)];
