@@ -216,7 +216,7 @@ Model of_process(Model model, const Processes& processes) {
   if (processes.alone()) return model;
   const std::vector<Index> process_of = deal_out(model.parts, processes.size);
   model.parts = of_process(std::move(model.parts), process_of, processes);
-  model.network.contacts = {};
+  model.network = {.contacts = {}, .grains = model.network.grains};  // `contacts = {}` would keep the memory
   return model;
 }
 
