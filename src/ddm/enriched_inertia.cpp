@@ -61,7 +61,8 @@ const SymmetricAnalysis& EnrichedInertiaFamily::condensation() const {
     for (Index i = 0; i < inertia_.size(); ++i) grain[at(i)] = i / dofs_per_grain_;
     std::vector<char> shared(at(inertia_.size() / dofs_per_grain_), 0);
     for (const Index i : glued_dofs()) shared[at(i / dofs_per_grain_)] = 1;
-    return SymmetricAnalysis(SparseMatrix(stiffness_.triangularView<Eigen::Lower>()), grain, shared);
+    return SymmetricAnalysis(SparseMatrix(stiffness_.triangularView<Eigen::Lower>()), grain,
+                             {.last = shared, .kept = {}});
   });
 }
 

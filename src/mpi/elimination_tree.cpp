@@ -49,22 +49,23 @@ std::vector<ProcessSet> elimination_tree(const std::vector<std::vector<Index>>& 
   std::vector<Reach> reach(group.size());
   for (Index process = 0; process < count(touched); ++process)
     for (const Index row : touched[at(process)]) reach[at(group[at(row)])].include(process);
+  const auto group_by_group = [&](Index row) { return std::pair(group[at(row)], row); };
   std::vector<ProcessSet> sets = sets_of(count(touched));
   for (Index s = 0; s < count(sets); ++s) {
     ProcessSet& set = sets[at(s)];
     std::vector<Index> rows;
     if (set.children.empty()) {
       rows = touched[at(s)];
+      std::ranges::sort(rows, {}, group_by_group);
     } else {
       const std::vector<Index>&left = sets[at(set.children[0])].handed_on, &right = sets[at(set.children[1])].handed_on;
-      std::ranges::set_union(left, right, std::back_inserter(rows));
+      std::ranges::set_union(left, right, std::back_inserter(rows), {}, group_by_group, group_by_group);
     }
     for (const Index row : rows) {
       const Reach& of_row = reach[at(group[at(row)])];
       const bool here = set.first <= of_row.first && of_row.last < set.last;
       (here ? set.eliminated : set.handed_on).push_back(row);
     }
-    std::ranges::stable_sort(set.eliminated, {}, [&](Index row) { return group[at(row)]; });
   }
   return sets;
 }

@@ -12,7 +12,7 @@ struct ProcessSet {
   Index parent = -1;              ///< of the sets
   std::vector<Index> children;    ///< two, or none
   std::vector<Index> eliminated;  ///< border rows of groups that no other process touches, group by group
-  std::vector<Index> handed_on;   ///< other border rows on which the parts of these processes are not zero, ascending
+  std::vector<Index> handed_on;   ///< other border rows on which their parts are not zero, group by group
 };
 
 /// The tree of these sets, children before parents; the first ones are the single processes. `touched`: for each

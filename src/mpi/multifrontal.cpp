@@ -3,158 +3,17 @@
 
 #include "core/fail.hpp"
 #include "linalg/multifrontal/dense_front.hpp"
-#include "linalg/multifrontal/family.hpp"
-#include "linalg/sparse_entries.hpp"
-#include "mpi/communicator.hpp"
-#include "mpi/elimination_tree.hpp"
+#include "mpi/shared_plan.hpp"
 
 #include <map>
-#include <numeric>
-#include <set>
 
 namespace nscdd::mpi {
 namespace {
 
-// The lists of all processes.
-std::vector<std::vector<Index>> gathered(const Communicator& all, const std::vector<Index>& own) {
-  static_assert(sizeof(Index) == sizeof(std::int64_t));
-  const int size = static_cast<int>(own.size());
-  std::vector<int> sizes(at(all.size())), first(sizes.size(), 0);
-  MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, all.get());
-  std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
-  std::vector<Index> numbers(at(first.back() + sizes.back()));
-  MPI_Allgatherv(own.data(), size, MPI_INT64_T, numbers.data(), sizes.data(), first.data(), MPI_INT64_T, all.get());
-  std::vector<std::vector<Index>> lists;
-  for (std::size_t p = 0; p < sizes.size(); ++p)
-    lists.emplace_back(numbers.begin() + first[p], numbers.begin() + first[p] + sizes[p]);
-  return lists;
-}
-
-// Places of some numbers in a list that has them all.
-std::vector<Index> places(const std::vector<Index>& numbers, const std::vector<Index>& list) {
-  std::map<Index, Index> place;
-  for (Index k = 0; k < count(list); ++k) place[list[at(k)]] = k;
-  std::vector<Index> result;
-  for (const Index number : numbers) result.push_back(place.at(number));
-  return result;
-}
-
-// The rows of this process that its own tree of fronts has: its own, and behind them the border rows it touches.
-struct OwnRows {
-  explicit OwnRows(const InertiaPattern& pattern) : own(pattern.lower.rows() - pattern.border) {
-    std::vector<char> met(at(pattern.border), 0);
-    for_entries(pattern.lower, [&](Index i, Index j, double) {
-      for (const Index row : {i, j})
-        if (row >= own) met[at(row - own)] = 1;
-    });
-    for (Index row = 0; row < pattern.border; ++row)
-      if (met[at(row)]) touched.push_back(row);
-  }
-
-  // Their pattern. The values of a matrix keep their order, for the columns that are left out are empty.
-  SparseMatrix pattern(const SparseMatrix& lower) const {
-    std::vector<int> number(at(lower.rows()), -1);
-    std::iota(number.begin(), number.begin() + own, 0);
-    for (Index k = 0; k < count(touched); ++k) number[at(own + touched[at(k)])] = static_cast<int>(own + k);
-    SparseMatrix result(own + count(touched), own + count(touched));
-    result.resizeNonZeros(lower.nonZeros());
-    std::fill_n(result.valuePtr(), lower.nonZeros(), 0.0);
-    std::transform(lower.innerIndexPtr(), lower.innerIndexPtr() + lower.nonZeros(), result.innerIndexPtr(),
-                   [&](int row) { return number[at(row)]; });
-    for (Index j = 0; j < lower.cols(); ++j)
-      if (number[at(j)] >= 0) result.outerIndexPtr()[number[at(j)]] = lower.outerIndexPtr()[j];
-    result.outerIndexPtr()[result.cols()] = static_cast<int>(lower.nonZeros());
-    return result;
-  }
-
-  Index own;
-  std::vector<Index> touched;  // numbers in the border, ascending
-};
-
-// For each border row the first row of its group.
-std::vector<Index> first_of_group(const InertiaPattern& pattern) {
-  std::vector<Index> first(at(pattern.border));
-  std::map<Index, Index> met;
-  const Index own = pattern.lower.rows() - pattern.border;
-  if (std::any_of(pattern.group.begin() + own, pattern.group.end(), [](Index group) { return group < 0; }))
-    throw Error("processes: expected a group for each border row, met a row without one");
-  for (Index row = 0; row < pattern.border; ++row)
-    first[at(row)] = met.try_emplace(pattern.group[at(own + row)], row).first->second;
-  return first;
-}
-
-// The tree of this process's own fronts. Border rows that others touch, too, are kept, and what they tie here is
-// eliminated before them.
-SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const OwnRows& rows, const std::vector<Index>& kept) {
-  std::vector<char> is_kept(at(pattern.border), 0);
-  for (const Index row : kept) is_kept[at(row)] = 1;
-  std::map<std::pair<Index, bool>, Index> number;  // of a group without its kept rows, or of these
-  InertiaPattern own{.lower = rows.pattern(pattern.lower), .group = {}, .border = count(rows.touched)};
-  std::vector<char> kept_groups;
-  const auto add = [&](Index row, bool keep) {
-    const Index old = pattern.group[at(row)];
-    if (old < 0) return own.group.push_back(-1);
-    const auto [place, met] = number.try_emplace({old, keep}, count(kept_groups));
-    if (met) kept_groups.push_back(keep);
-    own.group.push_back(place->second);
-  };
-  for (Index i = 0; i < rows.own; ++i) add(i, false);
-  // Matrices may differ between a border row and the others of its group, so these count as border, too.
-  std::vector<Index> border;
-  std::set<Index> groups_of_kept;
-  for (const Index row : kept) groups_of_kept.insert(pattern.group[at(rows.own + row)]);
-  for (Index i = 0; i < rows.own; ++i)
-    if (groups_of_kept.contains(pattern.group[at(i)])) border.push_back(i);
-  for (const Index row : rows.touched) {
-    border.push_back(count(own.group));
-    add(rows.own + row, is_kept[at(row)] != 0);
-  }
-  return {own.lower, own.group, groups_of_border(own), border, kept_groups};
-}
-
-// What all matrices of a pattern have in common.
-struct Plan {
-  Plan(std::shared_ptr<const Communicator> communicator, const InertiaPattern& pattern)
-      : all(std::move(communicator)), rank(all->rank()), border(pattern.border), rows(pattern) {
-    const std::vector<Index> group = first_of_group(pattern);
-    sets = elimination_tree(gathered(*all, rows.touched), group);
-    const ProcessSet& alone = sets[at(rank)];
-    own = std::make_unique<SymmetricFamily>(own_analysis(pattern, rows, alone.handed_on));
-    kept = own->analysis().kept_rows();
-    std::vector<Index> touched_rows;
-    for (const Index row : kept) touched_rows.push_back(rows.touched[at(row - rows.own)]);
-    place_of_kept = places(touched_rows, alone.handed_on);
-    place_of_eliminated = places(alone.eliminated, rows.touched);
-    for (Index s = all->size(); s < count(sets); ++s)
-      if (sets[at(s)].worker == rank) joint = s;
-    if (!joint) return;
-    const ProcessSet& set = sets[at(*joint)];
-    std::vector<Index> in_front = set.eliminated;
-    in_front.insert(in_front.end(), set.handed_on.begin(), set.handed_on.end());
-    for (const std::size_t k : {0, 1}) place_of_child[k] = places(sets[at(set.children[k])].handed_on, in_front);
-    for (std::size_t k = 0; k < set.eliminated.size(); ++k)
-      if (k + 1 == set.eliminated.size() || group[at(set.eliminated[k])] != group[at(set.eliminated[k + 1])])
-        group_ends.push_back(static_cast<Index>(k) + 1);
-  }
-  Index front_rows() const { return count(sets[at(*joint)].eliminated) + count(sets[at(*joint)].handed_on); }
-
-  std::shared_ptr<const Communicator> all;
-  Index rank, border;
-  OwnRows rows;
-  std::vector<ProcessSet> sets;
-  std::unique_ptr<SymmetricFamily> own;
-  std::vector<Index> kept;                 // rows that the own factor keeps, in its order
-  std::vector<Index> place_of_kept;        // of each, among those that this process hands on
-  std::vector<Index> place_of_eliminated;  // of border rows that are this process's alone, among those it touches
-  std::optional<Index> joint;              // the set of several processes that this one puts together
-  std::array<std::vector<Index>, 2> place_of_child;  // of what its children hand on, in its front
-  std::vector<Index> group_ends;                     // of the rows that it eliminates
-};
-
 // Numbers on their way from a set to the one above it, or back.
 class Messages {
  public:
-  explicit Messages(const Plan& plan) : plan_(plan) {}
+  explicit Messages(const SharedPlan& plan) : plan_(plan) {}
 
   void hand_up(Index set, Vector numbers) {
     const Index parent = plan_.sets[at(set)].parent;
@@ -193,7 +52,7 @@ class Messages {
     return static_cast<int>(size);
   }
 
-  const Plan& plan_;
+  const SharedPlan& plan_;
   std::map<Index, Vector> here_;  // what this process hands to itself, by set
 };
 
@@ -217,10 +76,11 @@ void add_packed(const Vector& numbers, const std::vector<Index>& place, Matrix& 
 // One factor, of which each process holds the part of its own rows and at most one front of several processes.
 class SharedFactor {
  public:
-  SharedFactor(std::shared_ptr<const Plan> plan, const SparseMatrix& lower, const std::array<double, 2>& parameters)
+  SharedFactor(std::shared_ptr<const SharedPlan> plan, const SparseMatrix& lower,
+               const std::array<double, 2>& parameters)
       : plan_(std::move(plan)), own_(plan_->own->factorise(lower, parameters)) {
     Messages messages(*plan_);
-    messages.hand_up(plan_->rank, handed_on());
+    messages.hand_up(plan_->rank, packed(own_.take_kept_block()));
     if (plan_->joint) join(messages);
     const bool regular = own_.regular() && (!joint_ || joint_->regular());
     const Index here = regular ? own_.negative_eigenvalues() + (joint_ ? joint_->negative_eigenvalues() : 0) : 0;
@@ -236,31 +96,29 @@ class SharedFactor {
   // Solves with b on the own rows (nothing: zero) and `border` on all border rows. The solution on the own rows, in
   // front of that on the border, is right where `down` reaches.
   Vector solve(const Vector* b, const Vector& border, Fronts up, Fronts down) const {
-    const Plan& plan = *plan_;
-    const Index own = plan.rows.own;
+    const SharedPlan& plan = *plan_;
+    const Index own = plan.own_rows;
     Messages messages(plan);
-    Vector x(own + count(plan.rows.touched));
+    Vector x(own + count(plan.touched));
     if (b != nullptr)
       x.head(own) = b->head(own);
     else
       x.head(own).setZero();
-    x.tail(count(plan.rows.touched)) = border(plan.rows.touched);
+    x.tail(count(plan.touched)) = border(plan.touched);
     x(plan.kept).setZero();  // they count once, where they are eliminated
     x = own_.go_forward(x, up);
-    const ProcessSet& alone = plan.sets[at(plan.rank)];
-    Vector values(count(alone.handed_on));
-    values(plan.place_of_kept) = x(plan.kept);
-    messages.hand_up(plan.rank, values);
+    messages.hand_up(plan.rank, x(plan.kept));
     Vector result = Vector::Zero(own + plan.border);
     if (plan.joint) {
-      const ProcessSet& set = plan.sets[at(*plan.joint)];
+      const ProcessSet& set = plan.joint_set();
       Vector front = go_up(messages, border);
       go_down(messages, front);
       result.tail(plan.border)(set.eliminated) = front.head(count(set.eliminated));
     }
-    x(plan.kept) = Vector(messages.from_parent(plan.rank, values.size())(plan.place_of_kept));
+    x(plan.kept) = messages.from_parent(plan.rank, count(plan.kept));
     x = own_.go_back(x, down);
-    result.tail(plan.border)(alone.eliminated) = x.tail(count(plan.rows.touched))(plan.place_of_eliminated);
+    result.tail(plan.border)(plan.sets[at(plan.rank)].eliminated) =
+        x.tail(count(plan.touched))(plan.place_of_eliminated);
     MPI_Allreduce(MPI_IN_PLACE, result.data() + own, static_cast<int>(plan.border), MPI_DOUBLE, MPI_SUM,
                   plan.all->get());
     result.head(own) = x.head(own);
@@ -268,22 +126,8 @@ class SharedFactor {
   }
 
  private:
-  // The Schur complement of the own part.
-  Vector handed_on() {
-    const Matrix block = own_.take_kept_block();
-    const Index n = block.rows();
-    Vector numbers(packed_size(n));
-    const std::vector<Index>& place = plan_->place_of_kept;
-    for (Index j = 0; j < n; ++j)
-      for (Index i = j; i < n; ++i) {
-        const auto [column, row] = std::minmax(place[at(i)], place[at(j)]);
-        numbers[packed_size(n) - packed_size(n - column) + row - column] = block(i, j);
-      }
-    return numbers;
-  }
-
   void join(Messages& messages) {
-    const ProcessSet& set = plan_->sets[at(*plan_->joint)];
+    const ProcessSet& set = plan_->joint_set();
     Matrix front = Matrix::Zero(plan_->front_rows(), plan_->front_rows());
     for (const std::size_t k : {0, 1}) {
       const std::vector<Index>& place = plan_->place_of_child[k];
@@ -294,7 +138,7 @@ class SharedFactor {
   }
 
   Vector go_up(Messages& messages, const Vector& border) const {
-    const ProcessSet& set = plan_->sets[at(*plan_->joint)];
+    const ProcessSet& set = plan_->joint_set();
     Vector front = Vector::Zero(plan_->front_rows());
     front.head(count(set.eliminated)) = border(set.eliminated);
     for (const std::size_t k : {0, 1}) {
@@ -307,13 +151,13 @@ class SharedFactor {
   }
 
   void go_down(Messages& messages, Vector& front) const {
-    const ProcessSet& set = plan_->sets[at(*plan_->joint)];
+    const ProcessSet& set = plan_->joint_set();
     front.tail(count(set.handed_on)) = messages.from_parent(*plan_->joint, count(set.handed_on));
     joint_->go_back(front);
     for (const std::size_t k : {0, 1}) messages.hand_down(set.children[k], front(plan_->place_of_child[k]));
   }
 
-  std::shared_ptr<const Plan> plan_;
+  std::shared_ptr<const SharedPlan> plan_;
   SymmetricFactor own_;
   std::unique_ptr<DenseFront> joint_;
   bool regular_ = false;
@@ -340,7 +184,7 @@ InertiaMethod multifrontal(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
   if (all->size() == 1) return nscdd::multifrontal();
   const auto analyse = [all](const InertiaPattern& pattern) {
-    const auto plan = std::make_shared<const Plan>(all, pattern);
+    const auto plan = std::make_shared<const SharedPlan>(all, pattern);
     const auto factorise = [plan](const SparseMatrix& lower, const std::array<double, 2>& parameters) {
       return record_of(std::make_shared<const SharedFactor>(plan, lower, parameters), plan->border);
     };

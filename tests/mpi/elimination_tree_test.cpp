@@ -39,7 +39,8 @@ TEST_CASE("elimination tree: every row once, where its whole group is, and no pr
       CHECK(set.worker < set.last);
       CHECK((set.parent > s || s + 1 == count(sets)));
       if (!set.children.empty()) ++jobs[at(set.worker)];
-      CHECK(std::ranges::is_sorted(set.handed_on));
+      for (const auto& rows : {set.eliminated, set.handed_on})
+        CHECK(std::ranges::is_sorted(rows, {}, [&](Index row) { return std::pair(group[at(row)], row); }));
       for (const Index row : set.eliminated) {
         ++eliminated[at(row)];
         for (Index p = 0; p < processes; ++p)  // nobody else has anything of its group

@@ -2,7 +2,7 @@
 #include "linalg/multifrontal/analysis.hpp"
 
 #include "linalg/multifrontal/factor.hpp"
-#include "linalg/multifrontal/last_groups.hpp"
+#include "linalg/multifrontal/group_order.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/sparse_entries.hpp"
 
@@ -10,107 +10,6 @@ namespace nscdd {
 namespace {
 
 constexpr Index panel_width = 128;  // columns among which pivots are sought
-constexpr int seed = 1;             // of METIS
-
-struct Subgraph {
-  Graph graph;
-  std::vector<int> node;  // of the whole graph, for each of its own
-};
-
-// The nodes that are not marked, and what ties them.
-Subgraph without(const Graph& graph, const std::vector<char>& marked) {
-  Subgraph rest;
-  std::vector<int> number(marked.size(), -1);
-  for (std::size_t g = 0; g < marked.size(); ++g)
-    if (!marked[g]) {
-      number[g] = static_cast<int>(rest.node.size());
-      rest.node.push_back(static_cast<int>(g));
-    }
-  for (const int g : rest.node) {
-    for (int k = graph.start[at(g)]; k < graph.start[at(g + 1)]; ++k)
-      if (const int other = number[at(graph.neighbours[at(k)])]; other >= 0) rest.graph.neighbours.push_back(other);
-    rest.graph.start.push_back(static_cast<int>(rest.graph.neighbours.size()));
-  }
-  return rest;
-}
-
-template <class T>
-std::vector<T> picked(const std::vector<T>& values, const std::vector<int>& places) {
-  std::vector<T> result;
-  result.reserve(places.size());
-  for (const int k : places) result.push_back(values[at(k)]);
-  return result;
-}
-
-// The groups marked `last` come behind the dissection of the others.
-std::vector<int> dissection_with_last(const Graph& graph, const std::vector<int>& weight,
-                                      const std::vector<char>& last) {
-  if (last.empty()) return nested_dissection(graph, weight, seed);
-  const Subgraph inner = without(graph, last);
-  std::vector<int> order = picked(inner.node, nested_dissection(inner.graph, picked(weight, inner.node), seed));
-  const std::vector<int> tail = order_of_last(graph, weight, last);
-  order.insert(order.end(), tail.begin(), tail.end());
-  return order;
-}
-
-// The groups marked `kept` come behind all others, by their numbers.
-std::vector<int> order_of_elimination(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last,
-                                      const std::vector<char>& kept) {
-  if (kept.empty()) return dissection_with_last(graph, weight, last);
-  const Subgraph inner = without(graph, kept);
-  std::vector<int> order = picked(inner.node, dissection_with_last(inner.graph, picked(weight, inner.node),
-                                                                   last.empty() ? last : picked(last, inner.node)));
-  for (std::size_t g = 0; g < kept.size(); ++g)
-    if (kept[g]) order.push_back(static_cast<int>(g));
-  return order;
-}
-
-// Moves the groups marked `kept` behind all others again (CHOLMOD follows one branch of the tree after the other), and
-// out of the supernodes that eliminate them, into one supernode of their own. What comes after a kept one is kept, too.
-Supernodes with_kept_apart(const Supernodes& nodes, const std::vector<char>& kept) {
-  const auto keeps = [&](int position) { return kept[at(nodes.node[at(position)])] != 0; };
-  std::vector<int> position(nodes.node.size());  // new ones
-  const int all = static_cast<int>(nodes.node.size());
-  int next = 0;
-  for (const bool behind : {false, true})
-    for (int k = 0; k < all; ++k)
-      if (keeps(k) == behind) position[at(k)] = next++;
-  Supernodes apart{.node = std::vector<int>(nodes.node.size()), .first_column = {}, .first_row = {}, .rows = {}};
-  for (int k = 0; k < all; ++k) apart.node[at(position[at(k)])] = nodes.node[at(k)];
-  const auto begin = [&](int column) {
-    apart.first_column.push_back(column);
-    apart.first_row.push_back(static_cast<int>(apart.rows.size()));
-  };
-  for (std::size_t s = 0; s < at(nodes.size()); ++s) {
-    if (keeps(nodes.first_column[s])) continue;
-    begin(position[at(nodes.first_column[s])]);
-    for (int k = nodes.first_row[s]; k < nodes.first_row[s + 1]; ++k)
-      apart.rows.push_back(position[at(nodes.rows[at(k)])]);
-    std::sort(apart.rows.begin() + apart.first_row.back(), apart.rows.end());
-  }
-  const auto first_kept = static_cast<int>(std::ranges::count(kept, 0));
-  begin(first_kept);
-  for (int k = first_kept; k < all; ++k) apart.rows.push_back(k);
-  begin(all);
-  return apart;
-}
-
-// Orders groups of `weight` rows each by nested dissection (METIS), those marked in `last` (one flag per group, or
-// none) behind all others, those marked `kept` behind these, and finds the supernodes of the groups in that order.
-Supernodes ordered_supernodes(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last,
-                              const std::vector<char>& kept, const MergedColumns& merged) {
-  if (weight.empty()) return {.node = {}, .first_column = {0}, .first_row = {0}, .rows = {}};
-  SparseMatrix lower(count(weight), count(weight));
-  for (Index j = 0; j < lower.cols(); ++j) {
-    lower.startVec(j);
-    lower.insertBack(j, j) = 1;
-    for (int k = graph.start[at(j)]; k < graph.start[at(j + 1)]; ++k)
-      if (graph.neighbours[at(k)] > j) lower.insertBack(graph.neighbours[at(k)], j) = 1;
-  }
-  lower.finalize();
-  const Supernodes nodes = supernodes(lower, order_of_elimination(graph, weight, last, kept), merged);
-  return kept.empty() ? nodes : with_kept_apart(nodes, kept);
-}
 
 // For each row without a group of its own, the groups that it touches.
 std::vector<std::vector<Index>> touched_groups(const SparseMatrix& pattern, const std::vector<Index>& group) {
@@ -194,10 +93,7 @@ void lay_out_fronts(FrontTree& tree, const Supernodes& nodes, const RowGroups& g
       if (k - first < pivot_groups) ends.push_back(count(tree.row_of) - front.first_row);
     }
     front.rows = count(tree.row_of) - front.first_row;
-    if (tree.keeps_rows && s + 1 == nodes.size()) {
-      front.pivots = 0;
-      continue;
-    }
+    if (tree.keeps_rows && s + 1 == nodes.size()) continue;  // no pivots, no parent
     front.pivots = ends.back();
     front.panels = cut_panels(ends);
     if (first + pivot_groups < end) front.parent = groups.supernode[at(nodes.rows[at(first + pivot_groups)])];
@@ -283,19 +179,19 @@ std::vector<Index> cut_panels(const std::vector<Index>& group_ends) {
 }
 
 SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group,
-                                     const std::vector<char>& last, const std::vector<Index>& border,
-                                     const std::vector<char>& kept, const MergedColumns& merged) {
+                                     const GroupFlags& flags, const std::vector<Index>& border,
+                                     const MergedColumns& merged) {
   const Index groups = group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
   std::vector<int> weight(at(groups), 0);
   for (const Index g : group)
     if (g >= 0) ++weight[at(g)];
   const std::vector<std::vector<Index>> touched = touched_groups(pattern, group);
-  const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, last, kept, merged);
+  const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, flags, merged);
   const RowGroups rows(group, touched, groups, nodes);
   const auto tree = std::make_shared<FrontTree>();
   tree->rows = pattern.rows();
   tree->border = border;
-  tree->keeps_rows = !kept.empty();
+  tree->keeps_rows = !flags.kept.empty();
   lay_out_fronts(*tree, nodes, rows);
   share_out_entries(*tree, pattern, rows);
   place_rows(*tree, rows);

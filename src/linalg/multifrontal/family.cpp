@@ -37,7 +37,7 @@ namespace {
 SymmetricAnalysis analysis_of(const InertiaPattern& pattern) {
   std::vector<Index> border(at(pattern.border));
   std::iota(border.begin(), border.end(), pattern.lower.rows() - pattern.border);
-  return {pattern.lower, pattern.group, groups_of_border(pattern), border};
+  return {pattern.lower, pattern.group, {.last = groups_of_border(pattern), .kept = {}}, border};
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ struct LuFactors {
 
 LuFactors::LuFactors(const SparseMatrix& pattern) {
   const SparseMatrix lower = symmetric_lower(pattern);
-  tree = SymmetricAnalysis(lower, groups_of_equal_rows(lower), {}, {}, {}, merged).tree();
+  tree = SymmetricAnalysis(lower, groups_of_equal_rows(lower), {}, {}, merged).tree();
   Index values = 0;
   for (const Front& front : tree->fronts) {
     values += values_of(front);

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mpi/shared_plan.hpp"
+
+#include "linalg/sparse_entries.hpp"
+
+#include <map>
+#include <numeric>
+
+namespace nscdd::mpi {
+namespace {
+
+// The lists of all processes.
+std::vector<std::vector<Index>> gathered(const Communicator& all, const std::vector<Index>& own) {
+  static_assert(sizeof(Index) == sizeof(std::int64_t));
+  const int size = static_cast<int>(own.size());
+  std::vector<int> sizes(at(all.size())), first(sizes.size(), 0);
+  MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, all.get());
+  std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
+  std::vector<Index> numbers(at(first.back() + sizes.back()));
+  MPI_Allgatherv(own.data(), size, MPI_INT64_T, numbers.data(), sizes.data(), first.data(), MPI_INT64_T, all.get());
+  std::vector<std::vector<Index>> lists;
+  for (std::size_t p = 0; p < sizes.size(); ++p)
+    lists.emplace_back(numbers.begin() + first[p], numbers.begin() + first[p] + sizes[p]);
+  return lists;
+}
+
+// Places of some numbers in a list that has them all.
+std::vector<Index> places(const std::vector<Index>& numbers, const std::vector<Index>& list) {
+  std::map<Index, Index> place;
+  for (Index k = 0; k < count(list); ++k) place[list[at(k)]] = k;
+  std::vector<Index> result;
+  for (const Index number : numbers) result.push_back(place.at(number));
+  return result;
+}
+
+// The border rows that have an entry.
+std::vector<Index> touched_rows(const InertiaPattern& pattern) {
+  const Index own = pattern.lower.rows() - pattern.border;
+  std::vector<char> met(at(pattern.border), 0);
+  for_entries(pattern.lower, [&](Index i, Index j, double) {
+    for (const Index row : {i, j})
+      if (row >= own) met[at(row - own)] = 1;
+  });
+  std::vector<Index> rows;
+  for (Index row = 0; row < pattern.border; ++row)
+    if (met[at(row)]) rows.push_back(row);
+  return rows;
+}
+
+// The pattern without the border rows that have no entry. The values of a matrix keep their order.
+SparseMatrix without_empty_rows(const SparseMatrix& lower, Index own, const std::vector<Index>& touched) {
+  std::vector<int> number(at(lower.rows()), -1);
+  std::iota(number.begin(), number.begin() + own, 0);
+  for (Index k = 0; k < count(touched); ++k) number[at(own + touched[at(k)])] = static_cast<int>(own + k);
+  SparseMatrix result(own + count(touched), own + count(touched));
+  result.resizeNonZeros(lower.nonZeros());
+  std::fill_n(result.valuePtr(), lower.nonZeros(), 0.0);
+  std::transform(lower.innerIndexPtr(), lower.innerIndexPtr() + lower.nonZeros(), result.innerIndexPtr(),
+                 [&](int row) { return number[at(row)]; });
+  for (Index j = 0; j < lower.cols(); ++j)
+    if (number[at(j)] >= 0) result.outerIndexPtr()[number[at(j)]] = lower.outerIndexPtr()[j];
+  result.outerIndexPtr()[result.cols()] = static_cast<int>(lower.nonZeros());
+  return result;
+}
+
+// For each border row the first row of its group.
+std::vector<Index> first_of_group(const InertiaPattern& pattern) {
+  std::vector<Index> first(at(pattern.border));
+  std::map<Index, Index> met;
+  const Index own = pattern.lower.rows() - pattern.border;
+  if (std::any_of(pattern.group.begin() + own, pattern.group.end(), [](Index group) { return group < 0; }))
+    throw Error("processes: expected a group for each border row, met a row without one");
+  for (Index row = 0; row < pattern.border; ++row)
+    first[at(row)] = met.try_emplace(pattern.group[at(own + row)], row).first->second;
+  return first;
+}
+
+// The tree of this process's own fronts. Border rows that others touch, too, are kept, and what they tie here is
+// eliminated before them.
+SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<Index>& touched,
+                               const std::vector<Index>& handed_on) {
+  const Index own_rows = pattern.lower.rows() - pattern.border;
+  InertiaPattern own{
+      .lower = without_empty_rows(pattern.lower, own_rows, touched), .group = {}, .border = count(touched)};
+  const auto groups = at(*std::ranges::max_element(pattern.group) + 1);
+  std::vector<Index> kept(groups, -1), others(groups, -1);  // new numbers: of the rows handed on, and of all others
+  GroupFlags flags;
+  const auto number = [&flags](Index& group, bool keep) {
+    if (group < 0) {
+      group = count(flags.kept);
+      flags.kept.push_back(keep);
+    }
+    return group;
+  };
+  for (const Index row : handed_on) number(kept[at(pattern.group[at(own_rows + row)])], true);
+  // Matrices may differ between a border row and the others of its group, so these count as border, too.
+  std::vector<Index> border;
+  for (Index i = 0; i < own_rows + count(touched); ++i) {
+    const bool on_border = i >= own_rows;
+    const Index group = pattern.group[at(on_border ? own_rows + touched[at(i - own_rows)] : i)];
+    const bool of_kept = group >= 0 && kept[at(group)] >= 0;
+    if (on_border || of_kept) border.push_back(i);
+    own.group.push_back(group < 0 ? -1 : on_border && of_kept ? kept[at(group)] : number(others[at(group)], false));
+  }
+  flags.last = groups_of_border(own);
+  return {own.lower, own.group, flags, border};
+}
+
+}  // namespace
+
+SharedPlan::SharedPlan(std::shared_ptr<const Communicator> communicator, const InertiaPattern& pattern)
+    : all(std::move(communicator)),
+      rank(all->rank()),
+      border(pattern.border),
+      own_rows(pattern.lower.rows() - pattern.border),
+      touched(touched_rows(pattern)) {
+  const std::vector<Index> group = first_of_group(pattern);
+  sets = elimination_tree(gathered(*all, touched), group);
+  const ProcessSet& alone = sets[at(rank)];
+  own = std::make_unique<SymmetricFamily>(own_analysis(pattern, touched, alone.handed_on));
+  kept = own->analysis().kept_rows();
+  place_of_eliminated = places(alone.eliminated, touched);
+  for (Index s = all->size(); s < count(sets); ++s)
+    if (sets[at(s)].worker == rank) joint = s;
+  if (!joint) return;
+  const ProcessSet& set = joint_set();
+  std::vector<Index> in_front = set.eliminated;
+  in_front.insert(in_front.end(), set.handed_on.begin(), set.handed_on.end());
+  for (const std::size_t k : {0, 1}) place_of_child[k] = places(sets[at(set.children[k])].handed_on, in_front);
+  for (std::size_t k = 0; k < set.eliminated.size(); ++k)
+    if (k + 1 == set.eliminated.size() || group[at(set.eliminated[k])] != group[at(set.eliminated[k + 1])])
+      group_ends.push_back(static_cast<Index>(k) + 1);
+}
+
+}  // namespace nscdd::mpi

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "linalg/multifrontal/family.hpp"
+#include "mpi/communicator.hpp"
+#include "mpi/elimination_tree.hpp"
+
+namespace nscdd::mpi {
+
+/// What all matrices of a pattern that processes share have in common: who eliminates which rows. All processes
+/// construct it together.
+struct SharedPlan {
+  SharedPlan(std::shared_ptr<const Communicator> communicator, const InertiaPattern& pattern);
+
+  const ProcessSet& joint_set() const { return sets[at(*joint)]; }
+  Index front_rows() const { return count(joint_set().eliminated) + count(joint_set().handed_on); }
+
+  std::shared_ptr<const Communicator> all;
+  Index rank, border, own_rows;
+  std::vector<Index> touched;  ///< border rows on which this process's part is not zero, ascending
+  std::vector<ProcessSet> sets;
+  /// Of the own part, whose rows are the own ones and behind them those touched. What others touch, too, is kept.
+  std::unique_ptr<SymmetricFamily> own;
+  std::vector<Index> kept;                 ///< its rows that are handed on, in that order
+  std::vector<Index> place_of_eliminated;  ///< of border rows that are this process's alone, among those it touches
+  std::optional<Index> joint;              ///< the set of several processes that this one puts together
+  std::array<std::vector<Index>, 2> place_of_child;  ///< of what its children hand on, in its front
+  std::vector<Index> group_ends;                     ///< of the rows that it eliminates
+};
+
+}  // namespace nscdd::mpi
