@@ -2,269 +2,19 @@
 #include "mpi/slepc.hpp"
 
 #include "core/fail.hpp"
-#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
-#include "mpi/communicator.hpp"
-
-#include <slepceps.h>
-
-#include <numeric>
+#include "mpi/slepc_pencil.hpp"
 
 namespace nscdd::mpi {
 namespace {
 
 constexpr int most_shifts = 200;      // on the way to one end
-constexpr int most_restarts = 300;    // of Krylov-Schur
 constexpr double between_shifts = 4;  // that are tried on the way to an end
-// The last front is factorised like all others, for its inertia; null pivots are found; room for delayed ones.
-constexpr std::pair<PetscInt, PetscInt> mumps_controls[] = {{13, 1}, {24, 1}, {14, 100}};
-
-void check(PetscErrorCode code, std::string_view what) {
-  if (code != 0) fail("SLEPc: expected {}, met status {}", what, static_cast<int>(code));
-}
-
-// Of the whole process, as long as anything of PETSc lives.
-class Session {
- public:
-  Session() {
-    PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
-    check(SlepcInitializeNoArguments(), "to begin");
-    PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // codes are looked at
-  }
-  ~Session() { SlepcFinalize(); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-};
-
-template <class Handle, PetscErrorCode (*destroy)(Handle*)>
-class Owned {
- public:
-  Owned() = default;
-  ~Owned() { destroy(&handle_); }
-  Owned(const Owned&) = delete;
-  Owned& operator=(const Owned&) = delete;
-  Handle get() const { return handle_; }
-  Handle* fill() { return &handle_; }
-
- private:
-  Handle handle_ = nullptr;
-};
-using OwnedMatrix = Owned<Mat, MatDestroy>;
-using OwnedVector = Owned<Vec, VecDestroy>;
-using OwnedSolver = Owned<EPS, EPSDestroy>;
-
-// Numbers of the rows: process by process, each with its velocities and an equal share of the interface behind them.
-struct Layout {
-  Layout(const Communicator& all, Index own_rows, Index interface_rows) : own(own_rows), interface(interface_rows) {
-    const auto size = static_cast<std::size_t>(all.size());
-    std::vector<long> rows(size);
-    const long mine = own;
-    MPI_Allgather(&mine, 1, MPI_LONG, rows.data(), 1, MPI_LONG, all.get());
-    for (std::size_t p = 0; p <= size; ++p) share.push_back(interface * static_cast<Index>(p) / all.size());
-    for (std::size_t p = 0; p < size; ++p) {
-      first.push_back(total);
-      velocities.push_back(rows[p]);
-      total += rows[p] + share[p + 1] - share[p];
-    }
-    rank = static_cast<std::size_t>(all.rank());
-  }
-  PetscInt velocity(Index row) const { return static_cast<PetscInt>(first[rank] + row); }
-  PetscInt impulse(Index row) const {
-    const auto p = static_cast<std::size_t>(std::upper_bound(share.begin(), share.end(), row) - share.begin() - 1);
-    return static_cast<PetscInt>(first[p] + velocities[p] + row - share[p]);
-  }
-  PetscInt rows_here() const { return static_cast<PetscInt>(own + share[rank + 1] - share[rank]); }
-
-  Index own, interface, total = 0;
-  std::size_t rank = 0;
-  std::vector<Index> share, first, velocities;
-};
-
-// Entries of a symmetric matrix that processes add to, both triangles.
-struct Entries {
-  std::vector<PetscInt> rows, columns;
-  std::vector<double> values;
-  void add(PetscInt i, PetscInt j, double value) {
-    rows.push_back(i);
-    columns.push_back(j);
-    values.push_back(value);
-  }
-  void add_both(PetscInt i, PetscInt j, double value) {
-    add(i, j, value);
-    add(j, i, value);
-  }
-  void fill(OwnedMatrix& matrix, const Communicator& all, const Layout& layout) {
-    check(MatCreate(all.get(), matrix.fill()), "a matrix");
-    const auto n = static_cast<PetscInt>(layout.total);
-    MatSetSizes(matrix.get(), layout.rows_here(), layout.rows_here(), n, n);
-    MatSetType(matrix.get(), MATAIJ);
-    check(MatSetPreallocationCOO(matrix.get(), static_cast<PetscCount>(rows.size()), rows.data(), columns.data()),
-          "room for a matrix");
-    check(MatSetValuesCOO(matrix.get(), values.data(), ADD_VALUES), "the entries of a matrix");
-    MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE);
-    MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE);
-  }
-};
-
-Index dofs(const Decomposition& parts) {
-  return std::accumulate(parts.subdomains.begin(), parts.subdomains.end(), Index{0},
-                         [](Index sum, const Subdomain& one) { return sum + one.inertia.size(); });
-}
-
-// Calls add(i, j, value) for the entries of all M_E + K_E / flexibility.
-template <class Add>
-void for_networks(const Decomposition& parts, double flexibility, const Add& add) {
-  Index first = 0;
-  for (const Subdomain& subdomain : parts.subdomains) {
-    const Index size = subdomain.inertia.size();
-    for (Index i = 0; i < size; ++i) add(first + i, first + i, subdomain.inertia[i]);
-    if (!std::isinf(flexibility)) {
-      const SparseMatrix stiffness = SparseMatrix(subdomain.h * subdomain.h.transpose());
-      for_entries(stiffness, [&](Index i, Index j, double k) { add(first + i, first + j, k / flexibility); });
-    }
-    first += size;
-  }
-}
-
-// One eigenvalue of (S, P).
-struct Pair {
-  double lambda = 0, residual = 0;
-  Vector f;  // interface impulses
-};
-
-// K - tau N and what SLEPc finds of it.
-class Pencil {
- public:
-  Pencil(const Contraction& b, const std::shared_ptr<const Communicator>& all, const SpectralOptions& options)
-      : b_(b),
-        all_(all),
-        first_of_p_(dofs(b.system.parts())),
-        layout_(*all, first_of_p_ + dofs(b.preconditioner.parts()), b.rows()),
-        tolerance_(options.tolerance),
-        rows_of_p_(static_cast<Index>(processes().sum(static_cast<double>(dofs(b.preconditioner.parts()))))) {
-    assemble();
-  }
-
-  // lambda above 1 / tau, counted; none if the factorisation broke down.
-  std::optional<Index> above(double tau) {
-    ++factorisations;
-    OwnedMatrix shifted, factor;
-    MatFactorInfo information;
-    MatFactorInfoInitialize(&information);
-    check(MatDuplicate(k_.get(), MAT_COPY_VALUES, shifted.fill()), "a copy of a matrix");
-    check(MatAXPY(shifted.get(), -tau, n_.get(), SUBSET_NONZERO_PATTERN), "a shifted matrix");
-    check(MatGetFactor(shifted.get(), MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor.fill()), "MUMPS");
-    for (const auto& [control, value] : mumps_controls) MatMumpsSetIcntl(factor.get(), control, value);
-    check(MatCholeskyFactorSymbolic(factor.get(), shifted.get(), nullptr, &information), "an analysis");
-    check(MatCholeskyFactorNumeric(factor.get(), shifted.get(), &information), "a factor");
-    MatFactorError error = MAT_FACTOR_NOERROR;
-    MatFactorGetError(factor.get(), &error);
-    if (error != MAT_FACTOR_NOERROR) return std::nullopt;
-    PetscInt negative = 0;
-    check(MatGetInertia(factor.get(), &negative, nullptr, nullptr), "an inertia");
-    return static_cast<Index>(negative) - rows_of_p_;
-  }
-
-  // The eigenvalue next to a shift; none if SLEPc does not find it or breaks down.
-  std::optional<Pair> nearest(double shift) {
-    ++factorisations;
-    OwnedSolver solver;
-    prepare(solver, shift);
-    PetscInt found = 0;
-    if (EPSSolve(solver.get()) != 0 || EPSGetConverged(solver.get(), &found) != 0 || found < 1) return std::nullopt;
-    OwnedVector x;
-    check(MatCreateVecs(k_.get(), x.fill(), nullptr), "a vector");
-    double tau = 0, error = 0;
-    check(EPSGetEigenpair(solver.get(), 0, &tau, nullptr, x.get(), nullptr), "an eigenvector");
-    check(EPSComputeError(solver.get(), 0, EPS_ERROR_RELATIVE, &error), "its error");
-    Pair one{1 / tau, 0, impulses(x.get())};
-    const double rayleigh = one.f.dot(b_.system.apply(one.f)) / one.f.dot(b_.preconditioner.apply(one.f));
-    one.residual = std::max(error * one.lambda, std::abs(rayleigh - one.lambda));
-    return one;
-  }
-
-  Index factorisations = 0;
-
- private:
-  const Processes& processes() const { return b_.system.parts().interface.processes(); }
-
-  void assemble() {
-    Entries k, n;
-    for_networks(b_.system.parts(), b_.system.eta(),
-                 [&](Index i, Index j, double value) { k.add(layout_.velocity(i), layout_.velocity(j), value); });
-    for_networks(b_.preconditioner.parts(), b_.preconditioner.eta(), [&](Index i, Index j, double value) {
-      n.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), value);
-      k.add(layout_.velocity(first_of_p_ + i), layout_.velocity(first_of_p_ + j), 0);  // one pattern holds the other
-    });
-    for (const auto& [parts, offset] :
-         {std::pair(&b_.system.parts(), Index{0}), std::pair(&b_.preconditioner.parts(), first_of_p_)}) {
-      Index first = offset;
-      for (const Subdomain& subdomain : parts->subdomains) {
-        for_entries(subdomain.a, [&](Index row, Index column, double sign) {
-          k.add_both(layout_.impulse(row), layout_.velocity(first + column), sign);
-        });
-        first += subdomain.inertia.size();
-      }
-    }
-    if (all_->rank() == 0)  // a place for every pivot
-      for (Index row = 0; row < layout_.interface; ++row) k.add(layout_.impulse(row), layout_.impulse(row), 0);
-    k.fill(k_, *all_, layout_);
-    n.fill(n_, *all_, layout_);
-  }
-
-  void prepare(OwnedSolver& owned, double shift) {
-    check(EPSCreate(all_->get(), owned.fill()), "a solver");
-    const EPS solver = owned.get();
-    EPSSetOperators(solver, k_.get(), n_.get());
-    EPSSetProblemType(solver, EPS_GHEP);
-    EPSSetType(solver, EPSKRYLOVSCHUR);
-    EPSSetTarget(solver, shift);
-    EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE);
-    EPSSetDimensions(solver, 1, PETSC_DEFAULT, PETSC_DEFAULT);
-    EPSSetTolerances(solver, 0.01 * tolerance_, most_restarts);
-    EPSSetOptionsPrefix(solver, "nscdd_");
-    ST transform = nullptr;
-    KSP linear = nullptr;
-    PC factors = nullptr;
-    EPSGetST(solver, &transform);
-    STSetType(transform, STSINVERT);
-    STSetMatStructure(transform, SUBSET_NONZERO_PATTERN);
-    STGetKSP(transform, &linear);
-    KSPSetType(linear, KSPPREONLY);
-    KSPGetPC(linear, &factors);
-    PCSetType(factors, PCCHOLESKY);
-    PCFactorSetMatSolverType(factors, MATSOLVERMUMPS);
-    for (const auto& [control, value] : mumps_controls)
-      PetscOptionsSetValue(nullptr, fmt::format("-nscdd_st_mat_mumps_icntl_{}", control).c_str(),
-                           std::to_string(value).c_str());
-    check(EPSSetFromOptions(solver), "its options");
-  }
-
-  // The interface part of a vector, whole in every process.
-  Vector impulses(Vec x) const {
-    Vector f = Vector::Zero(layout_.interface);
-    const double* values = nullptr;
-    VecGetArrayRead(x, &values);
-    const Index first = layout_.share[layout_.rank], last = layout_.share[layout_.rank + 1];
-    for (Index row = first; row < last; ++row) f[row] = values[layout_.own + row - first];
-    VecRestoreArrayRead(x, &values);
-    processes().add_up({f.data(), static_cast<std::size_t>(f.size())});
-    return f;
-  }
-
-  const Contraction& b_;
-  std::shared_ptr<const Communicator> all_;
-  Index first_of_p_;
-  Layout layout_;
-  double tolerance_;
-  Index rows_of_p_;  // of all processes
-  OwnedMatrix k_, n_;
-};
 
 // A shift beyond an end of the spectrum, where `wanted` eigenvalues lie above 1 / tau: none is further out, 1 / lambda
 // of the end is less than half as large or as small again, and nearer to the shift than 0 is. None if there is no such
 // shift on the way from `tau`, by steps outwards and then inwards.
-std::optional<double> shift_next_to_end(Pencil& pencil, double tau, bool low, Index wanted) {
+std::optional<double> shift_next_to_end(SlepcPencil& pencil, double tau, bool low, Index wanted) {
   int shifts = 0;
   bool broken = false;
   const auto beyond = [&](double shift) {
@@ -291,13 +41,13 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
                       const std::shared_ptr<const Communicator>& all) {
   if (b.system.eta() == 0) fail("solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit");
   const OneBlasThread serial_blas;
-  Pencil pencil(b, all, options);
+  SlepcPencil pencil(b, all, options);
   const auto end = [&](double tau, bool low) {  // and the shift it was found from
     const std::optional<double> shift = shift_next_to_end(pencil, tau, low, low ? b.rows() : 0);
     return std::pair(shift ? pencil.nearest(*shift) : std::nullopt, shift.value_or(1));
   };
   auto [low, shift] = end(1, true);  // lambda lies on both sides of 1 or next to it
-  std::optional<Pair> high = end(shift, false).first;
+  std::optional<PencilPair> high = end(shift, false).first;
   SpectralRadius result;
   if (!low || !high) return result;
   result.factorisations = pencil.factorisations;
@@ -313,7 +63,7 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
 
 SpectrumSolver slepc(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
-  const auto session = std::make_shared<std::optional<Session>>();  // begins where it is asked for
+  const auto session = std::make_shared<std::optional<SlepcSession>>();  // begins where it is asked for
   return [session, all](const Contraction& b, const SpectralOptions& options) {
     if (!*session) session->emplace();
     return radius(b, options, all);
