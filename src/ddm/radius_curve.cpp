@@ -145,13 +145,6 @@ CurveEnd end_of(const Contraction& b, double mu, const std::array<double, 2>& in
   return {.lambda = lambda, .error = error + rounding * std::max(1.0, lambda)};
 }
 
-// An upper bound of g^T X_eta^-1 g: with L no smaller than the eigenvalues of all M_E^-1 K_E, M_E + K_E / eta is at
-// most 1 + L / eta times M_E, and so is X_eta^-1 of X_inf^-1.
-double inverse_at_most(const InterfaceOperator& x, const Vector& g) {
-  const double in_generic = std::max(0.0, g.dot(x.solve_generic(g)));
-  return std::isinf(x.eta()) ? in_generic : (1 + stiffest(x.parts()) / x.eta()) * in_generic;
-}
-
 // The slope of a quotient that belongs to the vector f found. With the residual r = |S f - lambda P f| in the norm of
 // P^-1, over |f| in that of P, this slope is exact up to r^2 / lambda^2 of itself; but for the low end along eta. There
 // the quotient is that of S f for P^-1, whose slope differs by at most 2 r + r^2 / lambda, because d P / d log eta <=

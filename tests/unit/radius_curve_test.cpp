@@ -102,6 +102,26 @@ TEST_CASE("curve: no eigenvalue of M_E^-1 K_E is above the bound") {
     }
 }
 
+TEST_CASE("curve: the energy of a residual is between its bounds, and the upper one is not far above it") {
+  double nearest = infinity;
+  for (const Case& one : every_problem()) {
+    const Model model = build(one);
+    if (model.parts.interface_size() == 0) continue;
+    CAPTURE(one.spec.name);
+    const InterfaceFamily family(model.parts);
+    for (const double eta : {infinity, 10.0, 0.1, 1e-3}) {
+      CAPTURE(eta);
+      const InterfaceOperator x = family.at(eta);
+      const Vector g = Vector::LinSpaced(model.parts.interface_size(), -1, 2);
+      const double exact = g.dot(x.solve(g)), bound = inverse_at_most(x, g);
+      CHECK(exact <= bound * (1 + 1e-12));
+      CHECK(exact >= g.dot(x.solve_generic(g)) * (1 - 1e-12));
+      if (std::isfinite(eta)) nearest = std::min(nearest, bound / exact);
+    }
+  }
+  CHECK(nearest < 2);  // a bound that is never near proves little
+}
+
 TEST_CASE("curve: the bounds of a single mode hold, and its deviations are not larger than they must be") {
   const double kappa = 2;
   for (const double loose : {1.0, 3.0}) {
