@@ -18,6 +18,28 @@
 using namespace nscdd;
 using namespace nscdd::testing;
 
+TEST_CASE("sparse matrix: it moves, and an empty one in its place frees its memory") {
+  static_assert(std::is_nothrow_move_constructible_v<SparseMatrix> && std::is_nothrow_move_assignable_v<SparseMatrix>);
+  SparseEntries entries;
+  for (Index i = 0; i < 50; ++i) entries.add(i, i / 2, static_cast<double>(i) + 1);
+  SparseMatrix first = entries.matrix(50, 25);
+  const double* const values = first.valuePtr();
+  const Matrix dense = first;
+  SparseMatrix second = std::move(first);
+  CHECK(second.valuePtr() == values);
+  CHECK(Matrix(second) == dense);
+  SparseMatrix third(3, 4);
+  third = std::move(second);
+  CHECK(third.valuePtr() == values);
+  CHECK(Matrix(third) == dense);
+  SparseMatrix copy = third;
+  CHECK(copy.valuePtr() != values);
+  CHECK(Matrix(copy) == dense);
+  third = {};
+  CHECK(third.rows() == 0);
+  CHECK(third.data().allocatedSize() == 0);
+}
+
 TEST_CASE("pencil: known ends, sizes small and large, with a residual that bounds") {
   for (const Index n : {1, 2, 3, 24, 25, 60, 150}) {
     CAPTURE(n);
