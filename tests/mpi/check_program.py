@@ -105,6 +105,17 @@ def same_tables():
             compare(rows(expected), loose, where)
 
 
+def nothing_to_share(folder):
+    """A partition that cuts no piece of the packing: radius 0, and one process says why."""
+    pieces = os.path.join(folder, "pieces.csv")
+    with open(pieces, "w") as file:
+        file.write("x,y,radius\n0,0,0.5\n1,0,0.5\n10,0,0.5\n11,0,0.5\n")
+    met = [run(processes, "sweep", pieces, "--subdomains", "2x1", "--epsilon", "1", "--csv", "-")
+           for processes in (0, 2)]
+    check(met[0] == met[1], f"an empty interface: {met[0]} expected, {met[1]} met")
+    check(met[1][2].count("2 separate pieces") == 1, f"an empty interface: one explanation expected, met {met[1][2]!r}")
+
+
 def refusals(folder):
     taken = os.path.join(folder, "taken.csv")
     with open(taken, "w") as file:
@@ -305,7 +316,7 @@ def killed_and_resumed(folder):
 
 
 same_tables()
-for test in (refusals, one_fails, killed_and_resumed, same_runs, refused_runs, killed_and_restarted):
+for test in (nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, refused_runs, killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 print(f"{checks} checks passed")
