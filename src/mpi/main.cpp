@@ -54,7 +54,7 @@ int run(int argc, char** argv) {
   const int standard_error = dup(STDERR_FILENO);
   // It goes after the last word: what it holds is given back by all processes together.
   const app::Machine machine{.program = "nscdd-mpi",
-                             .verbs = {"sweep", "optimum", "simulate"},
+                             .verbs = {"sweep", "optimum", "simulate", "inspect"},
                              .processes = processes_of(MPI_COMM_WORLD),
                              .processes_here = processes_here(),
                              .inertia = multifrontal(MPI_COMM_WORLD),

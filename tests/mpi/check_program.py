@@ -105,6 +105,27 @@ def same_tables():
             compare(rows(expected), loose, where)
 
 
+def same_reports(folder):
+    """inspect: the words of nscdd and its histogram, written once."""
+    def inspected(processes, *arguments):
+        path = os.path.join(folder, f"{processes}.csv")
+        done = run(processes, "inspect", *arguments, "--histogram", path, "--force")
+        with open(path) as file:
+            return done, file.read()
+
+    for arguments, many in ((BED, (1, 3, 4)), (["disks12"], (2,))):
+        expected = inspected(0, *arguments)
+        check(expected[0][0] == 0 and "rank W" in expected[0][1], f"inspect {arguments}: {expected[0]}")
+        for processes in many:
+            met = inspected(processes, *arguments)
+            check(met == expected, f"inspect {arguments}, {processes} process(es): {expected} expected, met {met}")
+    taken = ["inspect", "disks12", "--histogram", os.path.join(folder, "2.csv")]
+    code, out, err = run(2, *taken)
+    check(code == 2 and out == "" and err.count("exists already") == 1, f"{taken}: {code}, {out}, {err}")
+    code, out, err = run(2, "inspect", "nosuch")
+    check(code == 2 and out == "" and err.count("met no such file") == 1, f"inspect: {code}, {out}, {err}")
+
+
 def nothing_to_share(folder):
     """A partition that cuts no piece of the packing: radius 0, and one process says why."""
     pieces = os.path.join(folder, "pieces.csv")
@@ -316,7 +337,8 @@ def killed_and_resumed(folder):
 
 
 same_tables()
-for test in (nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, refused_runs, killed_and_restarted):
+for test in (same_reports, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, refused_runs,
+             killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 print(f"{checks} checks passed")
