@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/counts_table.hpp"
 #include "app/options.hpp"
 #include "app/simulate_output.hpp"
 #include "core/text.hpp"
@@ -16,7 +17,7 @@ struct ParameterOption {
 };
 
 struct Options {
-  std::string name, subdomains;
+  std::string name, subdomains, counts;
   RunFiles files;
   std::vector<ParameterOption> parameters{
       {"--algorithm", "WORD", "solver.algorithm",
@@ -117,6 +118,11 @@ void check_names(const Options& options) {
     require_distinct(options.files.output, options.files.convergence);
     require_not_beside(options.files.output, options.files.convergence);
   }
+  if (!options.counts.empty()) {
+    require_distinct(options.files.output, options.counts);
+    require_not_beside(options.files.output, options.counts);
+    if (!options.files.convergence.empty()) require_distinct(options.files.convergence, options.counts);
+  }
   if (options.restart && options.files.force)
     fail("--restart: expected either to go on with a run or to replace it, met --force too");
   if (options.restart) return;
@@ -159,7 +165,7 @@ std::vector<double> features(const Simulation& simulation, const std::string& ca
   for (const auto& one : state.impulses) remembered.insert(remembered.end(), {one.impulse.n, one.impulse.t});
   for (const RememberedGluing& one : state.gluing) remembered.insert(remembered.end(), {one.x, one.y, one.rim});
   text += fingerprint(std::span<const double>(remembered));
-  text += fmt::format("{} {} {}", state.step, options.files.convergence.empty(),
+  text += fmt::format("{} {} {} {}", state.step, options.counts.empty(), options.files.convergence.empty(),
                       options.files.convergence_every.value_or(0));
   std::vector<double> numbers;
   for (const char letter : fingerprint(std::string_view(text))) numbers.push_back(static_cast<double>(letter));
@@ -177,7 +183,9 @@ int run(const Options& options, const Context& context) {
     if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);
     return found;
   });
-  const Case one = in_turn(all, [&] { return resolve_case(spec, {options.files.output, options.files.convergence}); });
+  const Case one = in_turn(all, [&] {
+    return resolve_case(spec, {options.files.output, options.files.convergence, options.counts});
+  });
   std::optional<RunSoFar> found;
   std::vector<double> speeds;
   Simulation simulation = all.together([&] {
@@ -190,6 +198,7 @@ int run(const Options& options, const Context& context) {
     return start;
   });
   if (!all.alone()) require_same(features(simulation, to_toml(spec), options), spec.name, all);
+  CountsTable counts(options.counts, options.files.force, context.machine);
   Interruption interruption(all);
   RunOutput output(options.files, all);
   output.open({to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system}, simulation, found,
@@ -204,6 +213,7 @@ int run(const Options& options, const Context& context) {
   };
   const RunOutcome outcome = run_simulation(simulation, sinks, speeds);
   output.end(outcome);
+  counts.finish();
   return close(options, simulation, outcome, totals);
 }
 
@@ -227,6 +237,7 @@ Action declare_simulate(Command& command) {
       "row costs several sweeps. The last of a step always has one");
   every.bounds = {1, 1000000000};
   every.needs = convergence;
+  CountsTable::declare(command, options->counts);
   command.preset("--save-every", options->files.save_every, "keep every Nth step; the last one always is").bounds = {
       1, 1000000000};
   command.add("--restart", options->restart, "go on with the output of a run before, up to --steps");

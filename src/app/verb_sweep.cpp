@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/counts_table.hpp"
 #include "app/sweep_curve.hpp"
 #include "files/hdf5.hpp"
 #include "linalg/threads.hpp"
@@ -11,7 +12,7 @@ namespace {
 struct Options {
   CaseOptions one;
   SpectralCommandOptions spectral;
-  std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5;
+  std::string epsilon, eta = "inf", relaxation = "1", sweeps = "inf", csv, hdf5, counts;
   Reopening how;
   bool redo = false;
   std::optional<double> curve;
@@ -89,8 +90,10 @@ Asked asked(const Options& options, const Machine& machine) {
     std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);
     std::tie(sweep.eta, sweep.relative_eta) = parse_eta(options.eta);
   }
-  asked.work.cases = {options.one.resolve({options.csv, options.hdf5})};
+  asked.work.cases = {options.one.resolve({options.csv, options.hdf5, options.counts})};
   if (!options.hdf5.empty()) require_distinct(options.csv, options.hdf5);
+  if (!options.counts.empty()) require_distinct(options.csv, options.counts);
+  if (!options.counts.empty() && !options.hdf5.empty()) require_distinct(options.hdf5, options.counts);
   if (options.redo && (is_stream(options.csv) || !options.hdf5.empty() || options.how.resume))
     fail("--redo: expected a finished table in a file with --csv, without --hdf5 and --resume");
   return asked;
@@ -114,6 +117,7 @@ int run(const Options& options, const Context& context) {
   Interruption interruption(machine.processes);  // from here on there is something to be left in good order
   // Both are opened before the work and named after it: a run that fails leaves neither.
   SharedTable csv(machine, options.csv, curve ? curve_work(work, *curve) : table_work(work), options.how);
+  CountsTable counts(options.counts, options.how.force, machine);
   std::optional<OutputFile> hdf5;
   machine.processes.together([&] {
     if (!options.hdf5.empty() && machine.processes.first())
@@ -131,6 +135,7 @@ int run(const Options& options, const Context& context) {
     work_through(model, work, csv, interruption, keep);
   if (interruption.stopped()) return curve ? leave_nothing(options.csv) : leave(*csv, options.csv);
   if (hdf5) hdf5->bytes(to_hdf5(provenance(context, work.cases), {{"sweep", table}}));
+  counts.finish();
   csv->finish();
   if (hdf5) hdf5->finish();
   csv.forget();
@@ -143,7 +148,7 @@ Action declare_sweep(Command& command) {
   auto options = std::make_shared<Options>();
   options->one.declare(command);
   command.required("--epsilon SPEC", options->epsilon,
-                   "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
+                   "flexibility, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta SPEC", options->eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
   options->spectral.declare(command, "all");
@@ -162,6 +167,7 @@ Action declare_sweep(Command& command) {
   command.preset("--relaxation SPEC", options->relaxation, "omega in F <- F + omega (F' - F), or 'optimal'");
   command.preset("--gauss-seidel-sweeps SPEC", options->sweeps, "sweeps n_GS of Stage 1; inf is exact");
   command.required("--csv FILE", options->csv, "where the table goes, - for standard output");
+  CountsTable::declare(command, options->counts);
   command.add("--hdf5 FILE", options->hdf5, "also write the table, with its provenance, as HDF5");
   declare_redo(command, options->redo);
   command.add("--force", options->how.force, "replace existing outputs");

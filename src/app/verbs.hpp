@@ -110,7 +110,7 @@ struct Machine {
   std::vector<std::string> verbs = {};  ///< those that it serves; all of them where it names none
   Processes processes = {};
   Index processes_here = 1;  ///< those that share this computer's memory
-  InertiaMethod inertia = multifrontal();
+  InertiaMethod inertia = multifrontal(processes.counts);
   SpectrumSolver slepc = {};
   Index threads = 0;  ///< of a process where nothing is said, 0 for all
 

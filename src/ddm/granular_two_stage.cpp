@@ -84,6 +84,12 @@ std::vector<SweepSums> GranularTwoStage::stage_one() {
   return sums;
 }
 
+Index GranularTwoStage::contact_updates() const {
+  Index contacts = 0;
+  for (const GranularSubdomain& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
+  return sweeps_ * contacts;
+}
+
 Vector GranularTwoStage::summed(Eigen::MatrixXd parts) const {
   parts_.interface.processes().add_up({parts.data(), at(parts.size())});
   Vector sum = Vector::Zero(parts.rows());

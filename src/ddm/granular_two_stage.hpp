@@ -57,6 +57,9 @@ class GranularTwoStage {
   /// Sums over all subdomains at the present velocities.
   ContactResidual residual() const;
 
+  /// Of single contacts, in all sweeps so far of the subdomains of this process.
+  Index contact_updates() const;
+
   /// Brings velocities and impulses of all subdomains together in every process that shares them. Contacts, velocities,
   /// gluing and interface impulses are known of all of them from then on, until the next iteration.
   void gather();

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <nscdd/core/processes.hpp>
+
 #include <mpi.h>
 
 namespace nscdd::mpi {
 
-/// A duplicate of a communicator, freed with the object unless MPI is finalised already.
+/// A duplicate of a communicator, freed with the object unless MPI is finalised already. What is sent is counted.
 class Communicator {
  public:
-  explicit Communicator(MPI_Comm of) { MPI_Comm_dup(of, &own_); }
+  explicit Communicator(MPI_Comm of, std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>())
+      : work_(std::move(work)) {
+    MPI_Comm_dup(of, &own_);
+  }
   ~Communicator() {
     int finalised = 0;
     MPI_Finalized(&finalised);
@@ -28,8 +33,20 @@ class Communicator {
     MPI_Comm_size(own_, &size);
     return size;
   }
+  const std::shared_ptr<WorkCount>& work() const { return work_; }
+  /// Counts a message of this process to another one, of so many numbers of eight bytes.
+  void count_message(Index numbers) const {
+    ++work_->messages;
+    work_->message_bytes += 8 * static_cast<double>(numbers);
+  }
+  /// Counts an exchange of all processes, to which this one gives so many numbers.
+  void count_sum(Index numbers) const {
+    ++work_->sums;
+    work_->sum_bytes += 8 * static_cast<double>(numbers);
+  }
 
  private:
+  std::shared_ptr<WorkCount> work_;
   MPI_Comm own_ = MPI_COMM_NULL;
 };
 

@@ -53,11 +53,12 @@ void keep_silent() {
 int run(int argc, char** argv) {
   const int standard_error = dup(STDERR_FILENO);
   // It goes after the last word: what it holds is given back by all processes together.
+  const Processes processes = processes_of(MPI_COMM_WORLD);
   const app::Machine machine{.program = "nscdd-mpi",
                              .verbs = {"sweep", "optimum", "simulate", "inspect"},
-                             .processes = processes_of(MPI_COMM_WORLD),
+                             .processes = processes,
                              .processes_here = processes_here(),
-                             .inertia = multifrontal(MPI_COMM_WORLD),
+                             .inertia = multifrontal(MPI_COMM_WORLD, processes.counts),
                              .slepc = slepc(MPI_COMM_WORLD),
                              .threads = 1};
   if (!machine.processes.first()) keep_silent();

@@ -32,6 +32,7 @@ class Messages {
     if (to == plan_.rank) {
       here_[set] = std::move(numbers);
     } else {
+      plan_.all->count_message(numbers.size());
       MPI_Send(numbers.data(), length(numbers.size()), MPI_DOUBLE, static_cast<int>(to), static_cast<int>(set),
                plan_.all->get());
     }
@@ -73,18 +74,25 @@ void add_packed(const Vector& numbers, const std::vector<Index>& place, Matrix& 
       lower(std::max(place[i], place[j]), std::min(place[i], place[j])) += *next++;
 }
 
+// An interior that the family keeps is not eliminated again.
+void add_elimination(const SharedPlan& plan, const std::array<double, 2>& parameters) {
+  const bool anew = !plan.own->keeps_interior(parameters);
+  plan.add_work([=](const EliminationWork& one) { return one.flops(anew); });
+}
+
 // One factor, of which each process holds the part of its own rows and at most one front of several processes.
 class SharedFactor {
  public:
   SharedFactor(std::shared_ptr<const SharedPlan> plan, const SparseMatrix& lower,
                const std::array<double, 2>& parameters)
-      : plan_(std::move(plan)), own_(plan_->own->factorise(lower, parameters)) {
+      : plan_(std::move(plan)), own_((add_elimination(*plan_, parameters), plan_->own->factorise(lower, parameters))) {
     Messages messages(*plan_);
     messages.hand_up(plan_->rank, packed(own_.take_kept_block()));
     if (plan_->joint) join(messages);
     const bool regular = own_.regular() && (!joint_ || joint_->regular());
     const Index here = regular ? own_.negative_eigenvalues() + (joint_ ? joint_->negative_eigenvalues() : 0) : 0;
     std::array<Index, 2> sums{regular ? 0 : 1, here};
+    plan_->all->count_sum(2);
     MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT64_T, MPI_SUM, plan_->all->get());
     regular_ = sums[0] == 0;
     negative_eigenvalues_ = sums[1];
@@ -98,6 +106,7 @@ class SharedFactor {
   Vector solve(const Vector* b, const Vector& border, Fronts up, Fronts down) const {
     const SharedPlan& plan = *plan_;
     const Index own = plan.own_rows;
+    plan.add_work([=](const EliminationWork& one) { return one.solve_flops(up, down); });
     Messages messages(plan);
     Vector x(own + count(plan.touched));
     if (b != nullptr)
@@ -119,6 +128,7 @@ class SharedFactor {
     x = own_.go_back(x, down);
     result.tail(plan.border)(plan.sets[at(plan.rank)].eliminated) =
         x.tail(count(plan.touched))(plan.place_of_eliminated);
+    plan.all->count_sum(plan.border);
     MPI_Allreduce(MPI_IN_PLACE, result.data() + own, static_cast<int>(plan.border), MPI_DOUBLE, MPI_SUM,
                   plan.all->get());
     result.head(own) = x.head(own);
@@ -180,9 +190,9 @@ InertiaFactor record_of(const std::shared_ptr<const SharedFactor>& factor, Index
 
 }  // namespace
 
-InertiaMethod multifrontal(MPI_Comm communicator) {
-  const auto all = std::make_shared<const Communicator>(communicator);
-  if (all->size() == 1) return nscdd::multifrontal();
+InertiaMethod multifrontal(MPI_Comm communicator, std::shared_ptr<WorkCount> work) {
+  const auto all = std::make_shared<const Communicator>(communicator, work);
+  if (all->size() == 1) return nscdd::multifrontal(work);
   const auto analyse = [all](const InertiaPattern& pattern) {
     const auto plan = std::make_shared<const SharedPlan>(all, pattern);
     const auto factorise = [plan](const SparseMatrix& lower, const std::array<double, 2>& parameters) {

@@ -16,6 +16,7 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
   while (!numbers.empty()) {
     const std::span<double> part = numbers.first(std::min(numbers.size(), numbers_at_a_time));
     const int size = static_cast<int>(part.size());
+    all.count_sum(size);
     if (all.rank() == 0)
       MPI_Reduce(MPI_IN_PLACE, part.data(), size, MPI_DOUBLE, operation, 0, all.get());
     else
@@ -26,15 +27,19 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
 }
 
 std::vector<double> gathered(const Communicator& all, std::span<const double> own) {
-  double total = static_cast<double>(own.size());
-  combine(all, {&total, 1}, MPI_SUM);
+  const auto size = static_cast<double>(own.size());
+  std::vector<double> of_each(static_cast<std::size_t>(all.size()));
+  all.count_sum(1);
+  MPI_Allgather(&size, 1, MPI_DOUBLE, of_each.data(), 1, MPI_DOUBLE, all.get());
+  const double total = std::accumulate(of_each.begin(), of_each.end(), 0.0);
   if (total > std::numeric_limits<int>::max()) throw Error("processes: expected at most 2^31 numbers to gather");
-  const int size = static_cast<int>(own.size());
-  std::vector<int> sizes(static_cast<std::size_t>(all.size())), first(sizes.size(), 0);
-  MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, all.get());
+  const std::vector<int> sizes(of_each.begin(), of_each.end());
+  std::vector<int> first(sizes.size(), 0);
   std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
-  std::vector<double> numbers(static_cast<std::size_t>(first.back() + sizes.back()));
-  MPI_Allgatherv(own.data(), size, MPI_DOUBLE, numbers.data(), sizes.data(), first.data(), MPI_DOUBLE, all.get());
+  std::vector<double> numbers(static_cast<std::size_t>(total));
+  all.count_sum(count(own));
+  MPI_Allgatherv(own.data(), static_cast<int>(size), MPI_DOUBLE, numbers.data(), sizes.data(), first.data(), MPI_DOUBLE,
+                 all.get());
   return numbers;
 }
 
@@ -62,8 +67,10 @@ class Neighbourhood {
 
   void add_up(std::span<double> numbers) {
     if (shared_.empty()) return;  // MPI wants at least one request
-    for (std::size_t k = 0; k < shared_.size(); ++k)
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
       std::ranges::transform(shared_[k].entries, sent_[k].begin(), [&](Index i) { return numbers[place(i)]; });
+      all_->count_message(static_cast<Index>(sent_[k].size()));
+    }
     MPI_Startall(static_cast<int>(requests_.size()), requests_.data());
     MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
     for (std::size_t k = 0; k < shared_.size(); ++k)
@@ -93,7 +100,8 @@ Processes processes_of(MPI_Comm communicator) {
                 return [here = std::make_shared<Neighbourhood>(all, shared)](std::span<double> numbers) {
                   here->add_up(numbers);
                 };
-              }};
+              },
+          .counts = all->work()};
 }
 
 }  // namespace nscdd::mpi

@@ -106,7 +106,29 @@ SymmetricAnalysis own_analysis(const InertiaPattern& pattern, const std::vector<
   return {own.lower, own.group, flags, border};
 }
 
+// What each set of processes has to do; every process knows its own fronts.
+std::vector<EliminationWork> work_of_sets(const Communicator& all, const std::vector<ProcessSet>& sets,
+                                          const EliminationWork& own) {
+  std::vector<EliminationWork> work(at(all.size()));
+  MPI_Allgather(&own, sizeof own, MPI_BYTE, work.data(), sizeof own, MPI_BYTE, all.get());
+  for (std::size_t s = work.size(); s < sets.size(); ++s)
+    work.push_back(work_of_front(count(sets[s].eliminated), count(sets[s].handed_on)));
+  return work;
+}
+
 }  // namespace
+
+void SharedPlan::add_work(const std::function<double(const EliminationWork&)>& flops) const {
+  std::vector<double> path;
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    double before = 0;
+    for (const Index child : sets[s].children) before = std::max(before, path[at(child)]);
+    path.push_back(before + flops(work[s]));
+  }
+  WorkCount& total = *all->work();
+  total.flops += flops(work[at(rank)]) + (joint ? flops(work[at(*joint)]) : 0.0);
+  total.path_flops += std::ranges::max(path);
+}
 
 SharedPlan::SharedPlan(std::shared_ptr<const Communicator> communicator, const InertiaPattern& pattern)
     : all(std::move(communicator)),
@@ -122,6 +144,7 @@ SharedPlan::SharedPlan(std::shared_ptr<const Communicator> communicator, const I
   place_of_eliminated = places(alone.eliminated, touched);
   for (Index s = all->size(); s < count(sets); ++s)
     if (sets[at(s)].worker == rank) joint = s;
+  work = work_of_sets(*all, sets, own->analysis().work());
   if (!joint) return;
   const ProcessSet& set = joint_set();
   std::vector<Index> in_front = set.eliminated;

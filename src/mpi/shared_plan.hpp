@@ -13,6 +13,10 @@ struct SharedPlan {
   SharedPlan(std::shared_ptr<const Communicator> communicator, const InertiaPattern& pattern);
 
   const ProcessSet& joint_set() const { return sets[at(*joint)]; }
+  /// Counts the operations of a step of all processes, in which they go up or down the tree of sets: those of this
+  /// process, and along the longest way. `flops`: of the fronts of a process, or of one of several processes.
+  void add_work(const std::function<double(const EliminationWork&)>& flops) const;
+
   Index front_rows() const { return count(joint_set().eliminated) + count(joint_set().handed_on); }
 
   std::shared_ptr<const Communicator> all;
@@ -26,6 +30,7 @@ struct SharedPlan {
   std::optional<Index> joint;              ///< the set of several processes that this one puts together
   std::array<std::vector<Index>, 2> place_of_child;  ///< of what its children hand on, in its front
   std::vector<Index> group_ends;                     ///< of the rows that it eliminates
+  std::vector<EliminationWork> work;                 ///< of all sets
 };
 
 }  // namespace nscdd::mpi

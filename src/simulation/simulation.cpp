@@ -202,6 +202,7 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
   }
   report.status = *status;
   report.residual = iteration.residual();
+  simulation.processes.counts->contact_updates += static_cast<double>(iteration.contact_updates());
   iteration.gather();
   step.contacts = iteration.contacts(step.problem);
   step.velocities = iteration.velocities(step.problem);

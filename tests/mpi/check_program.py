@@ -126,6 +126,54 @@ def same_reports(folder):
     check(code == 2 and out == "" and err.count("met no such file") == 1, f"inspect: {code}, {out}, {err}")
 
 
+def same_counts(folder):
+    """--counts: a row for each process, and sums that do not depend on how the work is dealt out."""
+    def counted(processes, *arguments):
+        path = os.path.join(folder, "counts.csv")
+        code, _, err = run(processes, *arguments, "--counts", path, "--force")
+        check(code == 0, f"{arguments} --counts, {processes} process(es): exit code {code}, {err}")
+        with open(path) as file:
+            table = rows(file.read())
+        check([row["process"] for row in table] == [str(k) for k in range(max(1, processes))],
+              f"counts of {processes} process(es): a row for each expected, met {table}")
+        check(all(0 < float(row["seconds"]) < 100 and 1e6 < float(row["memory"]) < 1e10 for row in table),
+              f"counts of {processes} process(es): seconds and memory expected, met {table}")
+        return [{name: float(value) for name, value in row.items()} for row in table]
+
+    radius = ["sweep", *BED, "--epsilon", "1", "--solver", "shift-invert", "--csv", "/dev/null"]
+    alone = counted(0, *radius)[0]
+    check(alone["flops"] == alone["path_flops"] > 0 and alone["messages"] == alone["sums"] == 0,
+          f"counts of nscdd: {alone}")
+    for processes in (1, 4):
+        met = counted(processes, *radius)
+        path = {row["path_flops"] for row in met}
+        check(len(path) == 1 and max(row["flops"] for row in met) <= max(path) <= sum(row["flops"] for row in met),
+              f"operations of {processes} process(es): {met}")
+        check((processes == 1) == (sum(row["messages"] for row in met) == 0), f"messages: {met}")
+    check(max(path) < alone["path_flops"], "operations of 4 processes one after the other: fewer than of one expected")
+
+    def steps(iterations):
+        return ["simulate", "settle-1k", "--algorithm", "generic", "--criterion", "none", "--iterations",
+                str(iterations), "--steps", "1", "--subdomains", "3x2", "-o", os.path.join(folder, "run.h5")]
+    per_iteration = {}
+    for processes in (0, 2, 6):
+        few, many = (counted(processes, *steps(iterations)) for iterations in (10, 30))
+        per_iteration[processes] = [{name: (b[name] - a[name]) / 20 for name in a} for a, b in zip(few, many)]
+    total = per_iteration[0][0]["contact_updates"]
+    check(total > 1000, f"contact updates: {per_iteration}")
+    for processes in (2, 6):
+        met = per_iteration[processes]
+        check(sum(row["contact_updates"] for row in met) == total, f"updates of {total} contacts expected, met {met}")
+        # One message to each neighbour, and one sum of seven numbers of each of the six subdomains.
+        check(all(row["sums"] == 1 and row["sum_bytes"] == 8 * 7 * 6 for row in met), f"sums: {met}")
+        check(all(1 <= row["messages"] <= processes - 1 for row in met), f"messages: {met}")
+    for arguments in ([*radius[:-1], os.path.join(folder, "x.csv")], steps(1)):
+        code, _, err = run(2, *arguments, "--counts", arguments[-1])
+        check(code == 2 and "another name for each output" in err, f"one name for two: {code}, {err}")
+    code, _, err = run(2, *radius, "--counts", os.path.join(folder, "counts.csv"))
+    check(code == 2 and err.count("exists already") == 1, f"counts that exist already: {code}, {err}")
+
+
 def nothing_to_share(folder):
     """A partition that cuts no piece of the packing: radius 0, and one process says why."""
     pieces = os.path.join(folder, "pieces.csv")
@@ -337,7 +385,7 @@ def killed_and_resumed(folder):
 
 
 same_tables()
-for test in (same_reports, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, refused_runs,
+for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, refused_runs,
              killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)

@@ -77,6 +77,28 @@ TEST_CASE("processes: neighbours add up what they share, and nobody else takes p
   }
 }
 
+TEST_CASE("processes: what is sent is counted") {
+  const Processes own = mpi::processes_of(MPI_COMM_WORLD);
+  const WorkCount& counts = *own.counts;
+  std::vector<double> numbers(10, 1.0);
+  own.add_up(numbers);
+  own.largest(std::span(numbers).first(3));
+  own.gather(std::span(numbers).first(2));
+  CHECK(counts.sums == 4);  // a gather is two, the first of the lengths
+  CHECK(counts.sum_bytes == 8 * (10 + 3 + 1 + 2));
+  CHECK(counts.messages == 0);
+  std::vector<SharedEntries> shared;  // everybody with everybody
+  for (Index other = 0; other < own.size; ++other)
+    if (other != own.rank) shared.push_back({other, {0, 3, 4}});
+  const auto add_up = own.between_neighbours(shared);
+  for (int round = 1; round <= 2; ++round) {
+    add_up(numbers);
+    CHECK(counts.messages == static_cast<double>(round * (own.size - 1)));
+    CHECK(counts.message_bytes == static_cast<double>(24 * round * (own.size - 1)));
+  }
+  CHECK(counts.sums == 4);
+}
+
 TEST_CASE("processes: what one of them throws, all throw, and one says why") {
   for (Index culprit = 0; culprit < all().size; ++culprit) {
     const auto work = [&] {

@@ -196,6 +196,28 @@ TEST_CASE("shared: a matrix after a singular one is factorised") {
   }
 }
 
+TEST_CASE("shared: operations are counted, each once, and along the longest way") {
+  const Processes all = mpi::processes_of(MPI_COMM_WORLD);
+  const int visited = for_shared_packings({all, {}}, 400, [&](const Model& whole, const Model& own) {
+    const auto alone = std::make_shared<WorkCount>(), here = std::make_shared<WorkCount>();
+    const auto solve = [](const Model& model, const InertiaMethod& method) {
+      SpectralOptions options{.solver = SpectralSolver::shift_invert, .certify = true, .inertia = method};
+      const InterfaceFamily family(model.parts);
+      spectral_radius({family.at(infinity), family.at(1)}, options);
+    };
+    solve(whole, multifrontal(alone));
+    solve(own, mpi::multifrontal(MPI_COMM_WORLD, here));
+    CHECK(alone->flops == alone->path_flops);
+    CHECK(alone->flops > 0);
+    const double flops = here->flops, path = here->path_flops, sum = all.sum(flops);
+    CHECK(path >= flops);
+    CHECK(path <= sum);
+    CHECK(all.maximum(path) == path);  // all of them know it
+    if (all.alone()) CHECK(flops == path);
+  });
+  CHECK(visited > 0);
+}
+
 TEST_CASE("shared: what needs the undivided packing is refused") {
   const Shared shared;
   if (shared.processes.alone()) return;

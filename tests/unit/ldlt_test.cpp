@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 using namespace nscdd;
@@ -222,6 +223,34 @@ TEST_CASE("symmetric factor: rows that are kept leave their Schur complement, an
     }
   }
   CHECK(kept_something > 10);
+}
+
+TEST_CASE("symmetric factor: work is counted, and parted into interior and border") {
+  const Index n = 120;
+  const SparseMatrix dense =
+      lower_triangle(Matrix::Constant(n, n, 1) + static_cast<double>(n) * Matrix::Identity(n, n));
+  double operations = 0;  // elimination as one learns it, multiplications and additions of the lower triangle
+  for (Index k = 0; k < n; ++k)
+    for (Index i = k + 1; i < n; ++i)
+      for (Index j = k + 1; j <= i; ++j) operations += 2;
+  const EliminationWork whole = SymmetricAnalysis(dense, single_rows(n)).work();
+  CHECK(whole.flops(true) == doctest::Approx(operations).epsilon(2.0 / static_cast<double>(n)));
+  CHECK(whole.interior_entries + whole.border_entries == static_cast<double>(n * (n + 1) / 2));
+  const EliminationWork front = work_of_front(30, n - 30), rest = work_of_front(n - 30, 0);
+  CHECK(front.flops(true) + rest.flops(true) == doctest::Approx(whole.flops(true)));
+
+  const SparseMatrix sparse = shifted_laplacian(30, 31, 0);
+  std::vector<Index> border(10);
+  std::iota(border.begin(), border.end(), sparse.rows() - 10);
+  const SymmetricAnalysis analysis(sparse, single_rows(sparse.rows()), {}, border);
+  const EliminationWork work = analysis.work();
+  CHECK(work.interior_flops > 0);
+  CHECK(work.border_flops > 0);
+  CHECK(work.interior_entries + work.border_entries == doctest::Approx(analysis.entries()));
+  CHECK(work.flops(true) == work.interior_flops + work.border_flops);
+  CHECK(work.flops(false) == work.border_flops);
+  CHECK(work.solve_flops(Fronts::all, Fronts::all) == doctest::Approx(4 * analysis.entries()));
+  CHECK(work.solve_flops(Fronts::border, Fronts::border) == doctest::Approx(4 * work.border_entries));
 }
 
 TEST_CASE("dense front: pivots, Schur complement and solves of part of a matrix") {

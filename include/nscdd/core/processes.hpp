@@ -3,6 +3,8 @@
 
 #include <nscdd/core/types.hpp>
 
+#include <atomic>
+#include <memory>
 #include <span>
 
 namespace nscdd {
@@ -16,6 +18,21 @@ struct FailedElsewhere : Error {
 struct SharedEntries {
   Index process = 0;
   std::vector<Index> entries;
+};
+
+/// What one process has done since it began, counted where it is done.
+struct WorkCount {
+  double messages = 0;         ///< sent to one other process
+  double message_bytes = 0;    ///< in these
+  double sums = 0;             ///< exchanges in which all processes take part: sums, maxima and gathers
+  double sum_bytes = 0;        ///< that this process put into these
+  double contact_updates = 0;  ///< of single contacts, in the sweeps of a two-stage iteration
+  double flops = 0;            ///< additions and multiplications of factorisations and of solves with them
+  /// The same over all processes along the longest way: of what no process may begin before another one has finished.
+  double path_flops = 0;
+
+  /// Adds to one of the counts; threads may do so at the same time.
+  static void add(double& to, double amount) { std::atomic_ref(to) += amount; }
 };
 
 /// The processes that share the work on one problem; by default this one is alone. All of them make the same calls in
@@ -32,6 +49,8 @@ struct Processes {
   /// these entries are then the same in both.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =
       [](const auto&) { return [](std::span<double>) {}; };
+
+  std::shared_ptr<WorkCount> counts = std::make_shared<WorkCount>();  ///< of this process; its copies share it
 
   bool alone() const { return size == 1; }
   bool first() const { return rank == 0; }

@@ -44,8 +44,8 @@ struct InertiaMethod {
 };
 
 /// Our own factorisation (src/linalg/multifrontal/README.md). It keeps the interior, and solves on the border
-/// without a walk over it. The bits do not depend on the number of threads.
-InertiaMethod multifrontal();
+/// without a walk over it. The bits do not depend on the number of threads. `work`: where it counts its operations.
+InertiaMethod multifrontal(std::shared_ptr<WorkCount> work = std::make_shared<WorkCount>());
 
 /// A factor that solves from, to and on the border by whole solves, for methods that know no better.
 InertiaFactor with_whole_solves(Index negative_eigenvalues, InertiaFactor::Solve solve, const InertiaPattern& pattern);

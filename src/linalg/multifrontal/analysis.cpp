@@ -50,6 +50,10 @@ double elimination_flops(const Front& front) {  // the sum over the pivots of (r
   return (first * first * first - last * last * last) / 3;
 }
 
+double factor_entries(const Front& front) {  // its columns of L and D
+  return static_cast<double>(front.pivots) * (static_cast<double>(front.rows + front.update_rows()) + 1) / 2;
+}
+
 // The rows of the matrix in their groups, and the supernode and the position of each group.
 struct RowGroups {
   RowGroups(std::vector<Index> of_rows, const std::vector<std::vector<Index>>& touched, Index groups,
@@ -98,8 +102,7 @@ void lay_out_fronts(FrontTree& tree, const Supernodes& nodes, const RowGroups& g
     front.panels = cut_panels(ends);
     if (first + pivot_groups < end) front.parent = groups.supernode[at(nodes.rows[at(first + pivot_groups)])];
     front.subtree_flops += elimination_flops(front);
-    tree.factor_entries +=
-        static_cast<double>(front.pivots) * (static_cast<double>(front.rows + front.update_rows()) + 1) / 2;
+    tree.factor_entries += factor_entries(front);
     if (front.parent >= 0) {
       tree.fronts[at(front.parent)].children.push_back(s);
       tree.fronts[at(front.parent)].subtree_flops += front.subtree_flops;
@@ -200,6 +203,28 @@ SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vec
 }
 
 double SymmetricAnalysis::entries() const { return tree_->factor_entries; }
+
+double EliminationWork::solve_flops(Fronts up, Fronts down) const {
+  double flops = 0;
+  for (const Fronts which : {up, down}) flops += 2 * (border_entries + (which == Fronts::all ? interior_entries : 0.0));
+  return flops;
+}
+
+EliminationWork work_of_front(Index eliminated, Index others) {
+  Front front;
+  front.rows = eliminated + others;
+  front.pivots = eliminated;
+  return {.border_flops = elimination_flops(front), .border_entries = factor_entries(front)};
+}
+
+EliminationWork SymmetricAnalysis::work() const {
+  EliminationWork work;
+  for (const Front& front : tree_->fronts) {
+    (front.on_border ? work.border_flops : work.interior_flops) += elimination_flops(front);
+    (front.on_border ? work.border_entries : work.interior_entries) += factor_entries(front);
+  }
+  return work;
+}
 
 std::vector<Index> SymmetricAnalysis::kept_rows() const {
   if (!tree_->keeps_rows) return {};

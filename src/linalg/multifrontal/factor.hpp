@@ -10,6 +10,24 @@ struct FrontTree;
 struct InteriorFronts;
 struct FactorFronts;
 
+/// Over which fronts a solve goes.
+enum class Fronts {
+  all,
+  border,  ///< those on the way from a border row to the root
+};
+
+/// What the interior and the border of a matrix take: additions and multiplications of the elimination, and entries of
+/// the factor, each of which a triangular solve multiplies and adds once.
+struct EliminationWork {
+  double interior_flops = 0, interior_entries = 0, border_flops = 0, border_entries = 0;
+
+  double flops(bool with_interior) const { return border_flops + (with_interior ? interior_flops : 0.0); }
+  double solve_flops(Fronts up, Fronts down) const;
+};
+
+/// The same of one dense front on the border.
+EliminationWork work_of_front(Index eliminated, Index others);
+
 /// Elimination order and fronts of one sparsity pattern, for every matrix that has it: nested dissection (METIS) of the
 /// graph of row groups, supernodes of the groups (CHOLMOD).
 class SymmetricAnalysis {
@@ -25,7 +43,8 @@ class SymmetricAnalysis {
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const GroupFlags& flags = {},
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 
-  double entries() const;                ///< of the factor
+  double entries() const;  ///< of the factor
+  EliminationWork work() const;
   std::vector<Index> kept_rows() const;  ///< in the order of their groups
   const std::shared_ptr<const FrontTree>& tree() const { return tree_; }
 
@@ -42,12 +61,6 @@ class SymmetricInterior {
  private:
   friend class SymmetricFactor;
   std::shared_ptr<const InteriorFronts> fronts_;
-};
-
-/// Over which fronts a solve goes.
-enum class Fronts {
-  all,
-  border,  ///< those on the way from a border row to the root
 };
 
 /// P A P^T = L D L^T of a sparse symmetric matrix, definite or not, D with 1 x 1 and 2 x 2 blocks (Bunch-Kaufman

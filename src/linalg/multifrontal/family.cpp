@@ -9,6 +9,11 @@ SymmetricFactor SymmetricFamily::factorise(const SparseMatrix& lower, const std:
   return {interior(lower, parameters), lower};
 }
 
+bool SymmetricFamily::keeps_interior(const std::array<double, 2>& parameters) {
+  const std::lock_guard lock(mutex_);
+  return interior_ && parameters_ == parameters;
+}
+
 void SymmetricFamily::release() {
   const std::lock_guard lock(mutex_);
   interior_.reset();
@@ -42,18 +47,29 @@ SymmetricAnalysis analysis_of(const InertiaPattern& pattern) {
 
 }  // namespace
 
-InertiaMethod multifrontal() {
-  const auto analyse = [](const InertiaPattern& pattern) {
+InertiaMethod multifrontal(std::shared_ptr<WorkCount> work) {
+  const auto analyse = [work](const InertiaPattern& pattern) {
     const auto own = std::make_shared<SymmetricFamily>(analysis_of(pattern));
-    const auto factorise = [own](const SparseMatrix& lower, const std::array<double, 2>& parameters) -> InertiaFactor {
+    const EliminationWork amount = own->analysis().work();
+    const auto count = [work](double flops) {
+      for (double* total : {&work->flops, &work->path_flops}) WorkCount::add(*total, flops);
+    };
+    const auto factorise = [=](const SparseMatrix& lower, const std::array<double, 2>& parameters) -> InertiaFactor {
+      count(amount.flops(!own->keeps_interior(parameters)));
       const SymmetricFactor factor = own->factorise(lower, parameters);
       if (!factor.regular()) return {};
+      const auto solve = [&](auto how, Fronts up, Fronts down) {
+        return [=](const Vector& b) {
+          count(amount.solve_flops(up, down));
+          return (factor.*how)(b);
+        };
+      };
       return {.regular = true,
               .negative_eigenvalues = factor.negative_eigenvalues(),
-              .solve = [factor](const Vector& b) { return factor.solve(b); },
-              .solve_from_border = [factor](const Vector& g) { return factor.solve_from_border(g); },
-              .solve_to_border = [factor](const Vector& b) { return factor.solve_to_border(b); },
-              .solve_on_border = [factor](const Vector& g) { return factor.solve_on_border(g); }};
+              .solve = solve(&SymmetricFactor::solve, Fronts::all, Fronts::all),
+              .solve_from_border = solve(&SymmetricFactor::solve_from_border, Fronts::border, Fronts::all),
+              .solve_to_border = solve(&SymmetricFactor::solve_to_border, Fronts::all, Fronts::border),
+              .solve_on_border = solve(&SymmetricFactor::solve_on_border, Fronts::border, Fronts::border)};
     };
     return InertiaFamily{factorise, [own] { own->release(); }};
   };

@@ -15,7 +15,8 @@ class SymmetricFamily {
 
   /// With equal parameters the interior is kept, see InertiaFamily.
   SymmetricFactor factorise(const SparseMatrix& lower, const std::array<double, 2>& parameters);
-  void release();  ///< frees the interior
+  bool keeps_interior(const std::array<double, 2>& parameters);  ///< that a matrix with these takes
+  void release();                                                ///< frees the interior
 
   const SymmetricAnalysis& analysis() const { return analysis_; }
 
