@@ -144,22 +144,12 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, std::vector<SweepSums>&
   return length * d;
 }
 
-IterationRecord GranularTwoStage::iterate() {
+void GranularTwoStage::iterate() {
   ++iteration_;
   std::vector<SweepSums> sums = stage_one();
   const Interface& interface = parts_.interface;
   const Index subdomains = count(parts_.subdomains);
-  enum Quantity {
-    changes,
-    impulses,
-    jumps,
-    speeds,
-    interface_changes,
-    interface_second_changes,
-    interface_squares,
-    all
-  };
-  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(all, subdomains);
+  Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
     const Vector g = interface_jumps(parts_);
     for (Index e = 0; e < subdomains; ++e) {
@@ -187,7 +177,11 @@ IterationRecord GranularTwoStage::iterate() {
     parts(changes, e) = sums[at(e)].change;
     parts(impulses, e) = sums[at(e)].impulses;
   }
-  const Vector sum = summed(std::move(parts));
+  last_parts_ = std::move(parts);
+}
+
+IterationRecord GranularTwoStage::record() const {
+  const Vector sum = summed(last_parts_);
   // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
   return {.iteration = iteration_,
           .sweeps = sweeps_,

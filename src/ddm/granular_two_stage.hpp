@@ -52,7 +52,11 @@ class GranularTwoStage {
   /// use to homogenised subdomains alone.
   void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
 
-  IterationRecord iterate();
+  void iterate();
+
+  /// Of the last iteration, summed over all subdomains: iterations themselves need no such sum, which all processes
+  /// form together, so that whoever asks less often waits less often.
+  IterationRecord record() const;
 
   /// Sums over all subdomains at the present velocities.
   ContactResidual residual() const;
@@ -77,6 +81,17 @@ class GranularTwoStage {
   const GranularDecomposition& parts() const { return parts_; }
 
  private:
+  // What a record sums over the subdomains, squares all of them.
+  enum Quantity {
+    changes,
+    impulses,
+    jumps,
+    speeds,
+    interface_changes,
+    interface_second_changes,
+    interface_squares,
+    quantities
+  };
   // Sums over the subdomains, one column each, in their order, whoever has them: no bit depends on the processes.
   Vector summed(Eigen::MatrixXd parts) const;
   double dot(const Vector& f, const Vector& g) const;
@@ -97,6 +112,8 @@ class GranularTwoStage {
   double free_speed_squared_ = glued_speed_squared();    // |V_free|^2 over the copies of shared grains
   double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
   Index iteration_ = 0, sweeps_ = 0;
+  // Of the last record, a row per Quantity and a column per subdomain.
+  Eigen::MatrixXd last_parts_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));
 };
 
 }  // namespace nscdd

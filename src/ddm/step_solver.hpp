@@ -126,6 +126,7 @@ struct StepSolver {
   Index gauss_seidel_sweeps = 1;  ///< n_GS
   Index maximum_iterations = 1000;
   Choice<Criterion> criterion = Criterion::natural_map;
+  Index criterion_interval = 1;
   double tolerance = 1e-8;
   double gluing_tolerance = 0.01;
   Choice<ContactOrder> order = ContactOrder::interleaved;
@@ -153,6 +154,8 @@ struct StepSolver {
     visit("maximum_iterations", self.maximum_iterations,
           Field{.description = "iterations of a step at the most", .minimum = 1, .maximum = 1e9});
     visit("criterion", self.criterion, Field{.description = "indicator that ends the iterations"});
+    visit("criterion_interval", self.criterion_interval,
+          Field{.description = "iterations from one look at the criterion to the next", .minimum = 1, .maximum = 1e9});
     visit("tolerance", self.tolerance,
           Field{.description = "value of the indicator that is small enough", .minimum = 0, .maximum = 1});
     visit("gluing_tolerance", self.gluing_tolerance,

@@ -99,6 +99,7 @@ constexpr Effect effects[] = {
     {"solver.tolerance", "solver.criterion", criteria},
     {"solver.gauss_seidel_sweeps", "solver.algorithm", iterated},
     {"solver.criterion", "solver.algorithm", iterated},
+    {"solver.criterion_interval", "solver.algorithm", iterated},
     {"solver.order", "solver.algorithm", iterated},
     {"solver.gluing_tolerance", "solver.algorithm", divided},
     {"solver.gluing_tolerance", "solver.criterion", criteria},

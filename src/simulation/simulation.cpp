@@ -117,7 +117,7 @@ IterationWatch::IterationWatch(const StepSolver& solver)
 
 std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record, const ContactResidual& residual) {
   const double value = criterion_value(solver_.criterion, record, residual);
-  if (record.iteration <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
+  if (++looks_ <= 10) first_impulses_ = std::max(first_impulses_, record.impulses);
   // Contacts may have settled within subdomains while their copies of shared grains still differ.
   const bool semi_implicit =
       solver_.algorithm == StepAlgorithm::enriched && solver_.enrichment == Enrichment::semi_implicit;
@@ -126,6 +126,10 @@ std::optional<SolverStatus> IterationWatch::judge(const IterationRecord& record,
                                    record.impulses, first_impulses_, glued);
   const bool goes_on = !status || *status == SolverStatus::stalled;
   return goes_on && record.iteration >= solver_.maximum_iterations ? SolverStatus::maximum_reached : status;
+}
+
+bool IterationWatch::looks_at(Index iteration) const {
+  return iteration % solver_.criterion_interval == 0 || iteration >= solver_.maximum_iterations;
 }
 
 bool begins_interval(Index iteration, Index per_decade) {
@@ -182,13 +186,15 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
   IterationWatch watch(solver);
   std::vector<ContactStatus> statuses;
   std::optional<SolverStatus> status;
-  while (!status) {
+  for (Index k = 1; !status; ++k) {
     const auto start = Clock::now();
-    report.last = iteration.iterate();
+    iteration.iterate();
+    bool look = sink.looks_at(k);
+    const bool judged = watch.looks_at(k);
+    if (look || judged) report.last = iteration.record();
     report.solve_seconds += seconds_since(start);
-    bool look = sink.looks_at(report.last.iteration);
-    if (look || needs_residual(solver.criterion)) report.residual = iteration.residual();
-    status = watch.judge(report.last, report.residual);
+    if (look || (judged && needs_residual(solver.criterion))) report.residual = iteration.residual();
+    if (judged) status = watch.judge(report.last, report.residual);
     if (status && sink.row && !look) {
       look = true;
       report.residual = iteration.residual();

@@ -27,13 +27,16 @@ bool needs_residual(Criterion criterion);
 class IterationWatch {
  public:
   explicit IterationWatch(const StepSolver& solver);
+  /// Whether it is to judge this iteration, from 1: every criterion_interval-th, and the last one allowed.
+  bool looks_at(Index iteration) const;
   /// How the iterations ended, or nothing if they go on. `residual` counts only if the criterion needs it.
   std::optional<SolverStatus> judge(const IterationRecord& record, const ContactResidual& residual);
 
  private:
   StepSolver solver_;
   ProgressWatch<SolverStatus> watch_;
-  double first_impulses_ = 0;  // squared, the largest of the first ten iterations
+  double first_impulses_ = 0;  // squared, the largest of the first ten looks
+  Index looks_ = 0;
 };
 
 /// How many contacts have another status than in `statuses`, which become `now`. Unknown ones count as open.

@@ -114,9 +114,11 @@ PredictedObserved predicted_observed(const Simulation& simulation) {
   PredictedObserved result{.report = step.report};
   std::optional<SolverStatus> status;
   while (!status) {
-    const IterationRecord record = step.iteration.iterate();
+    step.iteration.iterate();
+    const IterationRecord record = step.iteration.record();
     stretches.record(record, step.iteration.statuses());
     result.report.last = record;
+    if (!watch.looks_at(record.iteration)) continue;
     status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
   }
   result.report.status = *status;

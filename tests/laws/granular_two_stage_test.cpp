@@ -243,6 +243,42 @@ TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law as cl
     }
 }
 
+TEST_CASE("a criterion that is looked at in every k-th iteration ends the same iterations at the next such one") {
+  for (const std::string criterion : {"natural_map", "zeta"}) {
+    CAPTURE(criterion);
+    const auto solved = [&](Index interval, Index most, Index every) {
+      Dynamics dynamics = shaking("coulomb");
+      set(dynamics.solver, variants().front());
+      dynamics.solver.criterion = criterion;
+      dynamics.solver.tolerance = 1e-4;
+      dynamics.solver.criterion_interval = interval;
+      dynamics.solver.maximum_iterations = most;
+      std::vector<IterationRow> rows;
+      const IterationSink sink{.row = [&](const IterationRow& row) { rows.push_back(row); }, .every = every};
+      const SolvedStep step = solve_step(shaken_lattice(6, 6, dynamics, {3, 2}), sink);
+      return std::pair(step, rows);
+    };
+    const auto [plain, every] = solved(1, 20'000, 1);
+    const Index needed = plain.report.last.iteration;
+    REQUIRE(plain.report.status == SolverStatus::converged);
+    REQUIRE(needed > 20);
+    for (const Index interval : {Index{2}, Index{7}, needed - 1, needed + 3}) {
+      CAPTURE(interval);
+      const auto [step, rows] = solved(interval, 20'000, 3);
+      CHECK(step.report.status == SolverStatus::converged);
+      CHECK(step.report.last.iteration == (needed + interval - 1) / interval * interval);
+      for (const IterationRow& row : rows)  // a row looks at no other iterations
+        if (row.record.iteration <= needed) {
+          CHECK(row.record.zeta == every[at(row.record.iteration - 1)].record.zeta);
+          CHECK(row.residual.natural_map == every[at(row.record.iteration - 1)].residual.natural_map);
+        }
+    }
+    // The last iteration allowed is looked at, whatever the interval.
+    CHECK(solved(1'000'000, needed, 0).first.report.status == SolverStatus::converged);
+    CHECK(solved(1'000'000, needed - 1, 0).first.report.status == SolverStatus::maximum_reached);
+  }
+}
+
 TEST_CASE("mean velocities of copies are V_free + M^-1 H r at every iteration, converged or not") {
   for (const Variant& variant : variants())
     for (const Index iterations : {Index{1}, Index{2}, Index{7}}) {
@@ -326,7 +362,8 @@ TEST_CASE("conjugate gradients glue a linear step of n interface unknowns in n i
   REQUIRE(n >= 9);
   double first = 0, last = 0;
   for (Index k = 1; k <= n + 1; ++k) {
-    last = step.iteration.iterate().gluing;
+    step.iteration.iterate();
+    last = step.iteration.record().gluing;
     if (k == 1) first = last;
   }
   CHECK(last < 1e-11 * first);

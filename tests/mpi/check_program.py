@@ -152,9 +152,9 @@ def same_counts(folder):
         check((processes == 1) == (sum(row["messages"] for row in met) == 0), f"messages: {met}")
     check(max(path) < alone["path_flops"], "operations of 4 processes one after the other: fewer than of one expected")
 
-    def steps(iterations):
+    def steps(iterations, *more):
         return ["simulate", "settle-1k", "--algorithm", "generic", "--criterion", "none", "--iterations",
-                str(iterations), "--steps", "1", "--subdomains", "3x2", "-o", os.path.join(folder, "run.h5")]
+                str(iterations), "--steps", "1", "--subdomains", "3x2", *more, "-o", os.path.join(folder, "run.h5")]
     per_iteration = {}
     for processes in (0, 2, 6):
         few, many = (counted(processes, *steps(iterations)) for iterations in (10, 30))
@@ -167,6 +167,12 @@ def same_counts(folder):
         # One message to each neighbour, and one sum of seven numbers of each of the six subdomains.
         check(all(row["sums"] == 1 and row["sum_bytes"] == 8 * 7 * 6 for row in met), f"sums: {met}")
         check(all(1 <= row["messages"] <= processes - 1 for row in met), f"messages: {met}")
+        # Where the criterion is looked at less often, only neighbours wait for each other in between.
+        seldom = ["--set", "solver.criterion_interval=10"]
+        few, many = (counted(processes, *steps(iterations, *seldom)) for iterations in (10, 30))
+        check(all(b["sums"] - a["sums"] == 2 for a, b in zip(few, many)), f"two looks expected, met {few} and {many}")
+        check(all((b["messages"] - a["messages"]) / 20 == row["messages"] for a, b, row in zip(few, many, met)),
+              f"the same messages expected, met {few} and {many}")
     for arguments in ([*radius[:-1], os.path.join(folder, "x.csv")], steps(1)):
         code, _, err = run(2, *arguments, "--counts", arguments[-1])
         check(code == 2 and "another name for each output" in err, f"one name for two: {code}, {err}")

@@ -9,7 +9,8 @@ Close closely(const Simulation& simulation) {
   PreparedStep step = prepare_solution(simulation);
   Close result;
   for (int k = 1; k <= 60'000 && (result.gluing > 1e-10 || result.map > 1e-10); ++k) {
-    result.gluing = step.iteration.iterate().gluing;
+    step.iteration.iterate();
+    result.gluing = step.iteration.record().gluing;
     if (k % 20 == 0) result.map = step.iteration.residual().relative_natural_map();
   }
   result.contacts = step.iteration.contacts(step.problem);
