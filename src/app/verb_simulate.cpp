@@ -142,13 +142,15 @@ int close(const Options& options, const Simulation& simulation, const RunOutcome
   return 1;
 }
 
-// What several processes share is Algorithm 1 in its generic form.
+// What several processes share is a step that is cut into subdomains.
 void require_shared(const CaseSpec& spec, const Machine& machine) {
   if (machine.processes.alone()) return;
   const StepSolver& solver = spec.dynamics->solver;
-  if (solver.algorithm != StepAlgorithm::generic)
-    fail("solver.algorithm: expected generic on several processes, met {}: nscdd has it on one",
-         to_string(solver.algorithm));
+  if (!decomposes(solver.algorithm))
+    fail(
+        "solver.algorithm: expected generic, enriched, two_stage_newton or two_stage_admm on several processes, met "
+        "{}: nscdd has it on one",
+        to_string(solver.algorithm));
   if (solver.model != SwitchedModel::none)
     require_one_process(machine, fmt::format("solver.switch {}", to_string(solver.model)));
   require_subdomains(subdomains(spec.partition), machine.processes.size);
@@ -191,6 +193,7 @@ int run(const Options& options, const Context& context) {
   Simulation simulation = all.together([&] {
     Simulation start = simulation_of(one);
     start.processes = all;
+    start.inertia = context.machine.inertia;
     if (!options.restart) return start;
     take_up(start, options.files.output);
     found = run_so_far(options.files.output);

@@ -7,6 +7,8 @@
 
 #include <Eigen/LU>
 
+#include <numeric>
+
 namespace nscdd {
 namespace {
 
@@ -62,7 +64,7 @@ bool CutContacts::factorise(std::vector<ContactRelation> relations) {
   std::vector<char> regular(parts_.subdomains.size(), 1);
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
-    if (subdomain.grains.empty()) return;
+    if (subdomain.grains.empty()) return;  // it has no contact, or another process has it
     SparseMatrix k = subdomain.h * blocks_of(subdomain, e_) * SparseMatrix(subdomain.h.transpose());
     k.diagonal() += subdomain.inertia;
     k.makeCompressed();
@@ -71,8 +73,9 @@ bool CutContacts::factorise(std::vector<ContactRelation> relations) {
   });
   symmetric_ = std::ranges::all_of(e_, [](const Eigen::Matrix2d& block) { return block(0, 1) == block(1, 0); });
   if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
-    preconditioner_ = InterfaceFamily(stage_two(parts_, e_, options_.network), 0).at(options_.flexibility);
-  return std::ranges::all_of(regular, [](char one) { return one != 0; });
+    preconditioner_ =
+        InterfaceFamily(stage_two(parts_, e_, options_.network), 0, options_.shared).at(options_.flexibility);
+  return !processes().any(std::ranges::count(regular, 0) > 0);
 }
 
 std::vector<Vector> CutContacts::velocities(const std::vector<Vector>& impulses) const {
@@ -84,16 +87,19 @@ std::vector<Vector> CutContacts::velocities(const std::vector<Vector>& impulses)
 }
 
 int CutContacts::determinant_sign() const {
-  int sign = longest_.determinant_sign;
-  for (const std::optional<SparseLu>& lu : lu_)
-    if (lu) sign *= lu->determinant_sign();
-  return sign;
+  Index negative = 0;
+  for (const std::optional<SparseLu>& lu : lu_) negative += lu && lu->determinant_sign() < 0;
+  const bool odd = static_cast<Index>(processes().sum(static_cast<double>(negative))) % 2 != 0;
+  return odd ? -longest_.determinant_sign : longest_.determinant_sign;
 }
 
 double CutContacts::take_operations() {
   double sum = 0;
   for (const std::optional<SparseLu>& lu : lu_) sum += lu ? lu->operations() : 0;
-  return sum - std::exchange(taken_, sum);
+  const double own = sum - std::exchange(work_.flops, sum);
+  const std::vector<double> of_all = processes().gather({&own, 1});
+  work_.path_flops += std::ranges::max(of_all);
+  return std::accumulate(of_all.begin(), of_all.end(), 0.0);
 }
 
 Vector CutContacts::apply(const Vector& f) const {
@@ -114,6 +120,7 @@ Matrix CutContacts::dense() const {
       s.col(row) += subdomain.a * lu_[at(i)]->solve(Vector(transposed.col(row)));
     }
   }
+  processes().add_up({s.data(), at(s.size())});
   return s;
 }
 
@@ -139,15 +146,17 @@ Vector CutContacts::solve(const Vector& b) {
     for (std::size_t i = 0; i < right.size(); ++i) right[i] -= parts_.interface.distribute(static_cast<Index>(i), f.x);
     v = velocities(right);
   }
+  Vector caused = Vector::Zero(b.size());  // E H_E^T V_E
   for (std::size_t i = 0; i < parts_.subdomains.size(); ++i) {
     const Subdomain& subdomain = parts_.subdomains[i];
     const Vector u = subdomain.h.transpose() * v[i];
     for (Index k = 0; k < count(subdomain.contacts); k += 2) {
       const Index c = subdomain.contacts[at(k)] / 2;
-      r.segment<2>(2 * c) -= e_[at(c)] * u.segment<2>(k);
+      caused.segment<2>(2 * c) = e_[at(c)] * u.segment<2>(k);
     }
   }
-  return r;
+  processes().add_up({caused.data(), at(caused.size())});  // a contact has its part in one process
+  return r - caused;
 }
 
 }  // namespace nscdd

@@ -14,6 +14,7 @@ struct CutOptions {
   double flexibility = 10;  ///< c: links of Stage 2 are so many times as flexible as those of Stage 1
   double tolerance = 1e-6;  ///< on the jumps that a solution leaves, relative to those without interface impulses
   Index maximum_iterations = 500;
+  InertiaMethod shared = {};  ///< what factorises P for several processes, see InterfaceOperator::solve
 };
 
 /// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix) cut in the FETI way, with grains as
@@ -22,7 +23,9 @@ struct CutOptions {
 ///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
 ///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
 /// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. Then r = P^-1 b - E H_E^T V_E.
-/// No bit depends on the number of threads.
+/// No bit depends on the number of threads. Several processes each have their own subdomains, and vectors of all
+/// contacts and of the whole interface: they make the same calls together and get the same bits. With no network in
+/// Stage 2 these are the bits of one process; with one, the factor that they share rounds otherwise.
 class CutContacts {
  public:
   /// `parts`: a decomposition of a problem with two columns per contact, normal and tangential, side by side.
@@ -49,10 +52,13 @@ class CutContacts {
   /// Counts since the beginning.
   struct Work {
     Index factorisations = 0, solves = 0, iterations = 0, most_iterations = 0, failures = 0;
+    double flops = 0;       ///< of Stage 1 in this process, when they were taken last
+    double path_flops = 0;  ///< the sum of the largest of all processes, as often as they were taken
   };
   const Work& work() const { return work_; }
 
  private:
+  const Processes& processes() const { return parts_.interface.processes(); }
   std::vector<Vector> velocities(const std::vector<Vector>& impulses) const;  // K_E^-1 of them
 
   Decomposition parts_;
@@ -64,7 +70,6 @@ class CutContacts {
   bool symmetric_ = false;
   IteratedSolution longest_;  // of the relations given last
   Work work_;
-  double taken_ = 0;  // of its operations
 };
 
 /// Its functions, for a contact solver. `cut` must outlive them.

@@ -126,6 +126,14 @@ const DiskVelocity& copy_of(const GranularDecomposition& parts, const GrainCopy&
   return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
 }
 
+// Component k of the velocities of copies.
+auto components(const GranularDecomposition& parts) {
+  return [&](Index e, Index grain, Index k) {
+    const DiskVelocity& v = copy_of(parts, {e, grain});
+    return k == 0 ? v.x : k == 1 ? v.y : v.rim;
+  };
+}
+
 }  // namespace
 
 std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
@@ -165,10 +173,8 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
   return parts;
 }
 
-GranularDecomposition of_process(GranularDecomposition parts, const Processes& processes) {
-  std::vector<Index> weight;
-  for (const GranularSubdomain& subdomain : parts.subdomains) weight.push_back(1 + count(subdomain.numbers));
-  parts.interface = parts.interface.of_process(deal_out(parts.interface, weight, processes.size), processes);
+GranularDecomposition of_process(GranularDecomposition parts, const Partition& partition, const Processes& processes) {
+  parts.interface = parts.interface.of_process(deal_out(parts.interface, partition, processes.size), processes);
   parts.interface.meet_neighbours();
   for (Index e = 0; e < count(parts.subdomains); ++e) {
     ContactRows& contacts = parts.subdomains[at(e)].contacts;
@@ -180,11 +186,10 @@ GranularDecomposition of_process(GranularDecomposition parts, const Processes& p
 }
 
 Vector interface_jumps(const GranularDecomposition& parts) {
-  return parts.interface.exchange_with_neighbours([&](Index e, Index grain, Index k) {
-    const DiskVelocity& v = copy_of(parts, {e, grain});
-    return k == 0 ? v.x : k == 1 ? v.y : v.rim;
-  });
+  return parts.interface.exchange_with_neighbours(components(parts));
 }
+
+Vector all_interface_jumps(const GranularDecomposition& parts) { return parts.interface.exchange(components(parts)); }
 
 Vector free_velocities(const GranularDecomposition& parts) {
   std::vector<double> values;

@@ -39,11 +39,14 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
 
 /// What one of several processes works on: the contacts of its own subdomains. Of all subdomains it keeps which bodies
 /// and contacts they have, their velocities and impulses; those of other processes stay as they are at the beginning.
-/// Throws Error for more processes than subdomains.
-GranularDecomposition of_process(GranularDecomposition parts, const Processes& processes);
+/// `partition`: of its contacts. Throws Error for more processes than subdomains.
+GranularDecomposition of_process(GranularDecomposition parts, const Partition& partition, const Processes& processes);
 
-/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy.
+/// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
+/// part.
 Vector interface_jumps(const GranularDecomposition& parts);
+/// The same of all grains; all processes take part.
+Vector all_interface_jumps(const GranularDecomposition& parts);
 
 /// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
 Vector free_velocities(const GranularDecomposition& parts);

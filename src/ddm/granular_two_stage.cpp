@@ -109,9 +109,12 @@ double GranularTwoStage::glued_speed_squared() const {
   return summed(std::move(parts))[0];
 }
 
+bool GranularTwoStage::enriched_now() const {
+  return enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
+}
+
 Vector GranularTwoStage::preconditioned(const Vector& g) const {
-  const bool use = enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
-  return use ? enriched_->solve(g) : generic_interface_solve(parts_, g);
+  return enriched_now() ? enriched_->solve(g) : generic_interface_solve(parts_, g);
 }
 
 void GranularTwoStage::correct(const Vector& change) {
@@ -151,7 +154,7 @@ void GranularTwoStage::iterate() {
   const Index subdomains = count(parts_.subdomains);
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
-    const Vector g = interface_jumps(parts_);
+    const Vector g = enriched_now() ? all_interface_jumps(parts_) : interface_jumps(parts_);
     for (Index e = 0; e < subdomains; ++e) {
       parts(jumps, e) = interface.part_of_dot(e, g, g);
       parts(speeds, e) = nscdd::glued_speed_squared(parts_, e);

@@ -21,9 +21,11 @@ struct IterationRecord {
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
 /// with P = X, solved in closed form grain by grain (generic), or P = X_eta (enriched). This is the paper's
-/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads or processes. Processes that share
-/// the subdomains construct it, iterate and ask for sums together. With conjugate gradients
-/// an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the second alone.
+/// (16) for any law, see TwoStageIteration. No bit depends on the number of threads. Processes that share the
+/// subdomains construct it, iterate and ask for sums together: in the generic Stage 2 neighbours exchange jumps, and no
+/// bit depends on the number of processes; in the enriched one all do, and the factor that they share rounds otherwise.
+/// With conjugate gradients an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the
+/// second alone.
 class GranularTwoStage {
  public:
   /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or
@@ -98,6 +100,7 @@ class GranularTwoStage {
   double glued_speed_squared() const;
   SweepSums sweeps(GranularSubdomain& subdomain) const;
   std::vector<SweepSums> stage_one();
+  bool enriched_now() const;
   Vector preconditioned(const Vector& jumps) const;
   void correct(const Vector& change);
   Vector conjugate_step(const Vector& jumps, std::vector<SweepSums>& sums);

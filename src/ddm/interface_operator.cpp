@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "ddm/enriched_inertia.hpp"
+#include "ddm/shifted_pencil.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
@@ -28,19 +29,15 @@ SparseMatrix whole_connectivity(const Decomposition& parts) {
   return entries.matrix(d * parts.interface.grains(), parts.contacts);
 }
 
-void require_one_process(const Decomposition& parts, std::string_view what) {
-  if (const Processes& all = parts.interface.processes(); !all.alone())
-    fail("processes: expected one for {}, met {}", what, all.size);
-}
-
 }  // namespace
 
 // Subdomain families and what else does not depend on eta.
 class InterfaceFamily::Preparation {
  public:
-  Preparation(const Decomposition& decomposition, Index limit)
+  Preparation(const Decomposition& decomposition, Index limit, InertiaMethod method)
       : parts(decomposition),
         dense_limit(limit),
+        shared(std::move(method)),
         row_inertia(Vector::Zero(parts.interface_size())),
         locals(parts.subdomains.size()) {
     for_each_in_parallel(count(locals),
@@ -77,6 +74,7 @@ class InterfaceFamily::Preparation {
 
   Decomposition parts;
   Index dense_limit;
+  InertiaMethod shared;
   Vector row_inertia;  // of the copies that a row ties: all copies of a grain have the same
   Vector scale;
   std::vector<std::optional<EnrichedInertiaFamily>> locals;
@@ -99,6 +97,7 @@ class InterfaceOperator::Implementation {
   double eta;
   std::vector<std::optional<EnrichedInertia>> locals;
   Lazy<std::unique_ptr<const EnrichedInertia>> whole;
+  Lazy<ShiftedPencil> shared;  // where several processes have the subdomains
   Lazy<Matrix> dense;
   Lazy<KernelSplit> kernel;
 };
@@ -205,7 +204,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   if (std::isinf(eta)) return solve_generic(g);
   const auto& subdomains = parts().subdomains;
   const Interface& interface = parts().interface;
-  require_one_process(parts(), "solutions with X_eta, which the solver arpack and a finite n_GS need");
+  if (!interface.processes().alone()) return solve_shared(g);
   const auto& assembled = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
     const SparseMatrix& h = subdomains[e].h;
@@ -223,8 +222,26 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   return interface.collect(std::move(copies));
 }
 
-InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit)
-    : preparation_(std::make_shared<const Preparation>(parts, dense_limit)) {}
+// The pencil S - sigma P at sigma = 0 is S, for any P: the inertia alone costs least. It holds operators of its own,
+// because what it holds must not hold it.
+Vector InterfaceOperator::solve_shared(const Vector& g) const {
+  const auto& [preparation, eta] = std::tie(implementation_->preparation, implementation_->eta);
+  if (!preparation->shared.analyse)
+    fail("processes: expected one, or a way to factorise, for solutions with X_eta, met {}",
+         parts().interface.processes().size);
+  const ShiftedPencil& pencil = implementation_->shared.get([&] {
+    const auto again = [&](double flexibility) {
+      return InterfaceOperator(std::make_shared<const Implementation>(preparation, flexibility));
+    };
+    const ShiftedPencilFamily family({again(infinity), again(eta)}, SystemForm::condensed, preparation->shared);
+    return family.at(eta, infinity, 0);
+  });
+  const bool definite = pencil.regular() && pencil.below() == 0;
+  return definite ? pencil.solve(g) : Vector::Constant(g.size(), not_a_number);
+}
+
+InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit, InertiaMethod shared)
+    : preparation_(std::make_shared<const Preparation>(parts, dense_limit, std::move(shared))) {}
 
 InterfaceOperator InterfaceFamily::at(double eta) const {
   return InterfaceOperator(std::make_shared<const InterfaceOperator::Implementation>(preparation_, eta));

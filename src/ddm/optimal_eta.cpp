@@ -145,16 +145,16 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
   return finish(eta > 0 ? OptimumStatus::interior : OptimumStatus::eta_to_zero);
 }
 
-double stable_eta(const Decomposition& parts, double relaxation) {
+double stable_eta(const Decomposition& parts, double relaxation, const SpectralOptions& options) {
   const InterfaceOperator generic = InterfaceFamily(parts).at(infinity);
-  Spectra spectra(parts, generic, {});
+  Spectra spectra(parts, generic, options);
   // max - 2/omega falls from large values at eta = 0 to 1 - 2/omega.
   return Range(generic).decreasing_root([&](double eta) { return relaxation * spectra.at(eta).max - 2; }, 1e-3);
 }
 
-double optimal_eta(const Decomposition& parts, const Decomposition& active) {
+double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options) {
   const InterfaceOperator system = InterfaceFamily(active).at(0.0);
-  Spectra spectra(parts, system, {});
+  Spectra spectra(parts, system, options);
   const Range range(system);
   const auto imbalance = [&](double eta) { return spectra.at(eta).imbalance(); };
   if (imbalance(range.high) >= 0) return range.high;

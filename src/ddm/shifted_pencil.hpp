@@ -20,7 +20,7 @@ enum class SolutionAccuracy {
 
 struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 
-/// The pencil S f = lambda P f of a contraction operator seen from a shift sigma > 0: one sparse symmetric
+/// The pencil S f = lambda P f of a contraction operator seen from a shift sigma >= 0: one sparse symmetric
 /// factorisation of the saddle-point matrix
 ///     [ M_E + K_E/epsilon                                A_E^T ]
 ///     [                    -(M_E + K_E/eta)  sqrt(sigma) A_E^T ]
@@ -86,7 +86,7 @@ class ShiftedPencilFamily {
   bool serves(const Contraction& b, SystemForm form = SystemForm::condensed,
               const InertiaMethod& method = multifrontal()) const;
 
-  /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma > 0.
+  /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma >= 0; at 0 it is S by itself.
   ShiftedPencil at(double epsilon, double eta, double sigma,
                    SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end) const;
 

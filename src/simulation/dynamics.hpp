@@ -7,6 +7,7 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/processes.hpp>
 #include <nscdd/ddm/partitioner.hpp>
+#include <nscdd/linalg/inertia_factor.hpp>
 
 namespace nscdd {
 
@@ -74,7 +75,8 @@ struct Simulation {
   GranularState state;
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
-  Processes processes = {};  ///< share the subdomains of the generic algorithm; all have the same system and state
+  Processes processes = {};                ///< share the subdomains of a step; all have the same system and state
+  InertiaMethod inertia = multifrontal();  ///< what factorises for these processes
 };
 
 /// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.

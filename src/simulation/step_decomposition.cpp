@@ -16,10 +16,10 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses) {
   return kept;
 }
 
-// M, H and the partition of a step for the linear analysis, with the columns that impulses may use: a contact without
-// friction has no tangential one. Others would make Stage 2 too stiff, and the iterations diverge.
+// The decomposition with the columns that impulses may use: a contact without friction has no tangential one. Others
+// would make Stage 2 too stiff, and the iterations diverge.
 Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
-  Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  Decomposition all = linear_decomposition(simulation, problem, partition);
   const bool always = !opens(problem.law);
   std::vector<char> usable(2 * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
@@ -54,23 +54,35 @@ std::vector<char> expected_columns(const StepProblem& problem) {
 
 }  // namespace
 
+Decomposition linear_decomposition(const Simulation& simulation, const StepProblem& problem,
+                                   const Partition& partition) {
+  Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  const Processes& processes = simulation.processes;
+  if (processes.alone()) return all;
+  const std::vector<Index> dealt = deal_out(all.interface, partition, processes.size);
+  return of_process(std::move(all), dealt, processes);
+}
+
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
   const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
-  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem)) : all).at(eta);
+  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem)) : all,
+                         InterfaceFamily::default_dense_limit, simulation.inertia)
+      .at(eta);
 }
 
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
+  const SpectralOptions options{.inertia = simulation.inertia};
   const bool relaxed =
       solver.interface_method == InterfaceMethod::richardson;  // conjugate gradients choose their own steps
-  const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0);
+  const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found
-  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(problem))), stable);
+  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(problem)), options), stable);
 }
 
 }  // namespace nscdd

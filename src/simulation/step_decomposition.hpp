@@ -22,6 +22,11 @@ Partition partition_step(const Simulation& simulation, const StepProblem& proble
 /// before.
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition);
 
+/// M, H and the partition of a step for the linear analysis, with two columns per contact, normal and tangential. Of
+/// several processes each has the subdomains whose contacts it sweeps.
+Decomposition linear_decomposition(const Simulation& simulation, const StepProblem& problem,
+                                   const Partition& partition);
+
 /// X_eta of the linear Stage 2 of a step. With `network` active, and always in the semi-implicit scheme, it
 /// has the contacts that carried an impulse in the step before; otherwise all that are considered.
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,

@@ -3,6 +3,7 @@
 
 #include "ddm/cut_contacts.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
+#include "simulation/step_decomposition.hpp"
 
 #include <chrono>
 
@@ -64,12 +65,12 @@ FrictionSolverOptions options_of(const StepSolver& solver) {
 }
 
 // Answers of Newton's steps are refined: their errors are about the square of the tolerance.
-CutOptions cut_options(const StepSolver& solver) {
-  if (solver.algorithm == StepAlgorithm::two_stage_admm)
-    return {.network = solver.interface_network, .flexibility = 1, .tolerance = std::min(1e-8, solver.tolerance)};
+CutOptions cut_options(const StepSolver& solver, const InertiaMethod& shared) {
+  const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
   return {.network = solver.interface_network,
-          .flexibility = solver.interface_flexibility,
-          .tolerance = std::min(1e-4, 1e4 * solver.tolerance)};
+          .flexibility = admm ? 1 : solver.interface_flexibility,
+          .tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance),
+          .shared = shared};
 }
 
 }  // namespace
@@ -91,8 +92,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   std::optional<CutContacts> cut;
   RelationSolver linear;
   if (decomposes(solver.algorithm)) {
-    cut.emplace(decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(step.partition)),
-                cut_options(solver));
+    cut.emplace(linear_decomposition(simulation, problem, step.partition), cut_options(solver, simulation.inertia));
     linear =
         solver.algorithm == StepAlgorithm::two_stage_admm ? relation_solver(*cut) : refined_solver(*cut, contacts.w);
   }
@@ -127,6 +127,9 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
   if (cut) {
+    cut->take_operations();
+    simulation.processes.counts->flops += cut->work().flops;
+    simulation.processes.counts->path_flops += cut->work().path_flops;
     report.interface_systems = cut->work().solves;
     report.interface_iterations = cut->work().iterations;
   }

@@ -281,9 +281,9 @@ def same_runs(folder):
     def files(name):
         return os.path.join(folder, name + ".h5"), os.path.join(folder, name + ".csv")
 
-    def simulate(processes, name, steps, *more):
+    def simulate(processes, name, steps, *more, start=RUN):
         trajectory, table = files(name)
-        code, out, err = run(processes, *RUN, "--steps", steps, "-o", trajectory, "--convergence", table, *more)
+        code, out, err = run(processes, *start, "--steps", steps, "-o", trajectory, "--convergence", table, *more)
         check(code == 0, f"{name}: exit code {code}, {err}")
         return out.split("time:")[0].splitlines()[1:]
 
@@ -306,23 +306,72 @@ def same_runs(folder):
     check(iterations(files("conjugate")[1]) == iterations(files("conjugate-3")[1]), "conjugate gradients: other bits")
     check(pictures(folder, files("conjugate")[0]) == pictures(folder, files("conjugate-3")[0]),
           "conjugate gradients: another trajectory")
+    newton = ["simulate", "settle-1k", "--subdomains", "3x2", "--algorithm", "two_stage_newton", "--tolerance", "1e-11",
+              "--iterations", "1000", "--set", "solver.interface_network=none"]
+    simulate(0, "newton", "1", start=newton)
+    for processes in (2, 3):
+        name = f"newton-of-{processes}"
+        simulate(processes, name, "1", start=newton)
+        check(iterations(files(name)[1]) == iterations(files("newton")[1]), f"{name}: other bits")
+        check(pictures(folder, files(name)[0]) == pictures(folder, files("newton")[0]), f"{name}: another trajectory")
+    check(int(iterations(files("newton")[1])[-1]["iteration"]) > 50, "newton: 500 sweeps were enough, none was cut")
+
+
+def close_runs(folder):
+    """Where a factor that processes share preconditions Stage 2: the same runs to the rounding of that factor."""
+    def simulate(processes, name, steps, *more):
+        trajectory, table = os.path.join(folder, name + ".h5"), os.path.join(folder, name + ".csv")
+        code, _, err = run(processes, "simulate", "settle-1k", "--subdomains", "3x2", "--steps", steps, *more,
+                           "-o", trajectory, "--convergence", table)
+        check(code == 0, f"{name}: exit code {code}, {err}")
+        return iterations(table)
+
+    def check_close(expected, met, name):
+        check(len(expected) == len(met) > 5, f"{name}: {len(expected)} iterations expected, {len(met)} met")
+        for one, other in zip(expected, met):
+            for column in set(one) - {"work", "status_changes"}:
+                a, b = float(one[column]), float(other[column])
+                check(a == b or abs(a - b) <= 1e-5 * abs(a) + 1e-13 or (a != a and b != b),
+                      f"{name}, {column} of iteration {one['iteration']}: expected {a}, met {b}")
+
+    zeta = ["--criterion", "zeta", "--tolerance", "1e-4", "--iterations", "100"]
+    methods = {
+        "enriched": ["--algorithm", "enriched", "--eta", "30W", *zeta],
+        "best": ["--algorithm", "enriched", "--eta", "optimal", *zeta],
+        "active": ["--algorithm", "enriched", "--set", "solver.network=active", "--set",
+                   "solver.interface_method=conjugate_gradient", *zeta],
+        "once": ["--algorithm", "enriched", "--set", "solver.enrichment=semi_implicit", *zeta],
+        "newton": ["--algorithm", "two_stage_newton", "--tolerance", "1e-10", "--iterations", "1000"],
+        "newton-all": ["--algorithm", "two_stage_newton", "--tolerance", "1e-10", "--iterations", "1000",
+                       "--set", "solver.interface_network=all"],
+        "admm": ["--algorithm", "two_stage_admm", "--tolerance", "1e-6"],
+    }
+    for name, more in methods.items():
+        expected = simulate(0, name, "2", *more)
+        for processes in (1, 3) if name != "enriched" else (1, 2, 4, 6):
+            met = simulate(processes, f"{name}-of-{processes}", "2", *more)
+            check_close(expected, met, f"{name} of {processes}")
+            check(processes > 1 or expected == met, f"{name} of 1: other bits than nscdd")
+    simulate(2, "restarted", "1", *methods["enriched"])
+    met = simulate(4, "restarted", "2", *methods["enriched"], "--restart")
+    check_close(simulate(0, "whole", "2", *methods["enriched"]), met, "restarted")
 
 
 def refused_runs(folder):
     new = os.path.join(folder, "new.h5")
-    base = ["simulate", "settle-1k", "--subdomains", "3x2", "--steps", "2", "-o", new]
+    base = ["simulate", "settle-1k", "--steps", "2", "-o", new]
     cases = {
-        "expected generic on several processes, met enriched: nscdd has it on one": ["--algorithm", "enriched"],
-        "expected generic on several processes, met two_stage_newton": ["--algorithm", "two_stage_newton"],
+        "two_stage_admm on several processes, met nlgs: nscdd has it on one": ["--algorithm", "nlgs"],
         "solver.switch linear: expected one process": ["--algorithm", "generic", "--set", "solver.switch=linear"],
         "such file": ["--algorithm", "generic", "--restart"],
         "expected an integer": ["--algorithm", "generic", "--iterations", "many"],
     }
     for message, arguments in cases.items():
-        code, out, err = run(2, *base, *arguments)
+        code, out, err = run(2, *base, *(["--subdomains", "3x2"] if "generic" in arguments else []), *arguments)
         check(code == 2, f"{arguments}: exit code 2 expected, {code} met: {err}")
         check(err.count("nscdd: error:") == 1 and message in err, f"{arguments}: one message expected, met {err!r}")
         check(out == "", f"{arguments}: no output expected, met {out!r}")
+    base += ["--subdomains", "3x2"]
     code, _, err = run(7, *base, "--algorithm", "generic")
     check(code == 2 and "at most one for each of 6 subdomain(s), met 7" in err, f"too many processes: {code}, {err}")
     one = [*base, "--algorithm", "generic"]
@@ -391,8 +440,8 @@ def killed_and_resumed(folder):
 
 
 same_tables()
-for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, refused_runs,
-             killed_and_restarted):
+for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, close_runs,
+             refused_runs, killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 print(f"{checks} checks passed")

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nscdd/ddm/decomposition.hpp>
+#include <nscdd/linalg/inertia_factor.hpp>
 
 namespace nscdd {
 
@@ -33,7 +34,10 @@ class InterfaceOperator {
 
   /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). Else one solve
   /// with the assembled M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses
-  /// M_{E,eta} V_E balance on every grain; no Schur complement is formed. Throws Error for eta = 0.
+  /// M_{E,eta} V_E balance on every grain; no Schur complement is formed. Where several processes share the subdomains
+  /// none has the undivided packing, and the factor that they share of the saddle point [M_{E,eta} A_E^T; A_E 0] takes
+  /// its place, by the family's InertiaMethod; g and the result are then whole in every process. Throws Error for
+  /// eta = 0, and on several processes without such a method.
   Vector solve(const Vector& g) const;
   Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g, whatever eta
 
@@ -44,6 +48,8 @@ class InterfaceOperator {
   explicit InterfaceOperator(std::shared_ptr<const Implementation> implementation);
 
  private:
+  Vector solve_shared(const Vector& g) const;
+
   std::shared_ptr<const Implementation> implementation_;
 };
 
@@ -52,7 +58,9 @@ class InterfaceOperator {
 class InterfaceFamily {
  public:
   /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, the larger ones factorised at each eta.
-  explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit);
+  /// `shared`: what factorises for several processes, see InterfaceOperator::solve.
+  explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit,
+                           InertiaMethod shared = {});
   static constexpr Index default_dense_limit = 300;
   InterfaceOperator at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
 

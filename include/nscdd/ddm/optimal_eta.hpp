@@ -57,11 +57,11 @@ Optimum optimum(const Decomposition& parts, const Decomposition& stage_one, doub
 /// X_0 of `active` (the same gluing on fewer contacts), to a relative 1e-3, which is enough for a run. It is
 /// the largest eta of the range if their sum is still at least 2 there. If the radius falls down to eta = 0,
 /// it is the eta that has nine tenths of the gain over the generic algorithm.
-double optimal_eta(const Decomposition& parts, const Decomposition& active);
+double optimal_eta(const Decomposition& parts, const Decomposition& active, const SpectralOptions& options = {});
 
 /// The eta in [1e-8, 1e8] x mean of diag(X) where omega lambda_max(X, X_eta) = 2, to a relative 1e-3; 0 if it stays
 /// below 2 throughout. From this eta up Stage 2 is stable whichever contacts open or slide: with an exact Stage 1 and
 /// any set of active contacts S <= X, so omega lambda_max(S, X_eta) <= 2. Needs 0 < omega < 2.
-double stable_eta(const Decomposition& parts, double relaxation = 1);
+double stable_eta(const Decomposition& parts, double relaxation = 1, const SpectralOptions& options = {});
 
 }  // namespace nscdd

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Linear systems of contacts that processes share, against those of one process.
+#include "../support/cut_lattice.hpp"
+#include "mpi/multifrontal.hpp"
+#include "mpi/processes.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// The same cut, with the subdomains of this process alone.
+CutContacts shared_cut(const Cut& one, CutOptions options) {
+  const Processes all = mpi::processes_of(MPI_COMM_WORLD);
+  options.shared = mpi::multifrontal(MPI_COMM_WORLD);
+  Decomposition parts = one.parts;
+  if (!all.alone()) parts = of_process(one.parts, deal_out(one.parts, all.size), all);
+  return {std::move(parts), options};
+}
+
+}  // namespace
+
+TEST_CASE("shared: linear systems of contacts have the solutions of one process, without a network their bits") {
+  RandomStream stream(3);
+  const Cut one = cut_lattice({3, 2});
+  for (const bool slides : {false, true})
+    for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
+      const CutOptions options{.network = network, .tolerance = 1e-12};
+      CutContacts alone(one.parts, options), together = shared_cut(one, options);
+      const std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 1e-3, slides);
+      REQUIRE(alone.factorise(relation));
+      REQUIRE(together.factorise(relation));
+      const Vector b = random_vector(stream, one.parts.contacts);
+      const Vector expected = alone.solve(b), found = together.solve(b);
+      CHECK((found - expected).norm() < 1e-8 * expected.norm());
+      if (network == InterfaceNetwork::none) CHECK(found == expected);
+      CHECK(together.dense() == alone.dense());
+      CHECK(together.work().iterations == doctest::Approx(static_cast<double>(alone.work().iterations)).epsilon(0.1));
+      CHECK(together.take_operations() == alone.take_operations());
+      CHECK(together.work().flops <= together.work().path_flops);
+      CHECK(together.work().path_flops <= alone.work().flops);
+    }
+}
+
+TEST_CASE("shared: all processes know the sign of the determinant, and whether one of them failed to factorise") {
+  RandomStream stream(13);
+  const Cut one = cut_lattice({3, 2});
+  int negative = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 0.1, true);
+    for (ContactRelation& each : relation)  // sliding with frictions that turn the determinant now and then
+      if (each.p(1, 0) != 0) each.p(1, 0) = 6 * random_of(stream);
+    CutContacts alone(one.parts, {.tolerance = 1e-10}), together = shared_cut(one, {.tolerance = 1e-10});
+    REQUIRE(alone.factorise(relation));
+    REQUIRE(together.factorise(relation));
+    const Vector b = random_vector(stream, one.parts.contacts);
+    alone.solve(b);
+    together.solve(b);
+    CHECK(together.determinant_sign() == alone.determinant_sign());
+    negative += alone.determinant_sign() < 0;
+  }
+  CHECK(negative > 3);
+  // A relation that cannot be factorised, of a contact that one process has.
+  std::vector<ContactRelation> relation(at(one.parts.contacts / 2));
+  relation[at(one.parts.subdomains.back().contacts.front() / 2)].q(0, 0) = not_a_number;
+  CutContacts together = shared_cut(one, {.network = InterfaceNetwork::none});
+  CHECK(!together.factorise(relation));
+}
