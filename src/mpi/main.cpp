@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // nscdd-mpi: the verbs that several processes can share.
 #include "app/program.hpp"
-#include "mpi/multifrontal.hpp"
-#include "mpi/processes.hpp"
-#include "mpi/slepc.hpp"
+#include <nscdd/mpi/multifrontal.hpp>
+#include <nscdd/mpi/processes.hpp>
+#include <nscdd/mpi/slepc.hpp>
 
 #include <unistd.h>
 

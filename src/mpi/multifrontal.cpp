@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mpi/multifrontal.hpp"
-
 #include "core/fail.hpp"
 #include "linalg/multifrontal/dense_front.hpp"
 #include "mpi/shared_plan.hpp"
+#include <nscdd/mpi/multifrontal.hpp>
 
 #include <map>
 

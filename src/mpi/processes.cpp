@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mpi/processes.hpp"
-
 #include "mpi/communicator.hpp"
+#include <nscdd/mpi/processes.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mpi/slepc.hpp"
-
 #include "core/fail.hpp"
 #include "linalg/threads.hpp"
 #include "mpi/slepc_pencil.hpp"
+#include <nscdd/mpi/slepc.hpp>
 
 namespace nscdd::mpi {
 namespace {
@@ -63,9 +62,9 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
 
 SpectrumSolver slepc(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
-  const auto session = std::make_shared<std::optional<SlepcSession>>();  // begins where it is asked for
+  const auto session = std::make_shared<std::shared_ptr<const SlepcSession>>();  // begins where it is asked for
   return [session, all](const Contraction& b, const SpectralOptions& options) {
-    if (!*session) session->emplace();
+    if (!*session) *session = SlepcSession::of(all);
     return radius(b, options, all);
   };
 }

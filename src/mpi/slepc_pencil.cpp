@@ -65,10 +65,23 @@ void for_networks(const Decomposition& parts, double flexibility, const Add& add
 
 }  // namespace
 
-SlepcSession::SlepcSession() {
+SlepcSession::SlepcSession(std::shared_ptr<const Communicator> all) : all_(std::move(all)) {
+  PetscBool begun = PETSC_FALSE;
+  SlepcInitialized(&begun);
+  if (begun) return;
+  begun_here_ = true;
+  PetscInitialized(&begun);
+  if (!begun) PETSC_COMM_WORLD = all_->get();  // otherwise all processes of the program must take part
   PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
   check(SlepcInitializeNoArguments(), "to begin");
   PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // codes are looked at
+}
+
+std::shared_ptr<const SlepcSession> SlepcSession::of(const std::shared_ptr<const Communicator>& all) {
+  static std::weak_ptr<const SlepcSession> present;  // it belongs to the process
+  std::shared_ptr<const SlepcSession> session = present.lock();
+  if (!session) present = session = std::make_shared<const SlepcSession>(all);
+  return session;
 }
 
 PencilLayout::PencilLayout(const Communicator& all, Index own_rows, Index interface_rows)

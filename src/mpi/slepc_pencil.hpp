@@ -8,13 +8,23 @@
 
 namespace nscdd::mpi {
 
-/// PETSc and SLEPc, begun for the whole process as long as it lives.
+/// PETSc and SLEPc, begun for the whole process as long as it lives, unless the caller has begun them already. The
+/// processes of the communicator begin and end them together; others need not take part.
 class SlepcSession {
  public:
-  SlepcSession();
-  ~SlepcSession() { SlepcFinalize(); }
+  explicit SlepcSession(std::shared_ptr<const Communicator> all);
+  ~SlepcSession() {
+    if (begun_here_) SlepcFinalize();
+  }
   SlepcSession(const SlepcSession&) = delete;
   SlepcSession& operator=(const SlepcSession&) = delete;
+
+  /// The one that there is, or a new one.
+  static std::shared_ptr<const SlepcSession> of(const std::shared_ptr<const Communicator>& all);
+
+ private:
+  std::shared_ptr<const Communicator> all_;  // PETSc's world
+  bool begun_here_ = false;
 };
 
 /// An object of PETSc, destroyed with this one.

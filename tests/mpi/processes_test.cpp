@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What crosses from process to process.
-#include "mpi/processes.hpp"
+#include <nscdd/mpi/processes.hpp>
 
 #include <doctest/doctest.h>
 

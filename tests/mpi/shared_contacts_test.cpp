@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Linear systems of contacts that processes share, against those of one process.
 #include "../support/cut_lattice.hpp"
-#include "mpi/multifrontal.hpp"
-#include "mpi/processes.hpp"
+#include <nscdd/mpi/multifrontal.hpp>
+#include <nscdd/mpi/processes.hpp>
 
 #include <doctest/doctest.h>
 

@@ -61,7 +61,7 @@ TEST_CASE("no file includes a higher layer, and below app nothing prints") {
   CHECK(includes > 100);
 }
 
-TEST_CASE("the public face is whole: it includes nothing but itself, and nscdd.hpp names every header") {
+TEST_CASE("the public face is whole: it includes nothing but itself, and nscdd.hpp names every header of one process") {
   const char* source = std::getenv("NSCDD_SOURCE");
   REQUIRE(source != nullptr);
   const fs::path include = fs::path(source) / "include";
@@ -70,7 +70,7 @@ TEST_CASE("the public face is whole: it includes nothing but itself, and nscdd.h
   for (const fs::path& file : sources(include)) {
     CAPTURE(file.string());
     CHECK(nscdd::read_text(file.string()).find("#include \"") == std::string::npos);
-    if (file.filename() == "nscdd.hpp") continue;
+    if (file.filename() == "nscdd.hpp" || file.parent_path().filename() == "mpi") continue;
     CHECK(face.find("#include <" + fs::relative(file, include).string() + ">\n") != std::string::npos);
     ++headers;
   }

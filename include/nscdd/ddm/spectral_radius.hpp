@@ -33,7 +33,7 @@ struct SpectralOptions {
   bool certify = false;     ///< prove by inertia counts that no eigenvalue was missed (dense, shift_invert)
   ArpackOptions arpack = {};
   InertiaMethod inertia = multifrontal();  ///< what factorises and counts for shift_invert
-  SpectrumSolver slepc = {};               ///< Krylov-Schur of SLEPc, which nscdd-mpi has (see mpi/slepc.hpp)
+  SpectrumSolver slepc = {};               ///< Krylov-Schur of SLEPc, which nscdd-mpi has (nscdd/mpi/slepc.hpp)
 };
 
 /// How one spectrum is computed.
