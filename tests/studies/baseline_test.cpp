@@ -118,12 +118,13 @@ TEST_CASE("studies: folder complete, small tables equal to their baselines, larg
   for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "studies")) {
     if (!entry.is_directory()) continue;
     CAPTURE(entry.path().string());
-    const Study study = read_study(entry.path().filename().string());
     const std::string readme = read_text((entry.path() / "README.md").string());
     for (const char* part : {"## Question", "## What to expect", "## What was found"}) {
       CAPTURE(part);
       CHECK(readme.find(part) != std::string::npos);
     }
+    if (std::filesystem::exists(entry.path() / "measure")) continue;  // a script of its own instead of a study.toml
+    const Study study = read_study(entry.path().filename().string());
     for (std::size_t i = 0; i < study.tables.size(); ++i) {
       const StudyTable& work = study.tables[i];
       CAPTURE(work.name);
