@@ -12,6 +12,7 @@ import figures_2_3_4
 import figures_8_10
 import figures_9_11
 import inexact_stage_one
+import machines
 import newton_scalability
 import observed_rate
 import optimal_eta
@@ -46,8 +47,11 @@ DRAW = {
     "profiles": profiles.draw,
     "switch": switch.draw,
     "newton-scalability": newton_scalability.draw,
+    "machines": machines.draw,
 }
 WITHOUT_FIGURE = ["semi-implicit"]
+# Its own script measures it: `nscdd run` starts no processes.
+MEASURED = ["machines"]
 
 
 def main():
