@@ -21,7 +21,7 @@ CHECKED = {  # quantities of the check: label
     "iteration": {"memory": "memory", "contact_updates": "updates", "message_bytes": "bytes", "messages": "messages"},
 }
 TIMED = [("nscdd", 1, 1, "1 thread"), ("nscdd", 1, 2, "2 threads"), ("nscdd-mpi", 1, 1, "1 process"),
-         ("nscdd-mpi", 2, 1, "2 processes"), ("nscdd-mpi", 4, 1, "4, shared")]
+         ("nscdd-mpi", 2, 1, "2 processes"), ("nscdd-mpi", 4, 1, "4 on 2 cores")]
 
 
 def by_processes(axes, ticks):
@@ -124,27 +124,30 @@ def draw_counts(results, output, formats):
 
 
 def measured_seconds(axes, rows, work, sizes):
-    """Seconds over those of one thread, with the least and the most of the runs."""
+    """Seconds over those of one thread: of an iteration with the least and the most of the runs, of a radius without
+    what every process does with the whole packing and without the start of the programs."""
+    seconds = "work_seconds" if work == "radius" else "seconds"
     own = style.where(rows, work=work, series="strong", subdomains="8x8")
     sizes = [(grains, look) for grains, look in sizes.items()
              if any(np.isfinite(row["seconds"]) for row in style.where(own, grains=grains))]
     for offset, (grains, (label, colour, marker)) in zip(np.linspace(-0.2, 0.2, len(sizes)), sizes):
         some = style.where(own, grains=grains)
-        one = style.need("", TABLE, some, program="nscdd", threads=1)[0]["seconds"]
+        one = style.need("", TABLE, some, program="nscdd", threads=1)[0][seconds]
         for place, (program, processes, threads, _) in enumerate(TIMED):
             for row in style.where(some, program=program, processes=processes, threads=threads):
                 if not np.isfinite(row["seconds"]):
                     continue
-                axes.errorbar(place + offset, row["seconds"] / one,
-                              [[(row["seconds"] - row["seconds_least"]) / one],
-                               [(row["seconds_most"] - row["seconds"]) / one]], color=colour, marker=marker,
-                              linestyle="none", linewidth=0.8, capsize=1.5,
+                least, most = (row[seconds], row[seconds]) if work == "radius" else (
+                    row["seconds_least"], row["seconds_most"])
+                axes.errorbar(place + offset, row[seconds] / one,
+                              [[(row[seconds] - least) / one], [(most - row[seconds]) / one]], color=colour,
+                              marker=marker, linestyle="none", linewidth=0.8, capsize=1.5,
                               label=f"{label} grains" if not place else None)
     axes.axhline(1, color=style.GREY, linewidth=0.6, zorder=0.5)
     axes.axhline(0.5, color=style.GREY, linewidth=0.6, linestyle=DOTTED, zorder=0.5)
     axes.set_xticks(range(len(TIMED)), labels=[label for *_, label in TIMED], rotation=30, ha="right",
                     rotation_mode="anchor", fontsize=7)
-    axes.set(ylabel="seconds over those of one thread", ylim=(0, None), xlim=(-0.5, len(TIMED) - 0.5))
+    axes.set(ylabel="seconds over those of one thread", ylim=(0, 1.2), xlim=(-0.5, len(TIMED) - 0.5))
 
 
 def predicted(axes, found, looks, limits, label, scale=1.0):
@@ -189,7 +192,7 @@ def draw_seconds(results, output, formats):
     fig, (first, second) = style.figure(style.COLUMN_AND_HALF, 68, 1, 2)
     measured_seconds(first, rows, "radius", LATTICES)
     measured_seconds(second, rows, "iteration", BEDS)
-    first.legend(loc="lower left", fontsize=7)
+    style.legend_above(fig, *first.get_legend_handles_labels(), 3)
     style.panel(first, "a", "a radius, measured")
     style.panel(second, "b", "an iteration of Algorithm 1, measured")
     return style.save(fig, output, "machines-seconds", formats)
