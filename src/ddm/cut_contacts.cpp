@@ -74,7 +74,7 @@ bool CutContacts::factorise(std::vector<ContactRelation> relations) {
   symmetric_ = std::ranges::all_of(e_, [](const Eigen::Matrix2d& block) { return block(0, 1) == block(1, 0); });
   if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
     preconditioner_ =
-        InterfaceFamily(stage_two(parts_, e_, options_.network), 0, options_.shared).at(options_.flexibility);
+        InterfaceFamily(stage_two(parts_, e_, options_.network), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);
 }
 

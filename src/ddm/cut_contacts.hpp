@@ -14,7 +14,7 @@ struct CutOptions {
   double flexibility = 10;  ///< c: links of Stage 2 are so many times as flexible as those of Stage 1
   double tolerance = 1e-6;  ///< on the jumps that a solution leaves, relative to those without interface impulses
   Index maximum_iterations = 500;
-  InertiaMethod shared = {};  ///< what factorises P for several processes, see InterfaceOperator::solve
+  InertiaMethod inertia = {};  ///< what factorises for P, see InterfaceOperator::solve
 };
 
 /// Linear systems  P r + Q W r = b  of the contacts of a step (see ContactMatrix) cut in the FETI way, with grains as

@@ -37,7 +37,7 @@ class InterfaceFamily::Preparation {
   Preparation(const Decomposition& decomposition, Index limit, InertiaMethod method)
       : parts(decomposition),
         dense_limit(limit),
-        shared(std::move(method)),
+        inertia(std::move(method)),
         row_inertia(Vector::Zero(parts.interface_size())),
         locals(parts.subdomains.size()) {
     for_each_in_parallel(count(locals),
@@ -74,7 +74,7 @@ class InterfaceFamily::Preparation {
 
   Decomposition parts;
   Index dense_limit;
-  InertiaMethod shared;
+  InertiaMethod inertia;
   Vector row_inertia;  // of the copies that a row ties: all copies of a grain have the same
   Vector scale;
   std::vector<std::optional<EnrichedInertiaFamily>> locals;
@@ -97,7 +97,7 @@ class InterfaceOperator::Implementation {
   double eta;
   std::vector<std::optional<EnrichedInertia>> locals;
   Lazy<std::unique_ptr<const EnrichedInertia>> whole;
-  Lazy<ShiftedPencil> shared;  // where several processes have the subdomains
+  Lazy<ShiftedPencil> unshifted;
   Lazy<Matrix> dense;
   Lazy<KernelSplit> kernel;
 };
@@ -204,7 +204,7 @@ Vector InterfaceOperator::solve(const Vector& g) const {
   if (std::isinf(eta)) return solve_generic(g);
   const auto& subdomains = parts().subdomains;
   const Interface& interface = parts().interface;
-  if (!interface.processes().alone()) return solve_shared(g);
+  if (implementation_->preparation->inertia.analyse || !interface.processes().alone()) return solve_on_interface(g);
   const auto& assembled = implementation_->preparation->whole();
   const auto multiply = [&](std::size_t e, const Vector& v) -> Vector {  // M_{E,eta} v
     const SparseMatrix& h = subdomains[e].h;
@@ -224,24 +224,24 @@ Vector InterfaceOperator::solve(const Vector& g) const {
 
 // The pencil S - sigma P at sigma = 0 is S, for any P: the inertia alone costs least. It holds operators of its own,
 // because what it holds must not hold it.
-Vector InterfaceOperator::solve_shared(const Vector& g) const {
-  const auto& [preparation, eta] = std::tie(implementation_->preparation, implementation_->eta);
-  if (!preparation->shared.analyse)
+Vector InterfaceOperator::solve_on_interface(const Vector& g) const {
+  const auto preparation = implementation_->preparation;
+  if (!preparation->inertia.analyse)
     fail("processes: expected one, or a way to factorise, for solutions with X_eta, met {}",
          parts().interface.processes().size);
-  const ShiftedPencil& pencil = implementation_->shared.get([&] {
+  const ShiftedPencil& pencil = implementation_->unshifted.get([&] {
     const auto again = [&](double flexibility) {
       return InterfaceOperator(std::make_shared<const Implementation>(preparation, flexibility));
     };
-    const ShiftedPencilFamily family({again(infinity), again(eta)}, SystemForm::condensed, preparation->shared);
-    return family.at(eta, infinity, 0);
+    const ShiftedPencilFamily family({again(infinity), again(eta())}, SystemForm::condensed, preparation->inertia);
+    return family.at(eta(), infinity, 0, SolutionAccuracy::refined);
   });
-  const bool definite = pencil.regular() && pencil.below() == 0;
+  const bool definite = pencil.reliable() && pencil.below() == 0;
   return definite ? pencil.solve(g) : Vector::Constant(g.size(), not_a_number);
 }
 
-InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit, InertiaMethod shared)
-    : preparation_(std::make_shared<const Preparation>(parts, dense_limit, std::move(shared))) {}
+InterfaceFamily::InterfaceFamily(const Decomposition& parts, Index dense_limit, InertiaMethod inertia)
+    : preparation_(std::make_shared<const Preparation>(parts, dense_limit, std::move(inertia))) {}
 
 InterfaceOperator InterfaceFamily::at(double eta) const {
   return InterfaceOperator(std::make_shared<const InterfaceOperator::Implementation>(preparation_, eta));

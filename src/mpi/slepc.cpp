@@ -40,6 +40,7 @@ SpectralRadius radius(const Contraction& b, const SpectralOptions& options,
                       const std::shared_ptr<const Communicator>& all) {
   if (b.system.eta() == 0) fail("solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit");
   const OneBlasThread serial_blas;
+  const QuietPetsc quiet;
   SlepcPencil pencil(b, all, options);
   const auto end = [&](double tau, bool low) {  // and the shift it was found from
     const std::optional<double> shift = shift_next_to_end(pencil, tau, low, low ? b.rows() : 0);
@@ -64,7 +65,7 @@ SpectrumSolver slepc(MPI_Comm communicator) {
   const auto all = std::make_shared<const Communicator>(communicator);
   const auto session = std::make_shared<std::shared_ptr<const SlepcSession>>();  // begins where it is asked for
   return [session, all](const Contraction& b, const SpectralOptions& options) {
-    if (!*session) *session = SlepcSession::of(all);
+    if (!*session) *session = SlepcSession::present();
     return radius(b, options, all);
   };
 }

@@ -65,22 +65,27 @@ void for_networks(const Decomposition& parts, double flexibility, const Add& add
 
 }  // namespace
 
-SlepcSession::SlepcSession(std::shared_ptr<const Communicator> all) : all_(std::move(all)) {
+SlepcSession::SlepcSession() {
   PetscBool begun = PETSC_FALSE;
   SlepcInitialized(&begun);
   if (begun) return;
-  begun_here_ = true;
   PetscInitialized(&begun);
-  if (!begun) PETSC_COMM_WORLD = all_->get();  // otherwise all processes of the program must take part
+  if (!begun) PETSC_COMM_WORLD = MPI_COMM_SELF;  // otherwise all processes of the program would be waited for
   PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
   check(SlepcInitializeNoArguments(), "to begin");
-  PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // codes are looked at
+  begun_here_ = true;
 }
 
-std::shared_ptr<const SlepcSession> SlepcSession::of(const std::shared_ptr<const Communicator>& all) {
-  static std::weak_ptr<const SlepcSession> present;  // it belongs to the process
-  std::shared_ptr<const SlepcSession> session = present.lock();
-  if (!session) present = session = std::make_shared<const SlepcSession>(all);
+SlepcSession::~SlepcSession() {
+  int finalised = 0;
+  MPI_Finalized(&finalised);
+  if (begun_here_ && finalised == 0) SlepcFinalize();
+}
+
+std::shared_ptr<const SlepcSession> SlepcSession::present() {
+  static std::weak_ptr<const SlepcSession> known;  // it belongs to the process
+  std::shared_ptr<const SlepcSession> session = known.lock();
+  if (!session) known = session = std::make_shared<const SlepcSession>();
   return session;
 }
 

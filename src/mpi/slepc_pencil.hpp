@@ -8,23 +8,29 @@
 
 namespace nscdd::mpi {
 
-/// PETSc and SLEPc, begun for the whole process as long as it lives, unless the caller has begun them already. The
-/// processes of the communicator begin and end them together; others need not take part.
+/// PETSc and SLEPc, begun for this process as long as it lives, unless the caller has begun them already. Other
+/// processes need not take part: the world of PETSc is this process alone, and what processes share names them.
 class SlepcSession {
  public:
-  explicit SlepcSession(std::shared_ptr<const Communicator> all);
-  ~SlepcSession() {
-    if (begun_here_) SlepcFinalize();
-  }
+  SlepcSession();
+  ~SlepcSession();
   SlepcSession(const SlepcSession&) = delete;
   SlepcSession& operator=(const SlepcSession&) = delete;
 
   /// The one that there is, or a new one.
-  static std::shared_ptr<const SlepcSession> of(const std::shared_ptr<const Communicator>& all);
+  static std::shared_ptr<const SlepcSession> present();
 
  private:
-  std::shared_ptr<const Communicator> all_;  // PETSc's world
   bool begun_here_ = false;
+};
+
+/// For its life PETSc says nothing of what fails: codes are looked at.
+class QuietPetsc {
+ public:
+  QuietPetsc() { PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr); }
+  ~QuietPetsc() { PetscPopErrorHandler(); }
+  QuietPetsc(const QuietPetsc&) = delete;
+  QuietPetsc& operator=(const QuietPetsc&) = delete;
 };
 
 /// An object of PETSc, destroyed with this one.

@@ -76,7 +76,7 @@ struct Simulation {
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
   Processes processes = {};                ///< share the subdomains of a step; all have the same system and state
-  InertiaMethod inertia = multifrontal();  ///< what factorises for these processes
+  InertiaMethod inertia = multifrontal();  ///< what factorises for Stage 2
 };
 
 /// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.

@@ -65,12 +65,12 @@ FrictionSolverOptions options_of(const StepSolver& solver) {
 }
 
 // Answers of Newton's steps are refined: their errors are about the square of the tolerance.
-CutOptions cut_options(const StepSolver& solver, const InertiaMethod& shared) {
+CutOptions cut_options(const StepSolver& solver, const InertiaMethod& inertia) {
   const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
   return {.network = solver.interface_network,
           .flexibility = admm ? 1 : solver.interface_flexibility,
           .tolerance = admm ? std::min(1e-8, solver.tolerance) : std::min(1e-4, 1e4 * solver.tolerance),
-          .shared = shared};
+          .inertia = inertia};
 }
 
 }  // namespace

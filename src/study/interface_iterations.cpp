@@ -34,7 +34,7 @@ FrozenSystem frozen_system(const SolvedStep& step) {
 
 FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem& system, InterfaceNetwork network,
                                  double flexibility) {
-  CutContacts cut(parts, {network, flexibility, frozen_tolerance, most_iterations});
+  CutContacts cut(parts, {network, flexibility, frozen_tolerance, most_iterations, multifrontal()});
   FrozenInterface result;
   if (parts.interface_size() == 0 || !cut.factorise(system.relations)) return result;
   cut.solve(system.right);

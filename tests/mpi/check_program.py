@@ -240,6 +240,11 @@ def one_fails(folder):
     code, _, err = run(2, "sweep", *BED, "--epsilon", "1e-3:1:40", "--solver", "shift-invert", "--csv", "/dev/full")
     check(code != 0 and err.count("nscdd: error:") == 1 and "written" in err, f"full disk: {code}, {err!r}")
     check(time.monotonic() - began < 40, "full disk: the others went on")
+    began = time.monotonic()
+    trajectory = os.path.join(folder, "full.h5")
+    code, _, err = run(2, *RUN, "--steps", "3", "-o", trajectory, "--convergence", "/dev/full", "--force")
+    check(code != 0 and err.count("nscdd: error:") == 1 and "/dev/full" in err, f"full disk of a run: {code}, {err!r}")
+    check(time.monotonic() - began < 40, "full disk of a run: the others went on")
 
 
 def children(parent):
@@ -440,8 +445,8 @@ def killed_and_resumed(folder):
 
 
 same_tables()
-for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs, close_runs,
-             refused_runs, killed_and_restarted):
+for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs,
+             close_runs, refused_runs, killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 print(f"{checks} checks passed")

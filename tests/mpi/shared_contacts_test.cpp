@@ -14,7 +14,7 @@ namespace {
 // The same cut, with the subdomains of this process alone.
 CutContacts shared_cut(const Cut& one, CutOptions options) {
   const Processes all = mpi::processes_of(MPI_COMM_WORLD);
-  options.shared = mpi::multifrontal(MPI_COMM_WORLD);
+  options.inertia = mpi::multifrontal(MPI_COMM_WORLD);
   Decomposition parts = one.parts;
   if (!all.alone()) parts = of_process(one.parts, deal_out(one.parts, all.size), all);
   return {std::move(parts), options};

@@ -32,12 +32,12 @@ class InterfaceOperator {
   /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()). Computed once.
   const KernelSplit& kernel() const;
 
-  /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). Else one solve
-  /// with the assembled M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses
-  /// M_{E,eta} V_E balance on every grain; no Schur complement is formed. Where several processes share the subdomains
-  /// none has the undivided packing, and the factor that they share of the saddle point [M_{E,eta} A_E^T; A_E 0] takes
-  /// its place, by the family's InertiaMethod; g and the result are then whole in every process. Throws Error for
-  /// eta = 0, and on several processes without such a method.
+  /// X_eta^-1 g for eta > 0. For eta = infinity it is known in closed form (Interface::solve_generic). A family with an
+  /// InertiaMethod factorises the saddle point [M_{E,eta} A_E^T; A_E 0] once and solves on the interface alone; several
+  /// processes may share the factor, and g and the result are whole in each. Without one, a solve with the assembled
+  /// M + K/eta of the undivided packing finds copies V_E = R_E U + o_E of jumps g whose impulses M_{E,eta} V_E balance
+  /// on every grain; no Schur complement is formed. All NaN if X_eta is not positive definite in double precision.
+  /// Throws Error for eta = 0, and on several processes without a method.
   Vector solve(const Vector& g) const;
   Vector solve_generic(const Vector& g) const;  ///< X_inf^-1 g, whatever eta
 
@@ -48,7 +48,7 @@ class InterfaceOperator {
   explicit InterfaceOperator(std::shared_ptr<const Implementation> implementation);
 
  private:
-  Vector solve_shared(const Vector& g) const;
+  Vector solve_on_interface(const Vector& g) const;
 
   std::shared_ptr<const Implementation> implementation_;
 };
@@ -58,9 +58,9 @@ class InterfaceOperator {
 class InterfaceFamily {
  public:
   /// Subdomains of up to `dense_limit` unknowns d n_E are diagonalised, the larger ones factorised at each eta.
-  /// `shared`: what factorises for several processes, see InterfaceOperator::solve.
+  /// `inertia`: see InterfaceOperator::solve; many solutions with one eta are then cheap.
   explicit InterfaceFamily(const Decomposition& parts, Index dense_limit = default_dense_limit,
-                           InertiaMethod shared = {});
+                           InertiaMethod inertia = {});
   static constexpr Index default_dense_limit = 300;
   InterfaceOperator at(double eta) const;  ///< eta in [0, infinity]; throws Error otherwise
 

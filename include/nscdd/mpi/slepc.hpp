@@ -18,7 +18,9 @@ namespace nscdd::mpi {
 /// It shares no code with the search of `shift_invert` and proves nothing: the residual is the larger one of SLEPc's
 /// and of the difference between an eigenvalue and the Rayleigh quotient of its vector with S and P themselves.
 /// Further eigenvalues are not asked for: a Krylov space of one vector may miss copies. The lists are empty where SLEPc
-/// breaks down, as it does where S is next to P. Throws Error in the rigid limit. All processes take part.
+/// breaks down, as it does where S is next to P. Throws Error in the rigid limit. All processes of the communicator
+/// take part. PETSc begins where it is first asked for, unless the caller has begun it, and ends with the last copy of
+/// the result, which should go before MPI is finalised.
 SpectrumSolver slepc(MPI_Comm communicator);
 
 }  // namespace nscdd::mpi
