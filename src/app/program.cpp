@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/program.hpp"
 
+#include "app/options.hpp"
 #include "files/hdf5.hpp"
 #include <nscdd/core/choice.hpp>
 
@@ -186,6 +187,11 @@ int run(int argc, char** argv, const Machine& machine) {
   std::vector<Verb> verbs = all_verbs();
   for (Verb& verb : verbs) verb.action = verb.declare(verb.command);
   const Request request = parse_command_line(verbs, argc, argv, machine);
+  if (!machine.processes.alone()) {
+    const auto* asked = std::get_if<const Verb*>(&request);
+    require_same({asked == nullptr ? -1.0 : static_cast<double>(*asked - verbs.data())}, "command line",
+                 machine.processes);
+  }
   if (const auto* verb = std::get_if<const Verb*>(&request))
     return (*verb)->action({joined(argc, argv, machine.program), verbs, machine});
   fmt::print("{}", std::get<std::string>(request));

@@ -236,6 +236,10 @@ def one_fails(folder):
     other = ["sweep", "disks12", "--epsilon", "1", "--csv", os.path.join(folder, "out.csv")]
     code, _, err = run_apart(other, [*other, "--density", "2"])
     check(code == 2 and "the same case and options" in err, f"two cases: {err!r}")
+    for verb in (["optimum", "disks12"], ["inspect", "disks12"], ["sweep", "--help"], ["--version"]):
+        code, out, err = run_apart(other, verb)
+        check(code == 2 and err.count("nscdd: error:") == 1 and "command line: expected the same" in err and out == "",
+              f"sweep and {verb}: {code}, {out!r}, {err!r}")
     began = time.monotonic()
     code, _, err = run(2, "sweep", *BED, "--epsilon", "1e-3:1:40", "--solver", "shift-invert", "--csv", "/dev/full")
     check(code != 0 and err.count("nscdd: error:") == 1 and "written" in err, f"full disk: {code}, {err!r}")

@@ -24,7 +24,7 @@ CutContacts shared_cut(const Cut& one, CutOptions options) {
 
 TEST_CASE("shared: linear systems of contacts have the solutions of one process, without a network their bits") {
   RandomStream stream(3);
-  const Cut one = cut_lattice({3, 2});
+  const Cut one = cut_lattice({4, 2});
   for (const bool slides : {false, true})
     for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
       const CutOptions options{.network = network, .tolerance = 1e-12};
@@ -46,7 +46,7 @@ TEST_CASE("shared: linear systems of contacts have the solutions of one process,
 
 TEST_CASE("shared: all processes know the sign of the determinant, and whether one of them failed to factorise") {
   RandomStream stream(13);
-  const Cut one = cut_lattice({3, 2});
+  const Cut one = cut_lattice({4, 2});
   int negative = 0;
   for (int trial = 0; trial < 30; ++trial) {
     std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 0.1, true);

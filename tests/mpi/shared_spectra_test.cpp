@@ -113,7 +113,7 @@ TEST_CASE("shared: SLEPc, which has another pencil and another search, finds the
     }
   });
   CHECK(visited > 3);
-  const Model own = of_process(build(random_lattice(3, 12, 12, {3, 2})), shared.processes);
+  const Model own = of_process(build(random_lattice(3, 12, 12, {4, 2})), shared.processes);
   const InterfaceFamily rigid(own.parts);
   CHECK_THROWS_WITH_AS(spectral_radius({rigid.at(infinity), rigid.at(0)}, options),
                        "solver slepc: expected epsilon > 0, met 0: shift-invert has the rigid limit", Error);
