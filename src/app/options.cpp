@@ -119,6 +119,10 @@ void CaseOptions::declare(Command& command, bool contact_problems) {
                                ".csv or .h5 with x,y,radius[,mass]{}",
                                contact_problems ? ", contact problem (FCLIB)" : "",
                                contact_problems ? ", contact problems of FCLIB in .hdf5" : ""));
+  declare_options(command);
+}
+
+void CaseOptions::declare_options(Command& command) {
   command.add("--subdomains PARTITION", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   command.add("--prescribed GRAIN:VX:VY", prescribed, "arriving velocity of a grain, m/s (grains from 0, -1 the last)");
   command.add("--density", density, "masses = density x pi radius^2, kg/m^2");

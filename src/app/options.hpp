@@ -52,6 +52,7 @@ struct CaseOptions {
   std::vector<std::string> settings;
 
   void declare(Command& command, bool contact_problems = true);
+  void declare_options(Command& command);  ///< all but CASE
 
   /// The case with every option applied (one subdomain unless --subdomains says otherwise), see resolve_case.
   Case resolve(const std::vector<std::string>& outputs) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "app/options.hpp"
+#include "app/export_operators.hpp"
 #include "files/output_file.hpp"
+#include "files/output_folder.hpp"
 #include "formats/export.hpp"
 #include "study/values.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
@@ -11,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
+  OperatorsOptions operators;
   std::string trajectory, folder, steps, output;
   std::optional<Index> step, subdomain;
   bool local = false, force = false;
@@ -60,24 +62,12 @@ std::vector<Index> chosen(const Options& options, const StepRange& range) {
   return steps;
 }
 
-void make_folder(const Options& options) {
-  std::error_code status;
-  if (fs::exists(options.folder, status)) {
-    if (!fs::is_directory(options.folder, status)) fail("{}: expected a folder, met a file", options.folder);
-    if (!options.force && !fs::is_empty(options.folder, status))
-      fail("{}: expected an empty folder or none, met one that holds files; --force writes into it", options.folder);
-    return;
-  }
-  fs::create_directories(options.folder, status);
-  if (status) fail("{}: cannot be made: {}", options.folder, status.message());
-}
-
 // Pictures of the kept steps in the range.
 int export_vtk(const Options& options) {
   const StepRange range = parse_step_range(options.steps);
   const GranularSystem system = read_trajectory_header(options.trajectory).system;
   const std::vector<Index> steps = chosen(options, range);
-  make_folder(options);
+  make_folder(options.folder, options.force);
   const fs::path folder(options.folder);
   std::vector<VtkFile> files;
   Interruption interruption;
@@ -196,8 +186,12 @@ int export_fclib(const Options& options, const Context& context) {
 }
 
 int run(const Options& options, const Context& context) {
-  if (options.folder.empty() == !options.step)
-    fail("export: expected either --vtk FOLDER or --fclib STEP, met {}", options.step ? "both" : "neither");
+  const int asked =
+      (options.folder.empty() ? 0 : 1) + (options.step ? 1 : 0) + (options.operators.folder.empty() ? 0 : 1);
+  if (asked != 1)
+    fail("export: expected one of --vtk FOLDER, --fclib STEP and --operators FOLDER, met {}",
+         asked == 0 ? "none" : "several");
+  if (!options.operators.folder.empty()) return export_operators(options.operators, options.force, context);
   if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 with it, met none");
   return options.step ? export_fclib(options, context) : export_vtk(options);
 }
@@ -206,28 +200,36 @@ int run(const Options& options, const Context& context) {
 
 Action declare_export(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required("RUN", options->trajectory, "trajectory of nscdd simulate, .h5 or .hdf5");
+  command.required("CASE", options->operators.one.name,
+                   "trajectory of nscdd simulate, .h5 or .hdf5; of --operators what nscdd sweep takes");
   const Option* vtk = &command.add("--vtk FOLDER", options->folder,
                                    "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
   command.add("--steps A[:B[:K]]", options->steps, "of --vtk: steps A, A + K, ... up to B that are kept").needs = vtk;
   Option* fclib =
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes = vtk;
-  command.add("-o,--output FILE", options->output, "file of --fclib").needs = fclib;
+  command
+      .add("-o,--output FILE", options->output, "file of --fclib")
+      .needs = fclib;
   command.add("--subdomain", options->subdomain, "of --fclib: the part of that subdomain, interface impulses as loads")
       .needs = fclib;
   command.add("--local", options->local, "of --fclib: W and q instead of M, H, f and w").needs = fclib;
+  declare_operators(command, options->operators).excludes = vtk;
   command.add("--force", options->force, "replace existing outputs");
   command.footer =
       R"(A step can be written as a contact problem where the state before it is kept; its solution is that of the
-run where the step itself is kept.
+run where the step itself is kept. Operators are those of docs/notation.md, S = X_epsilon and P = X_eta.
 Examples:
   nscdd simulate shear-1k --steps 5 --subdomains 2x1 --algorithm generic -o run.h5
   nscdd export run.h5 --vtk pictures --steps 0:5
   nscdd export run.h5 --fclib 5 -o problem.hdf5
   nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5
-  nscdd solve problem.hdf5 --tolerance 1e-6)";
-  return [options](const Context& context) { return run(*options, context); };
+  nscdd solve problem.hdf5 --tolerance 1e-6
+  nscdd export hexagonal --operators matrices --epsilon 1e-3 --eta 0.3)";
+  return [options](const Context& context) {
+    options->trajectory = options->operators.one.name;
+    return run(*options, context);
+  };
 }
 
 }  // namespace nscdd::app

@@ -20,17 +20,11 @@ struct Options {
   MemoryLimit memory;
 };
 
-// `scale`: of relative flexibilities, 1/kg
-double one_of(const FlexibilityValues& all, double scale, const std::string& option, const std::string& text) {
-  const auto& [values, relative] = all;
-  if (values.size() == 1) return relative ? values.front() * scale : values.front();
-  fail("{}: expected one number, a mode belongs to one operator, met '{}'", option, text);
-}
-
+// `scale`: of relative flexibilities, 1/kg. A mode belongs to one operator.
 ModeParameters parameters(const Options& options, double scale) {
   ModeParameters result;
-  result.epsilon = one_of(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
-  result.eta = one_of(parse_eta(options.eta), scale, "--eta", options.eta);
+  result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
+  result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
   result.contacts = options.spectral.contact_set();
   result.side = Choice<SpectrumSide>::parse(options.end, "--end");
   result.spectral = options.spectral.spectral();

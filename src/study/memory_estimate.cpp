@@ -47,6 +47,11 @@ constexpr double arpack_vectors = 5;  // beside the basis
 // the packing with its contacts, and their rank from another one, which is larger.
 constexpr double dense_impulse_matrices = 2;  // the matrix, and what LAPACK reduces
 
+// Exported operators: S, P and B, each once as it is made and once in the file that HDF5 holds in memory, the bytes of
+// that file, and the condensed matrix of a subdomain or the columns at hand. Of sparse ones bytes per unknown of M, H,
+// A and W, in the same places.
+constexpr double exported_matrices = 12, exported_bytes = 1500;
+
 double square(double x) { return x * x; }
 
 // Unknowns of the grains of all subdomains, copies included.
@@ -142,6 +147,16 @@ MemoryNeed link_need(const Model& model, ContactSet contacts) {
 MemoryNeed rank_need(const Model& model) {
   return {model_need(model) + factor_need(unknowns_of(model), static_cast<double>(model.parts.contacts)), model.name,
           fmt::format("the ranks of {} contacts", model.contacts()), "fewer grains"};
+}
+
+MemoryNeed operators_need(const Model& model, ContactSet contacts, bool dense) {
+  const double matrices =
+      dense ? bytes_per_number * exported_matrices * square(static_cast<double>(model.parts.interface_size())) : 0;
+  const double need = program_bytes + exported_bytes * unknowns_of(model) + matrices;
+  return {model_need(model) + std::max(need, choice_need(model, contacts)), model.name,
+          dense ? fmt::format("S, P and B of {} interface unknowns", model.parts.interface_size())
+                : fmt::format("the operators of {} grains", model.grains()),
+          dense ? "--sparse-only, which leaves these out, or fewer subdomains" : "fewer grains"};
 }
 
 MemoryNeed largest_need(const StudyTable& table, Index first) {

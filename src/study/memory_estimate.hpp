@@ -34,6 +34,10 @@ MemoryNeed sweep_need(const Model& model, const SweepParameters& parameters);
 MemoryNeed link_need(const Model& model, ContactSet contacts);
 MemoryNeed rank_need(const Model& model);
 
+/// The operators that `nscdd export --operators` hands on. With `dense` these are n_Gamma x n_Gamma matrices, which the
+/// HDF5 file holds in memory once more. Else it is the sparse ones alone, W among them.
+MemoryNeed operators_need(const Model& model, ContactSet contacts, bool dense);
+
 /// The case of a table that needs most, of those that rows from `first` on belong to; builds one at a time. Tables
 /// of cases that move, and those whose number of rows is not known, are taken to need nothing. Throws Error naming
 /// the case if one cannot be built.

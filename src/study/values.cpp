@@ -91,6 +91,12 @@ FlexibilityValues parse_eta(std::string_view spec) {
   return flexibilities(spec, "eta", "a number > 0 (or inf for the generic algorithm)", [](double v) { return v > 0; });
 }
 
+double one_value(const FlexibilityValues& all, double scale, std::string_view option, std::string_view text) {
+  const auto& [values, relative] = all;
+  if (values.size() != 1) fail("{}: expected one number, met '{}'", option, text);
+  return relative ? values.front() * scale : values.front();
+}
+
 std::optional<FlexibilityRange> parse_range(std::string_view spec, std::string_view name) {
   std::string_view text = spec;
   const bool relative = text.ends_with('W');

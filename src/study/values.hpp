@@ -22,6 +22,10 @@ using FlexibilityValues = std::pair<std::vector<double>, bool>;
 /// The same for each quantity of a sweep, with its bounds checked.
 FlexibilityValues parse_epsilon(std::string_view spec);  ///< finite, >= 0
 FlexibilityValues parse_eta(std::string_view spec);      ///< > 0, inf allowed
+/// The one value there is, in 1/kg; a relative one is that multiple of `scale`. Throws Error naming `option` where
+/// there are several, as read from `text`.
+double one_value(const FlexibilityValues& all, double scale, std::string_view option, std::string_view text);
+
 /// A range FROM:TO without a count, whose points the program places; W as above. None where the text is none.
 struct FlexibilityRange {
   double from = 0, to = 0;  ///< 0 < from < to, finite
