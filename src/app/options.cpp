@@ -3,8 +3,8 @@
 
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
+#include "formats/siconos_dat.hpp"
 #include "study/values.hpp"
-#include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 
 #ifdef __GLIBC__
@@ -94,10 +94,16 @@ std::vector<double> features(const Model& model) {
 CaseSpec find_spec(const std::string& name) {
   const std::string path = find_case(name);
   if (fs::path(path).extension() == ".toml") return read_case(path);
-  const auto format = packing_format(path);
-  if (!format) fail("{}: expected a case file (.toml) or a packing file (.csv, .h5 or .hdf5)", path);
   CaseSpec spec;
   spec.name = fs::path(path).stem().string();
+  const auto format = packing_format(path);
+  if (!format) {
+    if (!has_siconos_name(path))
+      fail("{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5) or a contact problem (.hdf5 or .dat)",
+           path);
+    spec.packing = ContactProblemFile{path};
+    return spec;
+  }
   if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
     spec.packing = ContactProblemFile{path};
   else
@@ -117,8 +123,8 @@ void CaseOptions::declare(Command& command, bool contact_problems) {
   command.required("CASE", name,
                    fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in "
                                ".csv or .h5 with x,y,radius[,mass]{}",
-                               contact_problems ? ", contact problem (FCLIB)" : "",
-                               contact_problems ? ", contact problems of FCLIB in .hdf5" : ""));
+                               contact_problems ? ", contact problem" : "",
+                               contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
   declare_options(command);
 }
 

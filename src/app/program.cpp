@@ -33,7 +33,7 @@ std::vector<Verb> all_verbs() {
       {"export", "write a run for ParaView, a step of it as a contact problem, or the operators of a case",
        declare_export},
       {"generate", "write the packing of a generator or a case, as CSV or HDF5", declare_generate},
-      {"solve", "solve a frictional contact problem of another program (FCLIB file)", declare_solve},
+      {"solve", "solve a frictional contact problem of another program (FCLIB, Siconos)", declare_solve},
       {"list", "known cases, studies, generators, partitioners and observables", declare_list},
       {"manual", "write manual pages and the completion of bash into a folder", declare_manual},
   };

@@ -2,7 +2,7 @@
 #include "app/solve_trials.hpp"
 
 #include "core/text.hpp"
-#include <nscdd/formats/fclib.hpp>
+#include "formats/siconos_dat.hpp"
 
 namespace nscdd::app {
 namespace {
@@ -26,8 +26,9 @@ std::vector<fs::path> problem_files(const std::string& path) {
   if (!fs::is_directory(path, ignored)) return {path};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path))
-    if (entry.path().extension() == ".hdf5" || entry.path().extension() == ".h5") files.push_back(entry.path());
-  if (files.empty()) fail("{}: expected a folder with contact problems, .hdf5 or .h5, met none", path);
+    if (const fs::path ending = entry.path().extension(); ending == ".hdf5" || ending == ".h5" || ending == ".dat")
+      files.push_back(entry.path());
+  if (files.empty()) fail("{}: expected a folder with contact problems, .hdf5, .h5 or .dat, met none", path);
   std::ranges::sort(files);
   return files;
 }
@@ -59,7 +60,7 @@ TableWork trial_work(const std::vector<fs::path>& files, const TrialOptions& opt
 // The problem of a file, or none where it cannot be had, of which a note then tells.
 std::optional<LocalFrictionProblem> problem_of(const fs::path& path) {
   try {
-    const FclibFile file = read_fclib(path.string());
+    const FclibFile file = read_contact_problem(path.string());
     if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return reduce(*global, path.string());
     return std::get<LocalFrictionProblem>(file.problem);
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 #include "files/output_file.hpp"
 #include "files/output_folder.hpp"
 #include "formats/export.hpp"
+#include "formats/siconos_dat.hpp"
 #include "study/values.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -171,7 +172,7 @@ FclibFile subdomain_file(const Options& options, const Simulation& before, const
 
 int export_fclib(const Options& options, const Context& context) {
   require_no_input({options.output}, {options.trajectory});
-  require_hdf5_name(options.output);
+  if (!has_siconos_name(options.output)) require_hdf5_name(options.output);
   const TrajectoryHeader header = read_trajectory_header(options.trajectory);
   const Simulation before = rebuilt_simulation(options.trajectory, header, state_before(options).state);
   const std::optional<TrajectoryStep> after = find_trajectory_step(options.trajectory, *options.step);
@@ -180,7 +181,10 @@ int export_fclib(const Options& options, const Context& context) {
   const FclibFile local = local_form(file);
   if (options.local) file = local;
   file.info = info_of(options, header, before, file.solution.has_value());
-  write_file(options.output, to_hdf5(file, provenance_of(context, header)), options.force);
+  write_file(options.output,
+             has_siconos_name(options.output) ? siconos_text(file, "nscdd " + version())
+                                              : to_hdf5(file, provenance_of(context, header)),
+             options.force);
   print_report(options, file, std::get<LocalFrictionProblem>(local.problem));
   return 0;
 }
@@ -192,7 +196,7 @@ int run(const Options& options, const Context& context) {
     fail("export: expected one of --vtk FOLDER, --fclib STEP and --operators FOLDER, met {}",
          asked == 0 ? "none" : "several");
   if (!options.operators.folder.empty()) return export_operators(options.operators, options.force, context);
-  if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 with it, met none");
+  if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 (or FILE.dat) with it, met none");
   return options.step ? export_fclib(options, context) : export_vtk(options);
 }
 
@@ -209,7 +213,7 @@ Action declare_export(Command& command) {
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes = vtk;
   command
-      .add("-o,--output FILE", options->output, "file of --fclib")
+      .add("-o,--output FILE", options->output, "file of --fclib; FILE.dat is a text of Siconos, without the solution")
       .needs = fclib;
   command.add("--subdomain", options->subdomain, "of --fclib: the part of that subdomain, interface impulses as loads")
       .needs = fclib;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
 #include "files/csv.hpp"
+#include "formats/siconos_dat.hpp"
 #include "linalg/threads.hpp"
-#include <nscdd/formats/fclib.hpp>
 #include <nscdd/mechanics/friction_solver.hpp>
 
 namespace nscdd::app {
@@ -113,9 +113,17 @@ void require_moderate(const LocalFrictionProblem& problem, const std::string& na
   require(largest / problem.w.diagonal().maxCoeff(), "largest |q| over the largest of W_nn and W_tt");
 }
 
+// The problem alone is what a file of Siconos has a place for.
+void write_siconos(const FclibFile& file, const Options& options, OutputFile& output) {
+  note("{}: a file of Siconos holds the problem alone; its solution goes into .h5 or .hdf5", options.output);
+  output.bytes(siconos_text(file, "nscdd " + version()));
+  output.finish();
+}
+
 // A result is a solution only where it is one; else it is a guess to go on from.
 void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   const Context& context, OutputFile& output) {
+  if (has_siconos_name(options.output)) return write_siconos(file, options, output);
   FclibSolution found{{}, solution.state.velocities, solution.impulses};
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
     found.v = body_velocities(*global, solution.impulses);
@@ -139,7 +147,7 @@ void check_options(const Options& options) {
   if (options.algorithms.size() > 1 || options.algorithms == std::vector<std::string>{"all"})
     fail("--solver: expected one, or several with --csv, met {}", fmt::join(options.algorithms, ", "));
   if (options.convergence == "-") fail("--convergence: expected a file name, met -; standard output is for the report");
-  if (!options.output.empty()) require_hdf5_name(options.output);
+  if (!options.output.empty() && !has_siconos_name(options.output)) require_hdf5_name(options.output);
   require_no_input({options.convergence, options.output}, {options.file});
   if (!options.convergence.empty() && !options.output.empty()) require_distinct(options.convergence, options.output);
 }
@@ -162,7 +170,7 @@ int run(const Options& options, const Context& context) {
   if (!options.csv.empty()) return run_trials(options, solver);
   check_options(options);
   if (!options.algorithms.empty()) solver.algorithm = options.algorithms.front();
-  const FclibFile file = read_fclib(options.file);
+  const FclibFile file = read_contact_problem(options.file);
   const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
   const LocalFrictionProblem local =
       global != nullptr ? reduce(*global, options.file) : std::get<LocalFrictionProblem>(file.problem);
@@ -203,8 +211,9 @@ int run(const Options& options, const Context& context) {
 
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required("FILE", options->file,
-                   "frictional contact problem in two dimensions, HDF5 of FCLIB; with --csv also a folder of them");
+  command.required(
+      "FILE", options->file,
+      "plane contact problem with friction, HDF5 of FCLIB or .dat of Siconos; with --csv also a folder of them");
   Option& solver = command.add("--solver", options->algorithms,
                                "auto (the default): sweeps, then continuation; or another alone; with --csv it "
                                "may be named again, and all stands for every one");
@@ -228,8 +237,10 @@ Action declare_solve(Command& command) {
       &command.preset("--guess", options->guess, "start from that guess of the file, from 1; 0 starts from zero"),
       &command.add("--convergence FILE", options->convergence,
                    "write one row per residual there, as CSV, each when it is known"),
-      &command.add("-o,--output FILE", options->output,
-                   "write the problem with its solution there, HDF5 of FCLIB; a guess where not converged")};
+      &command.add(
+          "-o,--output FILE", options->output,
+          "write the problem with its solution there, HDF5 of FCLIB, a guess where not converged; or FILE.dat of "
+          "Siconos, the problem alone")};
   for (Option* one : alone) one->excludes = csv;
   command.add("--force", options->how.force, "replace existing outputs");
   declare_resume(command, options->how.resume);

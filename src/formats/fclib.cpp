@@ -2,7 +2,7 @@
 #include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
-#include <nscdd/formats/fclib.hpp>
+#include "formats/siconos_dat.hpp"
 
 namespace nscdd {
 namespace {
@@ -264,7 +264,7 @@ FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name) {
 FclibFile read_fclib(const std::string& path) { return fclib_from_hdf5(read_text(path), path); }
 
 GlobalFrictionProblem read_global_problem(const std::string& path) {
-  FclibFile file = read_fclib(path);
+  FclibFile file = read_contact_problem(path);
   if (auto* global = std::get_if<GlobalFrictionProblem>(&file.problem)) return std::move(*global);
   fail("{}: expected a global problem, with M and H, met a local one, in which bodies cannot be told", path);
 }

@@ -96,7 +96,8 @@ TEST_CASE("solve FOLDER: what is asked for must make sense") {
   make_problems(session);
   session.file("empty/notes.txt", "\n");
   check_refused(session, "solve problems", {"problems: expected a file, or a folder with --csv"});
-  check_refused(session, "solve empty --csv t.csv", {"empty: expected a folder with contact problems, .hdf5 or .h5"});
+  check_refused(session, "solve empty --csv t.csv",
+                {"empty: expected a folder with contact problems, .hdf5, .h5 or .dat"});
   check_refused(session, "solve problems/b.hdf5 --solver all", {"--solver: expected one, or several with --csv"});
   check_refused(session, "solve problems --solver nlgs --solver nlgs --csv t.csv", {"each solver once", "'nlgs'"});
   check_refused(session, "solve problems --solver newtn --csv t.csv", {"--solver", "one of auto"});

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Texts of Siconos wherever the files of FCLIB are read.
+#include "../support/fclib_files.hpp"
+#include "formats/siconos_dat.hpp"
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <sstream>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// The same problem as text and as HDF5.
+void make_problems(const Session& session) {
+  const GlobalFrictionProblem global = random_bodies_problem(4, 12, 20);
+  session.file("global.dat", siconos_text({global, {}, {}, {}}, "test"));
+  session.file("global.hdf5", raw_global(global).bytes());
+  const LocalFrictionProblem local = reduce(global);
+  session.file("local.dat", siconos_text({local, {}, {}, {}}, "test"));
+  session.file("local.hdf5", raw_local(local).bytes());
+}
+
+std::string without_seconds(const std::string& report) {
+  std::string text, line;
+  for (std::istringstream lines(report); std::getline(lines, line);)
+    if (!line.starts_with("seconds")) text += line + "\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("siconos: solve, sweep, inspect and optimum answer as for the same problem in HDF5") {
+  const Session session;
+  make_problems(session);
+  for (const std::string name : {"global", "local"})
+    CHECK(without_seconds(answer(session, "solve " + name + ".dat")) ==
+          without_seconds(answer(session, "solve " + name + ".hdf5")));
+  for (const std::string verb :
+       {"sweep FILE --subdomains metis:3 --epsilon 0,1 --eta 1,inf --csv -", "inspect FILE --subdomains metis:3",
+        "optimum FILE --subdomains metis:3 --epsilon 1 --contacts all"})
+    CHECK(answer(session, replaced(verb, "FILE", "global.dat")) ==
+          answer(session, replaced(verb, "FILE", "global.hdf5")));
+  session.file("box.toml", "[problem]\nfile = \"global.dat\"\n[partition]\nmetis = 3\n");
+  CHECK(table(session, "sweep box.toml --epsilon 1").text(0, "spectral_radius") ==
+        table(session, "sweep global.hdf5 --subdomains metis:3 --epsilon 1").text(0, "spectral_radius"));
+  check_refused(session, "sweep local.dat --subdomains metis:3 --epsilon 1 --csv -", {"expected a global problem"});
+}
+
+TEST_CASE("siconos: solve turns one format into the other, and says what is lost") {
+  const Session session;
+  make_problems(session);
+  const Outcome outcome = session.run(words("solve global.hdf5 -o text.dat"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "the problem alone"));
+  answer(session, "solve text.dat -o back.hdf5");
+  const auto problem = [&](const std::string& name) {
+    return std::get<GlobalFrictionProblem>(read_contact_problem((session.folder / name).string()).problem);
+  };
+  CHECK((problem("back.hdf5").h - problem("global.hdf5").h).norm() == 0);
+  CHECK((problem("back.hdf5").mass - problem("global.hdf5").mass).norm() == 0);
+  CHECK(problem("back.hdf5").f == problem("global.hdf5").f);
+  check_refused(session, "solve global.hdf5 -o text.dat", {"text.dat", "--force"});
+  check_refused(session, "solve text.dat -o text.dat --force", {"text.dat"});
+}
+
+TEST_CASE("siconos: a folder of problems, and what is refused by name") {
+  const Session session;
+  make_problems(session);
+  session.file("problems/a.dat", session.read("local.dat"));
+  session.file("problems/b.hdf5", session.read("global.hdf5"));
+  const CsvTable rows = table(session, "solve problems");
+  REQUIRE(rows.rows.size() == 2);
+  CHECK(rows.text(0, "problem") == "a.dat");
+  CHECK(rows.text(0, "status") == "converged");
+  session.file("space.dat", "3\n1\n0\n3\n3\n3\t3\n1 0 0\n0 1 0\n0 0 1\n-1 0 0\n0.5\n");
+  for (const std::string verb : {"solve space.dat", "sweep space.dat --subdomains metis:2 --epsilon 1 --csv -"})
+    check_refused(session, verb, {"space.dat", "not supported: a problem in three dimensions (1 contacts)"});
+  session.file("notes.pdf", "no problem\n");
+  check_refused(session, "sweep notes.pdf --epsilon 1 --csv -", {"notes.pdf: expected a case file", ".dat"});
+}

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact problems as text of Siconos: every storage, read from texts that are put together by hand, and what is
+// refused by name.
+#include "formats/siconos_dat.hpp"
+
+#include "../support/fclib_files.hpp"
+#include "../support/run_program.hpp"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <sstream>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// As the writer of Siconos has them, but for the digits of sparse entries (%g there), which are enough here to come
+// back.
+std::string dense_text(const SparseMatrix& matrix) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "0\n" << matrix.rows() << "\n" << matrix.cols() << "\n" << matrix.rows() << "\t" << matrix.cols() << "\n";
+  const Matrix dense = matrix;  // its data are the columns, a line per column count of entries
+  for (Index k = 0; k < dense.size(); ++k)
+    text << dense.data()[k] << ((k + 1) % std::max<Index>(matrix.cols(), 1) == 0 ? "\n" : " ");
+  return text.str();
+}
+
+// Blocks of `height` x 2, those without entries left out.
+std::string blocks_text(const SparseMatrix& matrix, Index height) {
+  const Matrix dense = matrix;
+  const Index rows = matrix.rows() / height, columns = matrix.cols() / 2;
+  std::ostringstream sizes, first, column, blocks;
+  blocks.precision(17);
+  for (Index i = 1; i <= rows; ++i) sizes << height * i << "\t";
+  sizes << "\n";
+  for (Index j = 1; j <= columns; ++j) sizes << 2 * j << "\t";
+  sizes << "\n";
+  Index number = 0;
+  for (Index i = 0; i < rows; ++i) {
+    first << number << "\t";
+    for (Index j = 0; j < columns; ++j) {
+      const Matrix block = dense.block(height * i, 2 * j, height, 2);
+      if (block.isZero(0)) continue;
+      column << j << "\t";
+      blocks << number++ << "\n";
+      for (const double value : block.reshaped()) blocks << value << "\n";
+    }
+  }
+  std::ostringstream text;
+  text << "1\n" << matrix.rows() << "\n" << matrix.cols() << "\n" << number << "\n";
+  if (number == 0) return text.str();
+  text << rows << "\n" << columns << "\n" << sizes.str() << rows + 1 << "\n" << number << "\n";
+  text << first.str() << number << "\t\n" << column.str() << "\n" << blocks.str();
+  return text.str();
+}
+
+std::string sparse_text(const SparseMatrix& matrix, int origin) {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> by_rows = matrix;
+  std::ostringstream text;
+  text.precision(17);
+  text << "2\n" << matrix.rows() << "\n" << matrix.cols() << "\n" << origin << "\n";
+  text << "CSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016\n";
+  text << (origin == 1 ? "triplet: " : origin == 3 ? "csr: " : "") << matrix.rows() << "-by-" << matrix.cols();
+  text << ", nzmax: " << matrix.nonZeros() + 3 << " nnz: " << matrix.nonZeros();
+  text << (origin == 1 ? "\n" : ", 1-norm: 7152.83\n");
+  const auto lines = [&](const char* name, const auto& compressed) {
+    for (Index j = 0; j < compressed.outerSize(); ++j) {
+      text << "    " << name << " " << j << " : locations " << compressed.outerIndexPtr()[j] << " to "
+           << compressed.outerIndexPtr()[j + 1] - 1 << "\n";
+      for (typename std::decay_t<decltype(compressed)>::InnerIterator e(compressed, j); e; ++e)
+        text << "      " << e.index() << " : " << e.value() << "\n";
+    }
+  };
+  if (origin == 2) lines("col", static_cast<const SparseMatrix::Base&>(matrix));
+  if (origin == 3) lines("row", by_rows);
+  if (origin == 1)
+    for (Index i = matrix.rows() - 1; i >= 0; --i)
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator e(by_rows, i); e; ++e)
+        text << "    " << e.row() << " " << e.col() << " : " << e.value() << "\n";
+  return text.str();
+}
+
+std::string numbers_text(const Vector& values) {
+  std::ostringstream text;
+  text.precision(24);
+  text << std::scientific;
+  for (const double value : values) text << "  " << value << " ";
+  return text.str() + "\n";
+}
+
+using MatrixText = std::function<std::string(const SparseMatrix&, Index height)>;
+
+// Blocks of M are those of a body, of W those of a contact.
+const std::vector<std::pair<const char*, MatrixText>> storages{
+    {"dense", [](const SparseMatrix& m, Index) { return dense_text(m); }},
+    {"blocks", [](const SparseMatrix& m, Index height) { return blocks_text(m, height); }},
+    {"triplets", [](const SparseMatrix& m, Index) { return sparse_text(m, 1); }},
+    {"columns", [](const SparseMatrix& m, Index) { return sparse_text(m, 2); }},
+    {"rows", [](const SparseMatrix& m, Index) { return sparse_text(m, 3); }}};
+
+std::string local_text(const LocalFrictionProblem& problem, const MatrixText& matrix) {
+  return "2\n" + std::to_string(problem.contacts()) + "\n" + matrix(problem.w, 2) + numbers_text(problem.q) +
+         numbers_text(problem.friction);
+}
+
+std::string global_text(const GlobalFrictionProblem& problem, const std::string& mass, const MatrixText& h) {
+  return "2\n" + std::to_string(problem.contacts()) + "\n" + mass + h(problem.h, 3) + numbers_text(problem.f) +
+         numbers_text(problem.w) + numbers_text(problem.friction);
+}
+
+bool same_bits(const Vector& a, const Vector& b) {
+  if (a.size() != b.size()) return false;
+  for (Index i = 0; i < a.size(); ++i)
+    if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i])) return false;
+  return true;
+}
+
+bool same(const SparseMatrix& a, const SparseMatrix& b) { return Matrix(a) == Matrix(b); }
+
+void check_same(const LocalFrictionProblem& expected, const LocalFrictionProblem& met) {
+  CHECK(same(met.w, expected.w));
+  CHECK(same_bits(met.q, expected.q));
+  CHECK(same_bits(met.friction, expected.friction));
+}
+
+void check_same(const GlobalFrictionProblem& expected, const GlobalFrictionProblem& met) {
+  CHECK(same(met.mass, expected.mass));
+  CHECK(same(met.h, expected.h));
+  CHECK(same_bits(met.f, expected.f));
+  CHECK(same_bits(met.w, expected.w));
+  CHECK(same_bits(met.friction, expected.friction));
+}
+
+template <class Problem>
+void check_reads_as(const Problem& expected, const std::string& text) {
+  const FclibFile file = siconos_from_text(text, "p.dat");
+  REQUIRE(std::holds_alternative<Problem>(file.problem));
+  check_same(expected, std::get<Problem>(file.problem));
+}
+
+void refused(const std::string& text, const std::string& message) {
+  CHECK_THROWS_WITH_AS(siconos_from_text(text, "p.dat"), doctest::Contains(message.c_str()), Error);
+}
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t place = text.find(from);
+  REQUIRE_MESSAGE(place != std::string::npos, from);
+  return text.replace(place, from.size(), to);
+}
+
+std::string columns(const SparseMatrix& matrix, Index) { return sparse_text(matrix, 2); }
+
+}  // namespace
+
+TEST_CASE("local and global problems in every storage") {
+  const GlobalFrictionProblem global = random_bodies_problem(1, 6, 9);
+  const LocalFrictionProblem local = reduce(global);
+  for (const auto& [name, matrix] : storages) {
+    CAPTURE(name);
+    check_reads_as(local, local_text(local, matrix));
+    check_reads_as(local, local_text(local, matrix) + "1\n");  // the flag of old versions
+    for (const auto& [of_h, h] : storages) {
+      CAPTURE(of_h);
+      check_reads_as(global, global_text(global, matrix(global.mass, 3), h));
+    }
+  }
+}
+
+TEST_CASE("a dense matrix has its columns one after another, as a 4 x 2 H shows") {
+  // One body that touches a wall, rows x, y, spin and one more; normal (1, 2, 3, 4), tangent (5, 6, 7, 8).
+  const std::string text =
+      "2\n1\n0\n4\n4\n4\t4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n0\n4\n2\n4\t2\n1 2\n3 4\n5 6\n7 8\n"
+      "0 0 0 0\n0 0\n0.5\n";
+  const auto problem = std::get<GlobalFrictionProblem>(siconos_from_text(text, "p.dat").problem);
+  CHECK(Matrix(problem.h).col(0) == Vector::LinSpaced(4, 1, 4));
+  CHECK(Matrix(problem.h).col(1) == Vector::LinSpaced(4, 5, 8));
+}
+
+TEST_CASE("a local problem is told from a global one of as many rows") {
+  // Three contacts of two bodies: M and W both have six rows.
+  const GlobalFrictionProblem global = random_bodies_problem(3, 2, 3);
+  const LocalFrictionProblem local = reduce(global);
+  REQUIRE(global.mass.rows() == local.w.rows());
+  check_reads_as(global, global_text(global, dense_text(global.mass), columns));
+  check_reads_as(local, local_text(local, columns));
+}
+
+TEST_CASE("problems without contacts, and blocks without entries") {
+  GlobalFrictionProblem global = random_bodies_problem(3, 2, 0);
+  for (const auto& [name, matrix] : storages) {
+    CAPTURE(name);
+    if (std::string(name) == "dense") continue;
+    check_reads_as(global, global_text(global, sparse_text(global.mass, 1), matrix));
+  }
+  check_reads_as(LocalFrictionProblem{SparseMatrix(0, 0), Vector(0), Vector(0)}, "2\n0\n1\n0\n0\n0\n\n\n");
+}
+
+TEST_CASE("what is written reads back bit for bit, and without the last digits of Siconos") {
+  FclibFile file;
+  GlobalFrictionProblem global = random_bodies_problem(1, 6, 5);
+  global.f[0] = -0.0;
+  global.f[1] = 5e-324;
+  global.f[2] = 1.7976931348623157e308;
+  global.w[0] = 0.1 + 0.2;
+  SUBCASE("global") { file.problem = global; }
+  SUBCASE("local") { file.problem = reduce(random_bodies_problem(2, 6, 5)); }
+  const std::string text = siconos_text(file, "nscdd 1");
+  const FclibFile back = siconos_from_text(text, "p.dat");
+  REQUIRE(back.problem.index() == file.problem.index());
+  if (const auto* expected = std::get_if<GlobalFrictionProblem>(&file.problem))
+    check_same(*expected, std::get<GlobalFrictionProblem>(back.problem));
+  else
+    check_same(std::get<LocalFrictionProblem>(file.problem), std::get<LocalFrictionProblem>(back.problem));
+  CHECK(siconos_text(back, "nscdd 1") == text);
+  std::istringstream lines(text);  // Siconos reads lines of at most 2 046 characters of a sparse matrix
+  std::string line;
+  for (int k = 0; k < 12 && std::getline(lines, line); ++k) CHECK(line.size() < 200);
+}
+
+TEST_CASE("six digits of a sparse matrix are symmetric enough") {
+  LocalFrictionProblem local = reduce(random_bodies_problem(5, 6, 9));
+  std::ostringstream rounded;  // %g of every entry, as CSparse prints it
+  for (Index j = 0; j < local.w.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator e(local.w, j); e; ++e) {
+      rounded.str("");
+      rounded << e.value();
+      e.valueRef() = std::stod(rounded.str()) * (e.row() > j ? 1 + 1e-6 : 1);
+    }
+  check_reads_as(local, local_text(local, columns));
+  local.w.coeffRef(1, 0) += 1e-3 * local.w.coeff(0, 0);
+  refused(local_text(local, columns), "p.dat: W: expected a symmetric matrix");
+}
+
+TEST_CASE("problems of another kind are named and refused") {
+  refused("3\n52\n1\n156\n156\n" + std::string(400, ' ') + std::string(120, '1'), "p.dat:2: contacts");
+  std::string words;
+  for (int k = 0; k < 60; ++k) words += "0 ";
+  refused("3\n1\n0\n3\n3\n3 3\n" + words, "not supported: a problem in three dimensions (1 contacts)");
+  refused("5\n1\n0\n5\n5\n5 5\n" + words, "not supported: rolling friction (1 contacts, dimension 5)");
+  refused("4\n1\n0\n4\n4\n4 4\n" + words, "dimension: expected 2, met 4");
+  refused("1000\n0.0\n", "dimension: expected an integer from 1 to 6, met 1000");
+  const LocalFrictionProblem local = reduce(random_bodies_problem(2, 3, 4));
+  refused(changed(local_text(local, columns), "8\n8\n2\n", "8\n8\n4\n"), "not supported: half of a symmetric matrix");
+}
+
+TEST_CASE("texts that are no problem are refused with their line") {
+  const LocalFrictionProblem local = reduce(random_bodies_problem(2, 3, 4));
+  const std::string good = local_text(local, columns);
+  refused("", "p.dat:1: expected dimension, met the end of the file");
+  refused("x,y,radius\n1,2,3\n", "p.dat:1: dimension: expected an integer, met 'x,y,radius'");
+  refused(changed(good, "2\n4\n", "2\n4.5\n"), "p.dat:2: contacts: expected an integer, met '4.5'");
+  refused(changed(good, "2\n4\n", "2\n1000000000\n"), "contacts: expected at least as many numbers behind it");
+  refused(changed(good, "4\n2\n8", "4\n3\n8"), "p.dat:3: storage of the first matrix: expected an integer from 0 to 2");
+  refused(changed(good, "8-by-8", "8-by-9"), "p.dat:8: sizes of the first matrix: expected '8-by-8,', met '8-by-9,'");
+  refused(changed(good, "col 1 ", "col 2 "), "expected an integer from 1 to 1, met 2");
+  refused(changed(good, "col 0 : locations 0 to", "col 0 : locations 1 to"), "expected an integer from 0 to 0, met 1");
+  refused(changed(good, "nnz: ", "nnz: 1"), "the first matrix: expected 140 entries, met 40");
+  refused(changed(good, "      0 : ", "      8 : "), "an entry of the first matrix: expected an integer from 0 to 7");
+  refused(changed(good, "      0 : ", "      0 : x"), "an entry of the first matrix: expected a number, met 'x");
+  refused(changed(good, "      0 : ", "      0 : nan "), "p.dat:10: ");
+  refused(good + "0 0\n", "H: expected");
+  refused(good + "7\n", "expected an integer from 0 to 1, met 7");
+  refused(good.substr(0, good.size() - 60), "met the end of the file");
+  const std::string dense = local_text(local, storages[0].second);
+  refused(changed(dense, "8\t8", "8\t9"), "columns of the first matrix: expected an integer from 8 to 8, met 9");
+  const std::string blocks = local_text(local, storages[1].second);
+  refused(changed(blocks, "2\t4\t6\t8\t", "2\t4\t3\t8\t"), "ends of block rows of the first matrix");
+  refused(changed(blocks, "2\t4\t6\t8\t", "2\t4\t6\t7\t"), "expected 8 at last, met 7");
+  const GlobalFrictionProblem global = random_bodies_problem(2, 3, 4);
+  refused(changed(global_text(global, dense_text(global.mass), columns), "9\n8\n2\n", "9\n6\n2\n"), "H: expected");
+}
+
+TEST_CASE("every prefix of a text is refused or is a problem by itself") {
+  const GlobalFrictionProblem global = random_bodies_problem(2, 2, 2);
+  for (const auto& [name, matrix] : storages) {
+    CAPTURE(name);
+    const std::string text = global_text(global, matrix(global.mass, 3), matrix);
+    for (std::size_t length = 0; length + 40 < text.size(); ++length)
+      CHECK_THROWS_AS(siconos_from_text(text.substr(0, length), "p.dat"), Error);
+  }
+}
+
+TEST_CASE("a file is told by its name") {
+  const TemporaryFolder folder;
+  const GlobalFrictionProblem global = random_bodies_problem(2, 3, 4);
+  write_file(folder / "p.dat", global_text(global, dense_text(global.mass), columns));
+  write_file(folder / "p.hdf5", raw_global(global).bytes());
+  for (const char* name : {"p.dat", "p.hdf5"}) {
+    check_same(global, std::get<GlobalFrictionProblem>(read_contact_problem((folder / name).string()).problem));
+    check_same(global, read_global_problem((folder / name).string()));
+  }
+  write_file(folder / "local.dat", local_text(reduce(global), columns));
+  CHECK_THROWS_WITH_AS(read_global_problem((folder / "local.dat").string()),
+                       doctest::Contains("expected a global problem"), Error);
+}
