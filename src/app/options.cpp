@@ -4,6 +4,7 @@
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
 #include "formats/siconos_dat.hpp"
+#include "formats/text_packing.hpp"
 #include "study/values.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -98,10 +99,17 @@ CaseSpec find_spec(const std::string& name) {
   spec.name = fs::path(path).stem().string();
   const auto format = packing_format(path);
   if (!format) {
-    if (!has_siconos_name(path))
-      fail("{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5) or a contact problem (.hdf5 or .dat)",
-           path);
-    spec.packing = ContactProblemFile{path};
+    // What other programs write as text: a packing, whatever its ending, or a contact problem.
+    const bool siconos = has_siconos_name(path);
+    if ((siconos || fs::path(path).extension() == ".txt") && is_text_packing(read_text(path)))
+      spec.packing = PackingFile{path};
+    else if (siconos)
+      spec.packing = ContactProblemFile{path};
+    else
+      fail(
+          "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius') or a "
+          "contact problem (.hdf5 or .dat)",
+          path);
     return spec;
   }
   if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
@@ -122,7 +130,7 @@ void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
 void CaseOptions::declare(Command& command, bool contact_problems) {
   command.required("CASE", name,
                    fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in "
-                               ".csv or .h5 with x,y,radius[,mass]{}",
+                               ".csv or .h5 with x,y,radius[,mass], or in .txt with lines x y radius{}",
                                contact_problems ? ", contact problem" : "",
                                contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
   declare_options(command);

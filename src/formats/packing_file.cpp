@@ -2,6 +2,8 @@
 #include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
+#include "formats/packing_columns.hpp"
+#include "formats/text_packing.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 #include <charconv>
@@ -9,22 +11,6 @@
 
 namespace nscdd {
 namespace {
-
-struct PackingColumn {
-  std::vector<double> Packing::*values;
-  bool required;
-  std::string_view name;
-  Field field;
-};
-
-constexpr Field place{.description = "centre of the grain", .unit = "m", .minimum = -1e100, .maximum = 1e100};
-constexpr Field positive(std::string_view name, std::string_view unit) {
-  return {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100};
-}
-constexpr PackingColumn packing_columns[] = {{&Packing::x, true, "x", place},
-                                             {&Packing::y, true, "y", place},
-                                             {&Packing::radius, true, "radius", positive("radius", "m")},
-                                             {&Packing::mass, false, "mass", positive("mass", "kg")}};
 
 const PackingColumn* find_column(std::string_view name) {
   const auto found = std::ranges::find(packing_columns, name, &PackingColumn::name);
@@ -36,18 +22,6 @@ void require_columns(const std::vector<const PackingColumn*>& met, std::string_v
   for (const PackingColumn& known : packing_columns)
     if (known.required && std::find(met.begin(), met.end(), &known) == met.end())
       fail("{}: expected a {} '{}', met none", where, kind, known.name);
-}
-
-// Most numbers are valid. Only for the others a text is made that says where they stand.
-double read_value(const CsvReader& reader, std::size_t column, const PackingColumn& meaning, const std::string& name) {
-  const std::string_view text = reader.value(column);
-  double value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status == std::errc() && end == text.data() + text.size() && in_bounds(value, meaning.field)) return value;
-  const std::string where = fmt::format("{}:{}: {}", name, reader.line(), meaning.name);
-  value = parse_number(text, where);
-  check_bounds(value, meaning.field, where);
-  return value;
 }
 
 std::vector<const PackingColumn*> columns_of(const Packing& packing) {
@@ -84,7 +58,19 @@ std::optional<PackingFormat> packing_format(const std::string& path) {
   return std::nullopt;
 }
 
+// Most numbers are valid. Only for the others a text is made that says where they stand.
+double packing_value(std::string_view text, const PackingColumn& column, const std::string& name, std::size_t line) {
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status == std::errc() && end == text.data() + text.size() && in_bounds(value, column.field)) return value;
+  const std::string where = fmt::format("{}:{}: {}", name, line, column.name);
+  value = parse_number(text, where);
+  check_bounds(value, column.field, where);
+  return value;
+}
+
 Packing parse_packing(std::string_view text, const std::string& name) {
+  if (is_text_packing(text)) return parse_text_packing(text, name);
   CsvReader reader = [&] {
     try {
       return CsvReader(text, name);
@@ -103,7 +89,7 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   Packing packing;
   while (reader.next())
     for (std::size_t j = 0; j < meaning.size(); ++j)
-      (packing.*(meaning[j]->values)).push_back(read_value(reader, j, *meaning[j], name));
+      (packing.*(meaning[j]->values)).push_back(packing_value(reader.value(j), *meaning[j], name, reader.line()));
   if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
   return packing;
 }

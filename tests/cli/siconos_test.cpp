@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texts of Siconos wherever the files of FCLIB are read.
+// Texts of Siconos, and packings as text, wherever their HDF5 and CSV counterparts are read.
 #include "../support/fclib_files.hpp"
 #include "formats/siconos_dat.hpp"
 #include "session.hpp"
@@ -80,4 +80,20 @@ TEST_CASE("siconos: a folder of problems, and what is refused by name") {
     check_refused(session, verb, {"space.dat", "not supported: a problem in three dimensions (1 contacts)"});
   session.file("notes.pdf", "no problem\n");
   check_refused(session, "sweep notes.pdf --epsilon 1 --csv -", {"notes.pdf: expected a case file", ".dat"});
+}
+
+TEST_CASE("text packings are read as CSV is, and spheres in space are refused") {
+  const Session session;
+  session.file("p.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n1,1,0.5\n");
+  session.file("p.txt", "# x y r\n0 0 0.5\n1 0 0.5\n2 0 0.5\n1 1 0.5\n");
+  session.file("q.dat", "#format x_y_z_r\n0 0 3 0.5\n1 0 3 0.5\n2 0 3 0.5\n1 1 3 0.5\n");
+  session.file("case.toml", "[packing]\nfile = \"p.txt\"\n[partition]\ngrid = [2, 1]\n");
+  session.file("space.txt", "0 0 0 0.5\n1 0 0.1 0.5\n");
+  const auto radius = [&](const std::string& name) {
+    return table(session, "sweep " + name + " --epsilon 1 --subdomains 2x1").text(0, "spectral_radius");
+  };
+  const std::string expected = radius("p.csv");
+  CHECK(std::stod(expected) > 0);
+  for (const std::string name : {"p.txt", "q.dat", "case.toml"}) CHECK(radius(name) == expected);
+  check_refused(session, "inspect space.txt", {"space.txt:2: z:", "packings are plane"});
 }

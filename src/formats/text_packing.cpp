@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/text_packing.hpp"
+
+#include "core/fail.hpp"
+#include "core/text.hpp"
+#include "formats/packing_columns.hpp"
+
+#include <charconv>
+
+namespace nscdd {
+namespace {
+
+// The lines of a text that say something, one at a time.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+    if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+  }
+  bool next() {
+    while (!rest_.empty()) {
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      line_ = rest_.substr(0, end);
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      ++number_;
+      if (line_.ends_with('\r')) line_.remove_suffix(1);
+      line_ = trimmed(line_);
+      if (!line_.empty() && line_.front() != '#') return true;
+    }
+    return false;
+  }
+  std::size_t number() const { return number_; }
+  std::vector<std::string_view> words() const {
+    std::vector<std::string_view> all;
+    for (std::string_view rest = line_; !rest.empty();) {
+      const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+      all.push_back(rest.substr(0, end));
+      rest = trimmed(rest.substr(end));
+    }
+    return all;
+  }
+
+ private:
+  std::string_view rest_, line_;
+  std::size_t number_ = 0;
+};
+
+bool is_number(std::string_view text) {
+  double value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc() && end == text.data() + text.size();
+}
+
+constexpr PackingColumn depth{nullptr, true, "z", packing_place};
+
+}  // namespace
+
+bool is_text_packing(std::string_view text) {
+  Lines lines(text);
+  if (!lines.next()) return false;
+  const std::vector<std::string_view> words = lines.words();
+  return words.size() > 1 && std::ranges::all_of(words, is_number);
+}
+
+Packing parse_text_packing(std::string_view text, const std::string& name) {
+  Packing packing;
+  Lines lines(text);
+  std::size_t width = 0, first_line = 0;
+  double z = 0;
+  while (lines.next()) {
+    const std::vector<std::string_view> words = lines.words();
+    const auto value = [&](std::size_t k, const PackingColumn& column) {
+      return packing_value(words[k], column, name, lines.number());
+    };
+    if (width == 0) {
+      width = words.size();
+      first_line = lines.number();
+      if (width != 3 && width != 4)
+        fail("{}:{}: expected lines 'x y radius' or 'x y z radius', met {} numbers", name, first_line, width);
+      if (width == 4) z = value(2, depth);
+    }
+    if (words.size() != width)
+      fail("{}:{}: expected {} numbers as in line {}, met {}", name, lines.number(), width, first_line, words.size());
+    if (width == 4)
+      if (const double met = value(2, depth); met != z)
+        fail(
+            "{}:{}: z: expected the {} of line {} for all grains, met {}: packings are plane, spheres in space are not "
+            "supported",
+            name, lines.number(), z, first_line, met);
+    packing.x.push_back(value(0, packing_columns[0]));
+    packing.y.push_back(value(1, packing_columns[1]));
+    packing.radius.push_back(value(width - 1, packing_columns[2]));
+  }
+  if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
+  return packing;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/packing/packing.hpp>
+
+namespace nscdd {
+
+/// Whether a text is a packing as YADE and ESyS-Particle exchange it: the first line that is neither blank nor a remark
+/// ('#') has two words or more, and all of them are numbers. So it is never CSV, whose first line has names.
+bool is_text_packing(std::string_view text);
+
+/// A packing of lines "x y radius" or "x y z radius" (m), apart by blanks or tabs. Remarks ('#') and blank lines are
+/// left out. z must be the same for all grains, which are then disks in one plane. Throws Error "name:line: ..." for a
+/// line with more or fewer numbers than the first or with another word, for numbers out of bounds as `parse_packing`
+/// has them, and for a z that differs.
+Packing parse_text_packing(std::string_view text, const std::string& name);
+
+}  // namespace nscdd

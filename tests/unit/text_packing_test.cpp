@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Packings of YADE and ESyS-Particle: lines "x y r" and "x y z r".
+#include "formats/text_packing.hpp"
+
+#include "../support/run_program.hpp"
+#include <nscdd/formats/packing_file.hpp>
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+using Values = std::vector<double>;
+
+void refused(const std::string& text, const std::string& message) {
+  REQUIRE(is_text_packing(text));
+  CHECK_THROWS_WITH_AS(parse_packing(text, "p.txt"), doctest::Contains(message.c_str()), Error);
+}
+
+}  // namespace
+
+TEST_CASE("text packing: lines of three numbers, and of four with one z") {
+  const Packing plane = parse_packing("#format x_y_r\n\n 0 1\t0.5\r\n# between\n+2 -1e-3 .25 \n", "p.txt");
+  CHECK(plane.x == Values{0, 2});
+  CHECK(plane.y == Values{1, -1e-3});
+  CHECK(plane.radius == Values{0.5, 0.25});
+  CHECK(plane.mass.empty());
+  const Packing space = parse_packing("0 1 7 0.5\n2 3 7.0 0.1", "p.txt");
+  CHECK(space.x == Values{0, 2});
+  CHECK(space.y == Values{1, 3});
+  CHECK(space.radius == Values{0.5, 0.1});
+}
+
+TEST_CASE("text packing: told from CSV by the first line that says something") {
+  for (const char* text : {"x,y,radius\n1,2,3\n", "x y radius\n1 2 3\n", "# 1 2 3\nx,y,radius\n1,2,3\n", "1,2,3\n", "",
+                           "# 1 2 3\n", "12\n", "1 2 3,\n", "2\n4\n0\n"})
+    CHECK_FALSE(is_text_packing(text));
+  for (const char* text : {"1 2 3\n", "\n#\n1\t2 3 4",
+                           "\xef\xbb\xbf"
+                           "1 2 3",
+                           "1 2", "1 2 3 4 5"})
+    CHECK(is_text_packing(text));
+  CHECK(parse_packing("x,y,radius\n1,2,3\n", "p.csv").x == Values{1});
+}
+
+TEST_CASE("text packing: read from a file, whatever its ending but those of HDF5") {
+  const TemporaryFolder folder;
+  for (const char* name : {"p.txt", "p.csv", "p.dat", "p"}) {
+    write_file(folder / name, "0 0 1\n2 0 1\n");
+    CHECK(read_packing((folder / name).string()).size() == 2);
+  }
+}
+
+TEST_CASE("text packing: what is none is refused with its line") {
+  refused("0 0 0 1\n2 0 0.5 1\n", "p.txt:2: z: expected the 0 of line 1 for all grains, met 0.5: packings are plane");
+  refused("# a\n0 0\n", "p.txt:2: expected lines 'x y radius' or 'x y z radius', met 2 numbers");
+  refused("0 0 0 1 7\n", "met 5 numbers");
+  refused("0 0 1\n\n0 0 0 1\n", "p.txt:3: expected 3 numbers as in line 1, met 4");
+  refused("0 0 1\n0 0 one\n", "p.txt:2: radius: expected a number, met 'one'");
+  refused("0 0 0\n", "p.txt:1: radius: expected");
+  refused("0 0 -1\n", "p.txt:1: radius: expected");
+  refused("0 nan 1\n", "p.txt:1: y: expected");
+  refused("0 0 inf 1\n", "p.txt:1: z: expected");
+  refused("1e200 0 1\n", "p.txt:1: x: expected");
+}
