@@ -4,6 +4,7 @@
 #include "files/output_folder.hpp"
 #include "formats/export.hpp"
 #include "formats/siconos_dat.hpp"
+#include "formats/vtkhdf.hpp"
 #include "study/values.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   OperatorsOptions operators;
-  std::string trajectory, folder, steps, output;
+  std::string trajectory, folder, vtkhdf, steps, output;
   std::optional<Index> step, subdomain;
   bool local = false, force = false;
 };
@@ -91,6 +92,33 @@ int export_vtk(const Options& options) {
   }
   fmt::print("{}: {} steps ({}), {} disks\n", collection.string(), files.size(), step_ranges_text(steps),
              system.disks());
+  return 0;
+}
+
+// The same pictures in one file, which is there once all of them are in it.
+int export_vtkhdf(const Options& options) {
+  require_no_input({options.vtkhdf}, {options.trajectory});
+  require_vtkhdf_name(options.vtkhdf);
+  const StepRange range = parse_step_range(options.steps);
+  const GranularSystem system = read_trajectory_header(options.trajectory).system;
+  const std::vector<Index> steps = chosen(options, range);
+  VtkhdfFile file(options.vtkhdf, options.force);
+  Interruption interruption;
+  {
+    const std::string label = "export " + fs::path(options.trajectory).filename().string();
+    const Monitor monitor = interruption.watch(label, 0, "step");
+    Index done = 0;
+    for (const Index step : steps) {
+      file.append(picture_of(system, read_trajectory_step(options.trajectory, step)));
+      if (!report(monitor, ++done, count(steps))) break;
+    }
+  }
+  if (interruption.stopped()) {
+    note("{}: interrupted; nothing was written", options.vtkhdf);
+    return interrupted_exit_code;
+  }
+  file.finish();
+  fmt::print("{}: {} steps ({}), {} disks\n", options.vtkhdf, steps.size(), step_ranges_text(steps), system.disks());
   return 0;
 }
 
@@ -190,14 +218,18 @@ int export_fclib(const Options& options, const Context& context) {
 }
 
 int run(const Options& options, const Context& context) {
-  const int asked =
-      (options.folder.empty() ? 0 : 1) + (options.step ? 1 : 0) + (options.operators.folder.empty() ? 0 : 1);
+  const auto asked = std::ranges::count_if(std::array{options.folder, options.vtkhdf, options.operators.folder},
+                                           [](const std::string& name) { return !name.empty(); }) +
+                     (options.step ? 1 : 0);
   if (asked != 1)
-    fail("export: expected one of --vtk FOLDER, --fclib STEP and --operators FOLDER, met {}",
+    fail("export: expected one of --vtk FOLDER, --vtkhdf FILE, --fclib STEP and --operators FOLDER, met {}",
          asked == 0 ? "none" : "several");
+  if (!options.steps.empty() && (options.step || !options.operators.folder.empty()))
+    fail("--steps: expected --vtk or --vtkhdf with it, met {}", options.step ? "--fclib" : "--operators");
   if (!options.operators.folder.empty()) return export_operators(options.operators, options.force, context);
   if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 (or FILE.dat) with it, met none");
-  return options.step ? export_fclib(options, context) : export_vtk(options);
+  if (options.step) return export_fclib(options, context);
+  return options.vtkhdf.empty() ? export_vtk(options) : export_vtkhdf(options);
 }
 
 }  // namespace
@@ -208,7 +240,9 @@ Action declare_export(Command& command) {
                    "trajectory of nscdd simulate, .h5 or .hdf5; of --operators what nscdd sweep takes");
   const Option* vtk = &command.add("--vtk FOLDER", options->folder,
                                    "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
-  command.add("--steps A[:B[:K]]", options->steps, "of --vtk: steps A, A + K, ... up to B that are kept").needs = vtk;
+  command.add("--vtkhdf FILE", options->vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf").excludes =
+      vtk;
+  command.add("--steps A[:B[:K]]", options->steps, "of all these: steps A, A + K, ... up to B that are kept");
   Option* fclib =
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes = vtk;
@@ -226,6 +260,7 @@ run where the step itself is kept. Operators are those of docs/notation.md, S = 
 Examples:
   nscdd simulate shear-1k --steps 5 --subdomains 2x1 --algorithm generic -o run.h5
   nscdd export run.h5 --vtk pictures --steps 0:5
+  nscdd export run.h5 --vtkhdf run.vtkhdf
   nscdd export run.h5 --fclib 5 -o problem.hdf5
   nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5
   nscdd solve problem.hdf5 --tolerance 1e-6

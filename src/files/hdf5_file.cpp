@@ -35,24 +35,32 @@ hid_t open_bytes(std::string_view bytes) {
 
 hid_t open_path(const std::string& path, Access how) {
   const Handle access = file_access();
-  if (how == Access::create) return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, without_times(H5P_FILE_CREATE), access);
+  if (how == Access::fill) require(H5Pset_file_locking(access, false, true));
+  if (how == Access::create || how == Access::fill)
+    return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, without_times(H5P_FILE_CREATE), access);
   return H5Fopen(path.c_str(), how == Access::change ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
 }
 
-Handle text_type(std::size_t length, H5T_str_t padding = H5T_STR_NULLPAD) {
+Handle text_type(std::size_t length, H5T_str_t padding = H5T_STR_NULLPAD, H5T_cset_t characters = H5T_CSET_UTF8) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, std::max<std::size_t>(length, 1));
   H5Tset_strpad(type, padding);
-  H5Tset_cset(type, H5T_CSET_UTF8);
+  H5Tset_cset(type, characters);
   return type;
 }
 
 Handle scalar_space() { return Handle(H5Screate(H5S_SCALAR), H5Sclose); }
 
-void make_attribute(hid_t object, const char* name, std::string_view text) {
-  const Handle type = text_type(text.size());
-  const Handle attribute(H5Acreate2(object, name, type, scalar_space(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require(H5Awrite(attribute, type, text.empty() ? "" : text.data()));
+// Replaces an attribute of that name.
+void make_attribute(hid_t object, const char* name, Types types, hid_t space, const void* data) {
+  if (H5Aexists(object, name) > 0) require(H5Adelete(object, name));
+  const Handle attribute(H5Acreate2(object, name, types.file, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require(H5Awrite(attribute, types.memory, data));
+}
+
+void make_attribute(hid_t object, const char* name, std::string_view text, H5T_cset_t characters = H5T_CSET_UTF8) {
+  const Handle type = text_type(text.size(), H5T_STR_NULLPAD, characters);
+  make_attribute(object, name, {type, type}, scalar_space(), text.empty() ? "" : text.data());
 }
 
 using Extent = std::array<hsize_t, 2>;  // rows and numbers per row: 1 in one dimension
@@ -64,6 +72,11 @@ Handle new_array(const Group& group, const std::string& name, hid_t type, const 
   const Extent chunk{std::max<hsize_t>(form.chunk / width, 1), width};
   const Handle properties = without_times(H5P_DATASET_CREATE);
   if (form.chunk > 0) require(H5Pset_chunk(properties, dimensions, chunk.data()));
+  if (form.compressed) {
+    constexpr unsigned level = 4;  // of 9: higher ones take much longer and gain little
+    require(H5Pset_shuffle(properties));
+    require(H5Pset_deflate(properties, level));
+  }
   const Handle space(H5Screate_simple(dimensions, extent.data(), form.chunk > 0 ? unlimited.data() : nullptr),
                      H5Sclose);
   Handle dataset(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
@@ -181,8 +194,21 @@ void Group::put_text(const std::string& name, const std::string& text, bool term
 }
 
 void Group::put_attribute(const std::string& name, std::string_view text) const {
-  if (H5Aexists(id_, name.c_str()) > 0) H5Adelete(id_, name.c_str());
   make_attribute(id_, name.c_str(), text);
+}
+
+void Group::put_ascii_attribute(const std::string& name, std::string_view text) const {
+  make_attribute(id_, name.c_str(), text, H5T_CSET_ASCII);
+}
+
+void Group::put_attribute(const std::string& name, std::int64_t number) const {
+  make_attribute(id_, name.c_str(), types_of<std::int64_t>(), scalar_space(), &number);
+}
+
+void Group::put_attribute(const std::string& name, std::span<const std::int64_t> numbers) const {
+  const hsize_t size = numbers.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  make_attribute(id_, name.c_str(), types_of<std::int64_t>(), space, numbers.data());
 }
 
 File::File()

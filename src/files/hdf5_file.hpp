@@ -60,6 +60,7 @@ struct ArrayForm {
   bool append = false;                ///< behind the end of what there is, not in its place
   std::optional<std::size_t> rows{};  ///< of a two-dimensional array
   std::size_t longest_text = 0;       ///< bytes after which texts are cut; 0: as long as the longest one
+  bool compressed = false;            ///< shuffled and deflated, chunk by chunk; only of an array with chunks
 };
 
 /// Part of an array: of a two-dimensional one, whole rows.
@@ -102,6 +103,10 @@ class Group {
   /// `terminated`: with a zero at its end, for readers that take the bytes as a string of C.
   void put_text(const std::string& name, const std::string& text, bool terminated = false) const;
   void put_attribute(const std::string& name, std::string_view text) const;
+  /// For readers that take no UTF-8: a text of ASCII alone, of fixed length.
+  void put_ascii_attribute(const std::string& name, std::string_view text) const;
+  void put_attribute(const std::string& name, std::int64_t number) const;
+  void put_attribute(const std::string& name, std::span<const std::int64_t> numbers) const;
   void remove(const std::string& name) const;
 
  private:
@@ -110,7 +115,12 @@ class Group {
   Handle id_;
 };
 
-enum class Access { create, change, read };
+enum class Access {
+  create,
+  change,
+  read,
+  fill,  ///< create anew in a file that the caller has locked
+};
 
 /// An open file. It is closed, with everything in it, at the end of the object's life.
 class File {

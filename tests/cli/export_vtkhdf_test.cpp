@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A run as one VTKHDF file: the same pictures, number by number, as VTK reads from the .vtp files of the run.
+#include "../support/moving_case.hpp"
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <set>
+#include <sstream>
+
+using namespace nscdd::testing;
+
+namespace {
+
+// A box of 30 grains with a floor of disks and walls that turn.
+std::string small_case() {
+  return replaced(replaced(moving_case(), "grains = 120", "grains = 30"), "steps = 20", "steps = 12");
+}
+
+constexpr int not_known = 77;  // exit code of read_vtk.py where VTK is too old for the file
+
+int run_script(const std::string& script, const std::filesystem::path& file) {
+  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/unit" / script).string() + "' '" +
+                              file.string() + "' > '" + file.string() + ".txt'";
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// A step as a script has it: its time and the lines of its arrays, which come in any order.
+struct Picture {
+  std::string time;
+  std::set<std::string> lines;
+  bool operator==(const Picture&) const = default;
+};
+
+std::vector<Picture> pictures_in(const std::filesystem::path& file) {
+  std::vector<Picture> pictures;
+  std::istringstream lines(read_file(file.string() + ".txt"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("file ", 0) == 0)
+      pictures.push_back({line.substr(line.rfind(' ') + 1), {}});
+    else
+      pictures.back().lines.insert(line);
+  return pictures;
+}
+
+std::vector<Picture> read(const Session& session, const std::string& script, const std::string& name) {
+  const std::filesystem::path file = session.folder / name;
+  REQUIRE_MESSAGE(run_script(script, file) == 0, script << " does not read " << name);
+  return pictures_in(file);
+}
+
+// Also by VTK itself, where it is recent enough.
+void check_same_pictures(const Session& session, const std::string& collection, const std::string& file,
+                         std::size_t steps, std::size_t lines) {
+  const std::vector<Picture> expected = read(session, "read_vtk.py", collection);
+  REQUIRE(expected.size() == steps);
+  CHECK(expected[0].lines.size() == lines);
+  CHECK(read(session, "read_vtkhdf.py", file) == expected);
+  const int status = run_script("read_vtk.py", session.folder / file);
+  REQUIRE((status == 0 || status == not_known));
+  if (status == 0) CHECK(pictures_in(session.folder / file) == expected);
+}
+
+}  // namespace
+
+TEST_CASE("export --vtkhdf: one file has every step as its .vtp file has it") {
+  const Session session;
+  session.file("box.toml", small_case());
+  answer(session, "simulate box.toml --subdomains 2x1 -o run.h5");
+  answer(session, "export run.h5 --vtk all");
+  CHECK(answer(session, "export run.h5 --vtkhdf run.vtkhdf") == "run.vtkhdf: 13 steps (0:12), 54 disks\n");
+  check_same_pictures(session, "all/run.pvd", "run.vtkhdf", 13, 21);
+
+  answer(session, "export run.h5 --vtk some --steps 3:12:3");
+  answer(session, "export run.h5 --vtkhdf some.hdf --steps 3:12:3");
+  std::filesystem::rename(session.folder / "some.hdf", session.folder / "some.vtkhdf");
+  check_same_pictures(session, "some/run.pvd", "some.vtkhdf", 4, 21);
+  CHECK_FALSE(session.has("run.vtkhdf.partial"));
+}
+
+TEST_CASE("export --vtkhdf: steps without contacts in between, and arrays of a run that switches models") {
+  const Session session;
+  // A grain that falls, bounces and falls again: contacts come, go and come.
+  session.file("ball.csv", "x,y,radius\n0,1.2,0.5\n");
+  session.file("ball.toml", R"([packing]
+file = "ball.csv"
+[masses]
+density = 1000
+[partition]
+grid = [1, 1]
+[interaction]
+friction = 0
+restitution = 0.9
+[dynamics]
+step = 0.05
+steps = 40
+[[boundary]]
+name = "floor"
+shape = "wall"
+from = [-1, 0]
+to = [1, 0]
+)");
+  answer(session, "simulate ball.toml -o ball.h5");
+  answer(session, "export ball.h5 --vtk ball");
+  answer(session, "export ball.h5 --vtkhdf ball.vtkhdf");
+  check_same_pictures(session, "ball/ball.pvd", "ball.vtkhdf", 41, 21);
+  std::string contacts;
+  for (const Picture& picture : pictures_in(session.folder / "ball/ball.pvd"))
+    contacts += picture.lines.contains("lines/offsets 0 2") ? "1" : "0";
+  CHECK(contains(contacts, "01"));
+  CHECK(contains(contacts, "10"));
+
+  session.file("box.toml", replaced(moving_case(), "[solver]", "[solver]\nswitch = \"linear\"\nswitch_after = 5"));
+  answer(session, "simulate box.toml --subdomains 2x2 --algorithm generic --steps 4 -o run.h5");
+  answer(session, "export run.h5 --vtk all");
+  answer(session, "export run.h5 --vtkhdf run.vtkhdf");
+  check_same_pictures(session, "all/run.pvd", "run.vtkhdf", 5, 26);
+}
+
+TEST_CASE("export --vtkhdf: whole or absent, and nothing is replaced in silence") {
+  const Session session;
+  session.file("box.toml", small_case());
+  session.file("old.vtkhdf", "precious");
+  answer(session, "simulate box.toml --steps 3 -o run.h5");
+  check_refused(session, "export run.h5 --vtkhdf old.vtkhdf", {"old.vtkhdf", "exists already"});
+  check_refused(session, "export run.h5 --vtkhdf run.h5 --force", {"would be lost"});
+  check_refused(session, "export run.h5 --vtkhdf new.vtp", {"new.vtp", ".vtkhdf"});
+  check_refused(session, "export run.h5 --vtkhdf -", {"-: expected the name of a file that ends in .vtkhdf"});
+  check_refused(session, "export run.h5 --vtkhdf none/new.vtkhdf", {"there is no folder none"});
+  check_refused(session, "export run.h5 --vtkhdf new.vtkhdf --vtk folder", {"--vtk"});
+  check_refused(session, "export run.h5 --vtkhdf new.vtkhdf --fclib 1 -o p.hdf5", {"expected one of", "several"});
+  check_refused(session, "export run.h5 --vtkhdf new.vtkhdf --steps 7", {"--steps", "keeps (0:3), met none"});
+  RunOptions limited;
+  limited.largest_file = 6000;
+  check_refused(session, "export run.h5 --vtkhdf new.vtkhdf", {"new.vtkhdf", "cannot be written"}, limited);
+
+  answer(session, "export run.h5 --vtkhdf old.vtkhdf --force");
+  answer(session, "export run.h5 --vtkhdf again.vtkhdf");
+  CHECK(session.read("old.vtkhdf") == session.read("again.vtkhdf"));  // equal runs give equal bytes
+}
