@@ -3,6 +3,7 @@
 
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
+#include "formats/datbox.hpp"
 #include "formats/siconos_dat.hpp"
 #include "formats/text_packing.hpp"
 #include "study/values.hpp"
@@ -94,6 +95,7 @@ std::vector<double> features(const Model& model) {
 
 CaseSpec find_spec(const std::string& name) {
   const std::string path = find_case(name);
+  if (holds_datbox(path)) return case_of_datbox(path, false);
   if (fs::path(path).extension() == ".toml") return read_case(path);
   CaseSpec spec;
   spec.name = fs::path(path).stem().string();
@@ -107,8 +109,8 @@ CaseSpec find_spec(const std::string& name) {
       spec.packing = ContactProblemFile{path};
     else
       fail(
-          "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius') or a "
-          "contact problem (.hdf5 or .dat)",
+          "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius'), a "
+          "folder with BODIES.DAT or a contact problem (.hdf5 or .dat)",
           path);
     return spec;
   }
@@ -130,9 +132,10 @@ void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
 void CaseOptions::declare(Command& command, bool contact_problems) {
   command.required("CASE", name,
                    fmt::format("case or packing file{}, or a known case; case files end in .toml, packing files in "
-                               ".csv or .h5 with x,y,radius[,mass], or in .txt with lines x y radius{}",
-                               contact_problems ? ", contact problem" : "",
-                               contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
+                                ".csv or .h5 with x,y,radius[,mass], or in .txt with lines x y radius, or are a folder "
+                                "DATBOX of LMGC90{}",
+                                contact_problems ? ", contact problem" : "",
+                                contact_problems ? ", contact problems of FCLIB in .hdf5, of Siconos in .dat" : ""));
   declare_options(command);
 }
 

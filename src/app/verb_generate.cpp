@@ -54,8 +54,9 @@ int run(const Options& options, const Context& context) {
 
 Action declare_generate(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required("SPEC", options->spec,
-                   "generator with its defaults (see nscdd list), case file (.toml), or a known case");
+  command.required(
+      "SPEC", options->spec,
+      "generator with its defaults (see nscdd list), case file (.toml), known case, or packing of another format");
   command.required("-o,--output FILE", options->output,
                    "where the packing goes: .csv, .h5 or .hdf5; - for CSV on standard output");
   command.add("--set KEY=VALUE", options->settings,

@@ -4,6 +4,7 @@
 #include "app/simulate_output.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
+#include "formats/datbox.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd::app {
@@ -179,7 +180,8 @@ int run(const Options& options, const Context& context) {
   const ThreadLimit limit(threads_of(options.threads, context.machine));
   CaseSpec spec = all.together([&] {
     if (all.first()) check_names(options);
-    CaseSpec found = find_spec(options.name);
+    const std::string path = find_case(options.name);
+    CaseSpec found = holds_datbox(path) ? case_of_datbox(path, true) : find_spec(path);
     apply(options, found);
     require_shared(found, context.machine);
     if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);
@@ -224,7 +226,8 @@ int run(const Options& options, const Context& context) {
 
 Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required("CASE", options->name, "case file (.toml) with [dynamics], or a known case");
+  command.required("CASE", options->name,
+                   "case file (.toml) with [dynamics], a known case, or a folder DATBOX of LMGC90");
   command.add("--subdomains PARTITION", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
     command.add(one.option + " " + one.form, one.value, fmt::format("{}: {}", one.help, one.key)).words = one.words;

@@ -3,6 +3,7 @@
 
 #include "files/csv.hpp"
 #include "files/strict_toml.hpp"
+#include "formats/datbox.hpp"
 #include <nscdd/formats/fclib.hpp>
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/formats/read_model.hpp>
@@ -266,7 +267,11 @@ Case resolve(CaseSpec spec) {
     return (folder / name).string();
   };
   if (const auto* file = std::get_if<PackingFile>(&one.spec.packing))
-    one.packing = at_key(one.spec, "packing.file", [&] { return read_packing(beside(file->path)); });
+    one.packing = at_key(one.spec, "packing.file", [&] {
+      const std::string path = beside(file->path);
+      const bool moves = one.spec.dynamics.has_value() && holds_datbox(path);
+      return moves ? datbox_packing(read_datbox(path), DatboxDisks::all) : read_packing(path);
+    });
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     one.problem = at_key(one.spec, "problem.file", [&] { return read_global_problem(beside(file->path)); });
   if (std::holds_alternative<SettledFrom>(one.spec.packing))

@@ -2,6 +2,7 @@
 #include "core/fail.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
+#include "formats/datbox.hpp"
 #include "formats/packing_columns.hpp"
 #include "formats/text_packing.hpp"
 #include <nscdd/formats/packing_file.hpp>
@@ -119,6 +120,7 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
 }
 
 Packing read_packing(const std::string& path) {
+  if (holds_datbox(path)) return datbox_packing(read_datbox(path), DatboxDisks::free);
   const std::string content = read_text(path);
   return packing_format(path) == PackingFormat::hdf5 ? packing_from_hdf5(content, path) : parse_packing(content, path);
 }

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "study/case.hpp"
+
+/// Input files of LMGC90 for rigid bodies in the plane, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT, TACT_BEHAV.DAT,
+/// DRV_DOF.DAT and DOF.INI. Numbers stand in fixed columns with seven or eight digits. Errors name file and line.
+namespace nscdd {
+
+/// A place in one of the files, for errors.
+struct DatboxPlace {
+  std::string file;
+  Index line = 0;
+};
+
+/// What a body touches others with.
+struct DatboxContactor {
+  bool plank = false;                ///< JONCx, a plank with round ends; else a disk: DISKx, or DISKb of a cluster
+  double radius = 0;                 ///< m, of a disk
+  double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
+  std::array<double, 2> shift{};     ///< m, from the centre of the body, in its own axes
+  std::string colour;
+  DatboxPlace place;
+};
+
+/// Prescribed velocity of a degree of freedom: [constant + amplitude cos(omega t + phase)] min(1, initial + rate t).
+struct DatboxDrive {
+  double constant = 0, amplitude = 0, omega = 0, phase = 0, initial = 0, rate = 0;
+  bool table = false;  ///< by a file (evolution), which is not read
+  DatboxPlace place;
+};
+
+struct DatboxBody {
+  std::array<double, 3> position{};                ///< x, y (m) and angle (rad) at the beginning
+  std::array<double, 3> velocity{};                ///< m/s, m/s, rad/s
+  double average_radius = 0, gyration_radius = 0;  ///< m; the mass is density x pi x average_radius^2
+  double written_digit = 0;                        ///< m, half of the last digit in which its place is written
+  std::string bulk;                                ///< name of its bulk law
+  std::vector<DatboxContactor> contactors;         ///< at least one
+  std::array<std::optional<DatboxDrive>, 3> drives;
+  std::optional<DatboxPlace> force;  ///< where a prescribed force stands, if there is one
+  DatboxPlace place, velocity_place;
+
+  bool driven() const { return drives[0] || drives[1] || drives[2]; }
+  bool plank() const { return contactors[0].plank; }
+};
+
+/// A contact law by its name: IQS_CLB or RST_CLB, or another one, which nobody may use.
+struct DatboxLaw {
+  std::string kind;
+  double friction = 0, restitution = 0, tangential_restitution = 0;
+  DatboxPlace place;
+};
+
+/// Which contactors see each other, and by which law.
+struct DatboxSight {
+  std::array<std::string, 2> contactors, colours;  ///< DISKx or JONCx, of the candidate and of the antagonist
+  std::string law;
+  double alert = 0;  ///< m
+  DatboxPlace place;
+};
+
+struct Datbox {
+  std::string folder;
+  std::vector<DatboxBody> bodies;
+  std::map<std::string, double> density;  ///< kg/m^2, by bulk law
+  std::array<double, 2> gravity{};        ///< m/s^2
+  std::map<std::string, DatboxLaw> laws;
+  std::vector<DatboxSight> sights;
+  double start = 0;  ///< s, time of DOF.INI, which drives count from
+};
+
+/// The text of each file; empty for one that is not there.
+struct DatboxTexts {
+  std::string bodies, bulk, tact, driven, initial;
+};
+
+/// Reads the files as LMGC90 does, by columns. `folder` stands before the names of files in errors. Throws Error for
+/// other bodies than RBDY2, other contactors than disks and planks, several nodes or bulk elements in a body, and
+/// whatever LMGC90 could not read or would cut off.
+Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
+
+/// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
+bool holds_datbox(const std::string& path);
+
+/// Reads such a folder. Throws Error as parse_datbox, and for files that cannot be read.
+Datbox read_datbox(const std::string& path);
+
+enum class DatboxDisks {
+  all,   ///< of a case that moves: what is driven is a boundary of grains
+  free,  ///< those that the linear study is about
+};
+
+/// The disks in the order of the files, with masses. Planks are no grains. Throws Error for a free body of several
+/// disks, one whose inertia is not that of a full disk, and a packing without grains.
+Packing datbox_packing(const Datbox& datbox, DatboxDisks which);
+
+/// How far gaps of the packing are from those that were meant, at the most, because places and radii are rounded to
+/// seven digits: times the smallest radius, rounded up to one digit.
+double gap_uncertainty(const Datbox& datbox);
+
+/// The packing of a folder as a case: contacts are found to its gap_uncertainty, and the velocities at the beginning
+/// are prescribed. With `moving`, also laws, gravity and boundaries: planks as straight walls, driven disks as grains
+/// of a boundary. The steps are those of TimeStepping, as the files know none. Throws Error as datbox_packing, and with
+/// `moving` for a free disk that spins at the beginning and whatever else is not modelled: see docs/formats.md.
+CaseSpec case_of_datbox(const std::string& path, bool moving);
+
+/// The moving part of it.
+Dynamics datbox_dynamics(const Datbox& datbox);
+
+}  // namespace nscdd

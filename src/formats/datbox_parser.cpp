@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "files/csv.hpp"
+#include "formats/datbox.hpp"
+#include "formats/fixed_columns.hpp"
+
+#include <filesystem>
+#include <numbers>
+
+namespace nscdd {
+namespace {
+
+// Half of the seventh digit of a number as it is written: 0.1234567D+01.
+double half_digit(double value) {
+  return value == 0 ? 0 : 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(value))) + 1 - 7);
+}
+
+double positive(const FixedColumns& lines, std::size_t first, std::string_view what) {
+  const double value = lines.number(first, what);
+  if (!(value > 0)) lines.refuse(fmt::format("{}: expected a number above 0", what), fmt::format("{}", value));
+  return value;
+}
+
+void read_bulk_element(FixedColumns& lines, DatboxBody& body) {
+  if (lines.text(2, 6) != "PLAIN") lines.refuse("expected the bulk element PLAIN", lines.text(2, 6));
+  body.bulk = lines.text(23, 27);
+  body.average_radius = lines.number(35, "avrd", true);
+  body.gyration_radius = lines.number(56, "gyrd", true);
+}
+
+void read_node(FixedColumns& lines, DatboxBody& body) {
+  if (lines.text(2, 6) != "NO3xx") lines.refuse("expected the node NO3xx of a rigid body", lines.text(2, 6));
+  body.position = {lines.number(35, "coo1"), lines.number(56, "coo2"), lines.number(77, "coo3", true)};
+  body.written_digit = std::max(half_digit(body.position[0]), half_digit(body.position[1]));
+}
+
+DatboxContactor read_contactor(FixedColumns& lines) {
+  const std::string kind(lines.text(2, 6));
+  DatboxContactor contactor{.colour = std::string(lines.text(23, 27)), .place = lines.place()};
+  if (kind == "JONCx") {
+    contactor.plank = true;
+    contactor.length = positive(lines, 35, "ax1");
+    contactor.thickness = positive(lines, 56, "ax2");
+  } else if (kind == "DISKx" || kind == "DISKb") {
+    contactor.radius = positive(lines, 35, "byrd");
+    if (kind == "DISKb") {
+      lines.require_next("a line with the place of the disk DISKb");
+      contactor.shift = {lines.number(35, "coo1"), lines.number(56, "coo2")};
+    }
+  } else {
+    lines.refuse("expected contactors DISKx, DISKb or JONCx: other shapes are not modelled", kind);
+  }
+  return contactor;
+}
+
+// LMGC90 works out what BODIES.DAT leaves at 0: the centre of a body of several contactors, weighted by their areas,
+// and its radii. A plank is never free here, so that its own radii have no effect.
+void complete(DatboxBody& body) {
+  if (body.contactors.size() > 1 && body.position == std::array<double, 3>{}) {
+    double area = 0;
+    std::array<double, 2> centre{};
+    for (const DatboxContactor& one : body.contactors) {
+      area += one.radius * one.radius;
+      for (const std::size_t k : {0, 1}) centre[k] += one.radius * one.radius * one.shift[k];
+    }
+    for (const std::size_t k : {0, 1}) body.position[k] = centre[k] / area;
+    for (DatboxContactor& one : body.contactors)
+      for (const std::size_t k : {0, 1}) one.shift[k] -= body.position[k];
+  }
+  if (body.contactors.size() == 1 && (body.average_radius == 0 || body.gyration_radius == 0)) {
+    body.average_radius = body.contactors[0].radius;
+    body.gyration_radius = body.contactors[0].radius / std::numbers::sqrt2;
+  }
+}
+
+DatboxBody read_body(FixedColumns& lines) {
+  lines.require_next("a body");
+  DatboxBody body;
+  body.place = body.velocity_place = lines.place();
+  if (lines.text(2, 6) != "RBDY2") lines.refuse("expected rigid bodies in the plane (RBDY2)", lines.text(2, 6));
+  int bulks = 0, nodes = 0;
+  lines.next();
+  while (lines.section() && !lines.key().empty() && lines.key() != "$$$$$$" && lines.key() != "$bdyty") {
+    const std::string section(lines.key());
+    while (lines.next() && !lines.section()) {
+      if (section == "$blmty" && ++bulks == 1)
+        read_bulk_element(lines, body);
+      else if (section == "$nodty" && ++nodes == 1)
+        read_node(lines, body);
+      else if (section == "$tacty")
+        body.contactors.push_back(read_contactor(lines));
+      else
+        lines.refuse(fmt::format("section {}: expected one line", section), "another");
+    }
+  }
+  const auto refuse = [&](std::string_view expected, std::string_view met) {
+    fail("{}:{}: {}, met {}", body.place.file, body.place.line, expected, met);
+  };
+  if (lines.key() != "$$$$$$") refuse("expected a body that ends with $$$$$$", "one that does not");
+  if (bulks == 0 || nodes == 0) refuse("expected a body with a bulk element and a node", "one without");
+  if (body.contactors.empty()) refuse("expected a body with a contactor", "one without");
+  if (body.contactors.size() > 1)
+    for (const DatboxContactor& one : body.contactors)
+      if (one.plank) refuse("expected a plank JONCx alone in its body", "one with other contactors");
+  complete(body);
+  return body;
+}
+
+// The body that a record of DRV_DOF.DAT or DOF.INI is about, by its number from 1.
+DatboxBody& numbered_body(FixedColumns& lines, std::vector<DatboxBody>& bodies) {
+  lines.require_next("a body");
+  if (lines.text(2, 6) != "RBDY2") lines.refuse("expected RBDY2", lines.text(2, 6));
+  const Index number = lines.integer(9, 15, "number of the body");
+  if (number < 1 || number > count(bodies))
+    lines.refuse(fmt::format("expected one of the {} bodies of BODIES.DAT", bodies.size()), std::to_string(number));
+  return bodies[at(number - 1)];
+}
+
+void read_drives(FixedColumns lines, std::vector<DatboxBody>& bodies) {
+  while (lines.find("$bdyty")) {
+    DatboxBody& body = numbered_body(lines, bodies);
+    while (lines.next() && lines.key() != "$$$$$$") {
+      if (lines.section() || lines.text(2, 3) == "NO") continue;
+      const std::string_view kind = lines.text(2, 6);
+      if (kind != "vlocy" && kind != "force") lines.refuse("expected vlocy or force", kind);
+      if (kind == "force") {
+        body.force = lines.place();
+        continue;
+      }
+      const Index dof = lines.integer(9, 13, "degree of freedom");
+      if (dof < 1 || dof > 3) lines.refuse("expected a degree of freedom 1, 2 or 3", std::to_string(dof));
+      DatboxDrive& drive = body.drives[at(dof - 1)].emplace();
+      drive.place = lines.place();
+      drive.table = lines.text(15, 23) == "evolution";
+      if (drive.table) continue;
+      for (const auto& [value, column, name] : {std::tuple(&DatboxDrive::constant, 15, "CT"),
+                                                {&DatboxDrive::amplitude, 30, "AMP"},
+                                                {&DatboxDrive::omega, 45, "OMEGA"},
+                                                {&DatboxDrive::phase, 60, "PHI"},
+                                                {&DatboxDrive::initial, 75, "RAMPI"},
+                                                {&DatboxDrive::rate, 90, "RAMP"}})
+        drive.*value = lines.number(static_cast<std::size_t>(column), name);
+    }
+  }
+}
+
+void read_initial(FixedColumns lines, Datbox& datbox) {
+  while (lines.next()) {
+    if (lines.key() == "$steps") datbox.start = lines.number(35, "time");
+    if (lines.key() != "$bdyty") continue;
+    DatboxBody& body = numbered_body(lines, datbox.bodies);
+    if (!lines.find("$nodty")) fail("{}: expected a section $nodty, met none", lines.place().file);
+    lines.require_next("displacements X");
+    const std::array<double, 3> moved{lines.number(35, "X(1)"), lines.number(56, "X(2)"), lines.number(77, "X(3)")};
+    for (const std::size_t k : {0, 1, 2}) body.position[k] += moved[k];
+    body.written_digit += std::max(half_digit(moved[0]), half_digit(moved[1]));
+    lines.require_next("velocities V");
+    body.velocity = {lines.number(35, "V(1)"), lines.number(56, "V(2)"), lines.number(77, "V(3)")};
+    body.velocity_place = lines.place();
+  }
+}
+
+void read_bulk(FixedColumns lines, Datbox& datbox) {
+  while (lines.next()) {
+    const std::string section(lines.key());
+    if (section == "$gravy") {
+      lines.require_next("the acceleration of gravity");
+      datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2")};
+    } else if (section == "$behav") {
+      lines.require_next("a bulk law");
+      if (lines.text(9, 38) == "RIGID") datbox.density[std::string(lines.text(2, 6))] = positive(lines, 46, "Umas");
+    }
+  }
+}
+
+DatboxLaw read_law(FixedColumns& lines) {
+  DatboxLaw law{.kind = std::string(lines.text(9, 38)), .place = lines.place()};
+  if (law.kind == "IQS_CLB") {
+    law.friction = lines.number(46, "fric");
+  } else if (law.kind == "RST_CLB") {
+    law.restitution = lines.number(46, "rstn");
+    law.tangential_restitution = lines.number(67, "rstt");
+    lines.require_next("the friction of RST_CLB");
+    law.friction = lines.number(46, "fric");
+  }
+  return law;
+}
+
+void read_tact(FixedColumns lines, Datbox& datbox) {
+  while (lines.next()) {
+    const std::string section(lines.key());
+    if (section == "$behav") {
+      lines.require_next("a contact law");
+      const std::string name(lines.text(2, 6));
+      datbox.laws.insert_or_assign(name, read_law(lines));
+    } else if (section == "$seety") {
+      lines.require_next("the names of columns");
+      lines.require_next("two contactors and their law");
+      datbox.sights.push_back({{std::string(lines.text(9, 13)), std::string(lines.text(37, 41))},
+                               {std::string(lines.text(16, 20)), std::string(lines.text(44, 48))},
+                               std::string(lines.text(23, 27)),
+                               lines.number(55, "alert"),
+                               lines.place()});
+    }
+  }
+}
+
+std::filesystem::path datbox_folder(const std::string& path) {
+  const std::filesystem::path folder(path);
+  return std::filesystem::is_regular_file(folder / "BODIES.DAT") ? folder : folder / "DATBOX";
+}
+
+}  // namespace
+
+Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
+  const auto lines = [&](const std::string& text, const char* name) {
+    return FixedColumns(text, (std::filesystem::path(folder) / name).string());
+  };
+  Datbox datbox;
+  datbox.folder = folder;
+  for (FixedColumns bodies = lines(texts.bodies, "BODIES.DAT"); bodies.find("$bdyty");)
+    datbox.bodies.push_back(read_body(bodies));
+  read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox.bodies);
+  read_initial(lines(texts.initial, "DOF.INI"), datbox);
+  read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
+  read_tact(lines(texts.tact, "TACT_BEHAV.DAT"), datbox);
+  return datbox;
+}
+
+bool holds_datbox(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) &&
+         std::filesystem::is_regular_file(datbox_folder(path) / "BODIES.DAT", ignored);
+}
+
+Datbox read_datbox(const std::string& path) {
+  const std::filesystem::path folder = datbox_folder(path);
+  const auto text = [&](const char* name, bool required) {
+    const std::filesystem::path file = folder / name;
+    return required || std::filesystem::exists(file) ? read_text(file.string()) : std::string();
+  };
+  return parse_datbox({text("BODIES.DAT", true), text("BULK_BEHAV.DAT", true), text("TACT_BEHAV.DAT", false),
+                       text("DRV_DOF.DAT", false), text("DOF.INI", false)},
+                      folder.string());
+}
+
+}  // namespace nscdd

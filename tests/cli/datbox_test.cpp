@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A DATBOX of LMGC90: read as a packing and as a case that moves, equal to the case that it was written from.
+#include "../support/moving_case.hpp"
+#include "formats/trajectory.hpp"
+#include "session.hpp"
+#include <nscdd/formats/packing_file.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+std::string path_of(const Session& session, const std::string& name) { return (session.folder / name).string(); }
+
+// By a writer of its own, which knows the formats of LMGC90 but nothing of this program but its trajectories.
+void write_datbox(const Session& session, const std::string& run, const std::string& folder) {
+  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/write_datbox.py").string() + "' '" +
+                              path_of(session, run) + "' '" + path_of(session, folder) + "'";
+  REQUIRE(std::system(command.c_str()) == 0);
+}
+
+// A box with a floor and a side of disks that turns, and a side wall that is pushed in.
+std::string box_case() {
+  std::string text = moving_case();
+  text.erase(text.find("[solver]"), text.find("[[boundary]]") - text.find("[solver]"));
+  text = replaced(text, "grains = 120", "grains = 60");
+  text = replaced(text, "friction = 0.3", "friction = 0.3\nboundary_friction = 0.5");
+  text = replaced(text, "steps = 20", "steps = 15\npenetration_correction = 0");
+  return replaced(text, "motion = [[0, 0, 0, 0], [0.02, 0, 0, -0.075]]",
+                  "motion = [[0, 0, 0, 0], [0.02, -0.05, 0, 0]]");
+}
+
+// The largest differences of places (m) and velocities (m/s) of free disks in a step of two runs.
+std::array<double, 2> difference(const Session& session, const std::string& a, const std::string& b, Index step) {
+  const GranularSystem system = read_trajectory_header(path_of(session, a)).system;
+  const GranularState p = read_trajectory_step(path_of(session, a), step).state;
+  const GranularState q = read_trajectory_step(path_of(session, b), step).state;
+  REQUIRE(p.x.size() == q.x.size());
+  std::array<double, 2> largest{};
+  for (std::size_t i = 0; i < p.x.size(); ++i) {
+    largest[0] = std::max({largest[0], std::abs(p.x[i] - q.x[i]), std::abs(p.y[i] - q.y[i])});
+    if (system.free(static_cast<Index>(i)))
+      largest[1] =
+          std::max({largest[1], std::abs(p.velocity_x[i] - q.velocity_x[i]),
+                    std::abs(p.velocity_y[i] - q.velocity_y[i]), system.radius[i] * std::abs(p.spin[i] - q.spin[i])});
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("DATBOX: a run from it is that of the case it was written from, to its seven digits") {
+  const Session session;
+  session.file("box.toml", box_case());
+  answer(session, "simulate box.toml -o run.h5");
+  write_datbox(session, "run.h5", "box/DATBOX");
+  answer(session, "simulate box/DATBOX --steps 15 -o back.h5");
+  const GranularSystem system = read_trajectory_header(path_of(session, "back.h5")).system;
+  CHECK(system.free_disks() == 60);
+  CHECK(system.boundaries.size() == 3);
+  CHECK(system.walls.size() == 1);
+  for (const Index step : {0, 1, 5, 15}) {
+    CAPTURE(step);
+    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    // A gap that is off by the seventh digit of a coordinate is off by that over the step as a speed.
+    CHECK(places < 5e-6);
+    CHECK(velocities < 1e-3);
+  }
+  // They do move, by far more than that.
+  const GranularState end = read_trajectory_step(path_of(session, "run.h5"), 15).state;
+  const GranularState begin = read_trajectory_step(path_of(session, "run.h5"), 0).state;
+  double moved = 0;
+  for (std::size_t i = 0; i < end.x.size(); ++i) moved = std::max(moved, std::abs(end.x[i] - begin.x[i]));
+  CHECK(moved > 1e-3);
+}
+
+TEST_CASE("DATBOX: restitution, initial velocities and no friction") {
+  const Session session;
+  session.file("ball.csv", "x,y,radius\n0,0.6,0.5\n3,0.55,0.5\n");
+  session.file("ball.toml", R"([packing]
+file = "ball.csv"
+[masses]
+density = 1234.5
+[partition]
+grid = [1, 1]
+[interaction]
+friction = 0.25
+restitution = 0.75
+tangential_restitution = 0.5
+[dynamics]
+step = 0.01
+steps = 30
+gravity = [0.5, -9.81]
+[[boundary]]
+name = "floor"
+shape = "wall"
+from = [-1, 0]
+to = [1, 0]
+[[prescribed]]
+grain = 0
+velocity = [0.5, -1]
+)");
+  answer(session, "simulate ball.toml -o run.h5");
+  write_datbox(session, "run.h5", "DATBOX");
+  answer(session, "simulate DATBOX/ --steps 30 --set dynamics.step=0.01 -o back.h5");
+  const GranularState end = read_trajectory_step(path_of(session, "run.h5"), 30).state;
+  CHECK(end.velocity_y[0] > -1);  // it came back from the floor
+  CHECK(end.spin[0] != 0);
+  for (const Index step : {1, 10, 30}) {
+    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    CHECK(places < 1e-6);
+    CHECK(velocities < 1e-6);
+  }
+}
+
+TEST_CASE("DATBOX: read wherever a packing is") {
+  const Session session;
+  session.file("box.toml", box_case());
+  answer(session, "simulate box.toml --steps 1 -o run.h5");
+  write_datbox(session, "run.h5", "box/DATBOX");
+  const Packing packing = read_packing(path_of(session, "box"));
+  const GranularSystem system = read_trajectory_header(path_of(session, "run.h5")).system;
+  REQUIRE(packing.size() == 60);  // without what is driven
+  for (std::size_t i = 0; i < 60; ++i) {
+    CHECK(packing.mass[i] == doctest::Approx(system.mass[i]).epsilon(1e-6));
+    CHECK(packing.radius[i] == doctest::Approx(system.radius[i]).epsilon(1e-6));
+  }
+  CHECK(contains(answer(session, "inspect box/DATBOX"), "box"));
+  const CsvTable swept = table(session, "sweep box/DATBOX --subdomains 2x1 --epsilon 1");
+  CHECK(swept.text(0, "case") == "box");
+  CHECK(swept.number(0, "grains") == static_cast<double>(packing.size()));
+  answer(session, "generate box/DATBOX -o packing.csv");
+  CHECK(read_packing(path_of(session, "packing.csv")).x == packing.x);
+  session.file("mine.toml",
+               "[packing]\nfile = \"box/DATBOX\"\n[contacts]\ntolerance = 1e-5\noverlap_tolerance = 1e-5\n"
+               "[partition]\ngrid = [2, 1]\n");
+  CHECK(contains(answer(session, "inspect mine.toml"), "mine"));
+}
+
+TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {
+  const Session session;
+  session.file("box.toml", box_case());
+  answer(session, "simulate box.toml --steps 1 -o run.h5");
+  write_datbox(session, "run.h5", "box/DATBOX");
+  const std::string bodies = session.read("box/DATBOX/BODIES.DAT"), laws = session.read("box/DATBOX/TACT_BEHAV.DAT"),
+                    drives = session.read("box/DATBOX/DRV_DOF.DAT");
+  const auto refused = [&](const std::string& file, const std::string& text, std::initializer_list<std::string> parts) {
+    const std::string before = session.read(file);
+    session.file(file, text);
+    check_refused(session, "simulate box/DATBOX --steps 1 -o new.h5", parts);
+    session.file(file, before);
+  };
+  refused("box/DATBOX/BODIES.DAT", replaced(bodies, "DISKx", "POLYG"), {"BODIES.DAT:9:", "other shapes", "POLYG"});
+  refused("box/DATBOX/TACT_BEHAV.DAT", replaced(laws, "IQS_CLB", "MAC_CZM"), {"TACT_BEHAV.DAT:3:", "MAC_CZM"});
+  refused("box/DATBOX/TACT_BEHAV.DAT",
+          replaced(laws, "BLUEx  grain  RBDY2  DISKx  BLUEx", "BLUEx  grain  RBDY2  DISKx  GREEN"),
+          {"$seety for DISKx BLUEx and DISKx BLUEx"});
+  refused("box/DATBOX/DRV_DOF.DAT", replaced(drives, "vlocy", "force"), {"DRV_DOF.DAT:7:", "forces"});
+  refused("box/DATBOX/DRV_DOF.DAT", "", {"BODIES.DAT:", "free clusters"});
+  const std::string spinning =
+      replaced(session.read("box/DATBOX/DOF.INI"), "V(3)= 0.0000000D+00", "V(3)= 0.1000000D+01");
+  refused("box/DATBOX/DOF.INI", spinning, {"DOF.INI:8: V(3)", "met 1"});
+  session.file("box/DATBOX/DOF.INI", spinning);
+  answer(session, "inspect box/DATBOX");  // the linear study has no spins
+  session.file("empty/DATBOX/other", "");
+  check_refused(session, "inspect empty/DATBOX", {"empty/DATBOX", "BODIES.DAT"});
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Any five texts are a DATBOX or an Error, and what is made of it is a packing, a system that moves, or an Error.
+#include "formats/datbox.hpp"
+#include "require.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace {
+
+using namespace nscdd;
+using fuzzing::require;
+
+// The files one behind the other, parted by the character %.
+DatboxTexts parted(std::string_view text) {
+  DatboxTexts texts;
+  for (std::string* file : {&texts.bodies, &texts.bulk, &texts.tact, &texts.driven, &texts.initial}) {
+    const auto end = text.find('%');
+    *file = text.substr(0, end);
+    text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
+  }
+  return texts;
+}
+
+std::optional<Datbox> parse(std::string_view text) {
+  try {
+    return parse_datbox(parted(text), "fuzz");
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<Packing> packing_in(const Datbox& datbox) {
+  try {
+    return datbox_packing(datbox, DatboxDisks::all);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::optional<Datbox> datbox = parse({reinterpret_cast<const char*>(data), size});
+  if (!datbox) return 0;
+  const std::optional<Packing> packing = packing_in(*datbox);
+  if (!packing) return 0;
+  check(*packing);  // throws, and so ends the program, for a packing that should not have passed
+  require(count(packing->mass) == packing->size(), "every grain has a mass");
+  require(gap_uncertainty(*datbox) >= 0, "an uncertainty is a number");
+  try {
+    const GranularScene start = scene(*packing, datbox_dynamics(*datbox));
+    require(count(start.state.x) == packing->size(), "disks that are driven are grains of the packing");
+  } catch (const Error&) {
+  }
+  return 0;
+}

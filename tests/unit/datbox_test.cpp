@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Input files of LMGC90, by hand: what is read from which columns, and what is refused.
+#include "formats/datbox.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+using namespace nscdd;
+
+namespace {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto place = text.find(from);
+  REQUIRE(place != std::string::npos);
+  return text.replace(place, from.size(), to);
+}
+
+// A disk above a plank that lies askew, and a driven pair of disks about the point (10, 20), turned by a right angle.
+DatboxTexts small() {
+  DatboxTexts texts;
+  texts.bodies = R"(! File BODIES
+
+$bdyty
+ RBDY2      1
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.2000000D+00  gyrd= 0.1767767D+00
+$nodty
+ NO3xx      1                coo1= 0.1000000D+01  coo2= 0.2000000D+01  coo3= 0.0000000D+00
+$tacty
+ DISKx      1  color  BLEUx  byrd= 0.2500000D+00
+$$$$$$
+
+$bdyty
+ RBDY2      2
+$blmty
+ PLAIN      1  behav  HARDx  avrd= 0.1000000D+01  gyrd= 0.1000000D+01
+$nodty
+ NO3xx      1                coo1= 0.0000000D+00  coo2=-5.0000000E-01  coo3= 5.2359878E-01
+$tacty
+ JONCx      1  color  WALLx  ax1 = 2.0000000E+00  ax2 = 5.0000000E-01
+$$$$$$
+
+$bdyty
+ RBDY2      3
+$blmty
+ PLAIN      1  behav  HARDx  avrd= 0.0000000D+00  gyrd= 0.0000000D+00
+$nodty
+ NO3xx      1                coo1= 0.1000000D+02  coo2= 0.2000000D+02  coo3= 0.1570796D+01
+$tacty
+ DISKb      1  color  ROUGE  byrd= 0.1000000D+01
+                             coo1= 0.3000000D+01  coo2= 0.0000000D+00
+ DISKb      2  color  ROUGE  byrd= 0.2000000D+01
+                             coo1= 0.0000000D+00  coo2= 0.4000000D+01
+$$$$$$
+)";
+  texts.bulk = R"($gravy
+                   grv1= 0.1250000D+01  grv2=-0.9810000D+01  grv3= 0.0000000D+00
+
+$behav  lawty
+ STONE  RIGID                           Umas= 0.1000000D+04
+
+$behav  lawty
+ HARDx  RIGID                           Umas= 0.5000000D+04
+)";
+  texts.tact = R"($behav  lawty
+ iqsc0  IQS_CLB                         fric= 0.3000000D+00
+
+$behav  lawty
+ other  MAC_CZM                         dyfr= 0.3000000D+00  stfr= 0.5000000D+00
+
+$behav  lawty
+ iqsc1  IQS_CLB                         fric= 0.5000000D+00
+
+$seety
+ cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert
+ RBDY2  DISKx  BLEUx  iqsc1  RBDY2  JONCx  WALLx       0.5000000D-01
+$seety
+ cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert
+ RBDY2  DISKx  ROUGE  iqsc1  RBDY2  DISKx  BLEUx       0.1000000D+00
+)";
+  texts.driven = R"($bdyty
+ RBDY2        2
+$nodty
+ NO3xx      1
+$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]
+ vlocy      1  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ vlocy      2  0.3000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.2500000D+00  0.5000000D+00
+ vlocy      3  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+$$$$$$
+$bdyty
+ RBDY2        3
+$nodty
+ NO3xx      1
+$dofty
+ vlocy      1  0.0000000D+00  0.2000000D+01  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ vlocy      2  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+ vlocy      3 -0.7500000D-01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00
+$$$$$$
+)";
+  texts.initial = R"(! DOF
+
+$steps      0                time= 0.5000000D+00
+
+$bdyty
+ RBDY2        1
+$nodty
+ NO3xx      1                X(1)= 0.5000000D+00  X(2)=-0.2500000D+00  X(3)= 0.3000000D+01
+                             V(1)= 0.7000000D+01  V(2)=-0.8000000D+01  V(3)= 0.0000000D+00
+$$$$$$
+)";
+  return texts;
+}
+
+Datbox read(const DatboxTexts& texts) { return parse_datbox(texts, "box"); }
+
+}  // namespace
+
+TEST_CASE("DATBOX: bodies, masses and places") {
+  const Datbox datbox = read(small());
+  REQUIRE(datbox.bodies.size() == 3);
+  CHECK(datbox.bodies[0].velocity == std::array<double, 3>{7, -8, 0});
+  CHECK(datbox_packing(datbox, DatboxDisks::free).radius == std::vector<double>{0.25});
+  const Packing packing = datbox_packing(datbox, DatboxDisks::all);
+  REQUIRE(packing.size() == 3);
+  CHECK(packing.radius == std::vector<double>{0.25, 1, 2});
+  CHECK(packing.x[0] == 1.5);
+  CHECK(packing.y[0] == 1.75);
+  CHECK(packing.x[1] == doctest::Approx(10).epsilon(1e-6));
+  CHECK(packing.y[1] == doctest::Approx(23).epsilon(1e-6));
+  CHECK(packing.x[2] == doctest::Approx(6).epsilon(1e-6));
+  CHECK(packing.y[2] == doctest::Approx(20).epsilon(1e-6));
+  CHECK(packing.mass[0] == doctest::Approx(1000 * std::numbers::pi * 0.04));  // by avrd, not by byrd
+  CHECK(packing.mass[2] == doctest::Approx(5000 * std::numbers::pi * 4));
+}
+
+TEST_CASE("DATBOX: laws, gravity, walls and motions") {
+  const Dynamics dynamics = datbox_dynamics(read(small()));
+  CHECK(dynamics.interaction.friction == 0.5);  // a single free disk touches what is driven alone
+  CHECK(dynamics.interaction.boundary_friction == -1);
+  CHECK(dynamics.time.gravity == std::array<double, 2>{1.25, -9.81});
+  CHECK(dynamics.time.penetration_correction == 0);
+  CHECK(dynamics.time.alert == doctest::Approx(0.4));  // 0.1 m by the smallest radius
+  REQUIRE(dynamics.boundaries.size() == 2);
+  const BoundarySpec& wall = dynamics.boundaries[0];
+  CHECK(wall.name == "body 2");
+  // Above the plank: half a thickness along its normal (-sin 30, cos 30) from (0, -0.5), with the disk on the left.
+  const double c = std::sqrt(3.0) / 2, s = 0.5;
+  CHECK(wall.from[0] == doctest::Approx(-0.5 * s - 2 * c).epsilon(1e-6));
+  CHECK(wall.from[1] == doctest::Approx(-0.5 + 0.5 * c - 2 * s).epsilon(1e-6));
+  CHECK(wall.to[0] == doctest::Approx(-0.5 * s + 2 * c).epsilon(1e-6));
+  CHECK(wall.to[1] == doctest::Approx(-0.5 + 0.5 * c + 2 * s).epsilon(1e-6));
+  // 3 m/s times min(1, 1/4 + t/2), from t = 0.5 s on: full after 1 s.
+  CHECK(wall.motion.time == std::vector<double>{0, 1});
+  CHECK(wall.motion.velocity[0].y == 1.5);
+  CHECK(wall.motion.velocity[1].y == 3);
+  CHECK(wall.motion.centre == std::array<double, 2>{0, -0.5});
+  const BoundarySpec& pair = dynamics.boundaries[1];
+  CHECK(pair.shape == BoundaryShape::grains);
+  CHECK(pair.first == 1);
+  CHECK(pair.last == 2);
+  CHECK(pair.motion.velocity[0].x == 2);  // AMP cos(0)
+  CHECK(pair.motion.velocity[0].spin == -0.075);
+}
+
+TEST_CASE("DATBOX: a plank above the disks is a wall from above") {
+  DatboxTexts texts = small();
+  texts.bodies =
+      replaced(texts.bodies, "coo2=-5.0000000E-01  coo3= 5.2359878E-01", "coo2= 5.0000000E+00  coo3= 0.0000000E+00");
+  const Dynamics dynamics = datbox_dynamics(read(texts));
+  CHECK(dynamics.boundaries[0].from == std::array<double, 2>{2, 4.5});
+  CHECK(dynamics.boundaries[0].to == std::array<double, 2>{-2, 4.5});
+}
+
+TEST_CASE("DATBOX: contacts are found in spite of seven digits") {
+  // Rows of disks of radius 1/3 that touch, far from the origin.
+  constexpr int columns = 12, rows = 5;
+  DatboxTexts texts = small();
+  texts.bodies.clear();
+  texts.driven.clear();
+  texts.initial.clear();
+  const double radius = 1.0 / 3;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const double x = 70 + 2 * radius * column + radius * (row % 2), y = radius * std::sqrt(3.0) * row;
+      const auto digits = [](const char* name, double value) {
+        char text[32];
+        std::snprintf(text, sizeof text, "  %s%14.6E", name, value);
+        return std::string(text);
+      };
+      texts.bodies += "$bdyty\n RBDY2      1\n$blmty\n PLAIN      1  behav  STONE" + digits("avrd=", radius) +
+                      digits("gyrd=", radius / std::numbers::sqrt2) + "\n$nodty\n NO3xx      1" + std::string(14, ' ') +
+                      digits("coo1=", x) + digits("coo2=", y) + digits("coo3=", 0) +
+                      "\n$tacty\n DISKx      1  color  BLEUx" + digits("byrd=", radius) + "\n$$$$$$\n";
+    }
+  const Datbox datbox = read(texts);
+  const Packing packing = datbox_packing(datbox, DatboxDisks::free);
+  const double uncertainty = gap_uncertainty(datbox);
+  CHECK(uncertainty > 1e-6);
+  CHECK(uncertainty < 1e-3);
+  CHECK_THROWS_AS(detect_contacts(packing), Error);  // overlaps beyond 1e-7
+  const ContactNetwork network = detect_contacts(packing, {uncertainty, uncertainty});
+  CHECK(network.size() == rows * (columns - 1) + (rows - 1) * (2 * columns - 1));
+}
+
+TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and line") {
+  const auto refused = [](const DatboxTexts& texts, const std::string& part) {
+    CHECK_THROWS_WITH_AS(datbox_dynamics(read(texts)), doctest::Contains(part.c_str()), Error);
+  };
+  const auto with = [](std::string DatboxTexts::*file, const std::string& from, const std::string& to) {
+    DatboxTexts texts = small();
+    texts.*file = replaced(texts.*file, from, to);
+    return texts;
+  };
+  const auto bodies = &DatboxTexts::bodies, tact = &DatboxTexts::tact, driven = &DatboxTexts::driven,
+             bulk = &DatboxTexts::bulk, initial = &DatboxTexts::initial;
+  refused(with(bodies, "DISKx      1", "POLYG      1"), "box/BODIES.DAT:10: expected contactors");
+  refused(with(bodies, "RBDY2      1", "MAILx      1"), "box/BODIES.DAT:4: expected rigid bodies");
+  refused(with(bodies, "byrd= 0.2500000D+00", "byrd= 0.2500000D+001"), "BODIES.DAT:10: byrd: expected a number");
+  refused(with(bodies, "byrd= 0.2500000D+00", "byrd=-0.2500000D+00"), "BODIES.DAT:10: byrd: expected a number above 0");
+  refused(with(bodies, "coo1= 0.1000000D+01", "coo1= 0.10O0000D+01"), "BODIES.DAT:8: coo1: expected a number");
+  refused(with(bodies, "gyrd= 0.1767767D+00", "gyrd= 0.2000000D+00"), "BODIES.DAT:4: gyrd");
+  refused(with(bodies, "behav  STONE", "behav  CLAYx"), "BODIES.DAT:4: bulk law 'CLAYx'");
+  refused(with(tact, "BLEUx  iqsc1", "BLEUx  other"), "TACT_BEHAV.DAT:5: expected law IQS_CLB or RST_CLB, met MAC_CZM");
+  refused(with(tact, "DISKx  ROUGE  iqsc1", "DISKx  ROUGE  iqsc0"), "TACT_BEHAV.DAT:12: expected one friction");
+  refused(with(tact, "ROUGE  iqsc1", "ROUGE  lostx"), "TACT_BEHAV.DAT:15: expected a law that is described");
+  refused(with(tact, "JONCx  WALLx", "JONCx  OTHER"),
+          "box/TACT_BEHAV.DAT: expected a $seety for DISKx BLEUx and JONCx");
+  refused(with(driven, "vlocy      2", "force      2"), "box/DRV_DOF.DAT:7: expected velocities");
+  refused(with(driven, "vlocy      2", "vlocy      4"), "DRV_DOF.DAT:7: expected a degree of freedom 1, 2 or 3");
+  refused(with(driven, " vlocy      2  0.3000000D+01", " vlocy      2 evolution n.dat"),
+          "DRV_DOF.DAT:7: expected a formula");
+  refused(with(driven, "0.2000000D+01  0.0000000D+00", "0.2000000D+01  0.1000000D+01"), "DRV_DOF.DAT:15: expected AMP");
+  refused(with(driven, "0.2500000D+00  0.5000000D+00", "0.2500000D+00 -0.5000000D+00"), "DRV_DOF.DAT:7: RAMP");
+  refused(with(driven, " vlocy      3 -0.75", "!vlocy      3 -0.75"), "BODIES.DAT:24: expected a body that is free");
+  refused(with(driven, "RBDY2        3", "RBDY2        7"), "DRV_DOF.DAT:11: expected one of the 3 bodies");
+  refused(with(bulk, "Umas= 0.1000000D+04", "Umas= 0.0000000D+04"), "BULK_BEHAV.DAT:5: Umas");
+  refused(with(initial, "V(2)=-0.8000000D+01", "V(2)=-0.8      D+01"), "DOF.INI:9: V(2)");
+  DatboxTexts texts = with(driven, " vlocy      3  0.0000000D+00", " force      3  0.1000000D+01");
+  CHECK(datbox_packing(read(texts), DatboxDisks::all).size() ==
+        3);  // what drives planks is of no account for the packing
+  texts = small();
+  texts.driven = texts.driven.substr(0, texts.driven.find("$bdyty", 1));  // the cluster is free
+  refused(texts, "BODIES.DAT:24: expected free bodies of one disk");
+  texts = small();
+  texts.bodies = texts.bodies.substr(0, texts.bodies.rfind("$$$$$$"));
+  refused(texts, "BODIES.DAT:24: expected a body that ends with $$$$$$");
+}
