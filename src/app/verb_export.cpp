@@ -2,6 +2,7 @@
 #include "app/export_operators.hpp"
 #include "files/output_file.hpp"
 #include "files/output_folder.hpp"
+#include "formats/datbox_writer.hpp"
 #include "formats/export.hpp"
 #include "formats/siconos_dat.hpp"
 #include "formats/vtkhdf.hpp"
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   OperatorsOptions operators;
-  std::string trajectory, folder, vtkhdf, steps, output;
+  std::string trajectory, folder, vtkhdf, lmgc90, steps, output;
   std::optional<Index> step, subdomain;
   bool local = false, force = false;
 };
@@ -122,6 +123,41 @@ int export_vtkhdf(const Options& options) {
   return 0;
 }
 
+// The files of LMGC90 for the kept steps in the range.
+int export_lmgc90(const Options& options) {
+  const StepRange range = parse_step_range(options.steps);
+  const TrajectoryHeader header = read_trajectory_header(options.trajectory);
+  const std::vector<Index> steps = chosen(options, range);
+  const Index first = trajectory_steps(options.trajectory).front();
+  const DatboxWriter writer(
+      rebuilt_simulation(options.trajectory, header, read_trajectory_step(options.trajectory, first).state));
+  make_folder(options.lmgc90, options.force);
+  const auto write = [&](const std::string& name, const std::string& text) {
+    write_file((fs::path(options.lmgc90) / name).string(), text, options.force);
+  };
+  write("BODIES.OUT", writer.bodies());
+  write("BULK_BEHAV.OUT", writer.bulk());
+  Interruption interruption;
+  Index done = 0;
+  {
+    const std::string label = "export " + fs::path(options.trajectory).filename().string();
+    const Monitor monitor = interruption.watch(label, 0, "step");
+    for (const Index step : steps) {
+      const TrajectoryStep shown = read_trajectory_step(options.trajectory, step);
+      write(fmt::format("DOF.OUT.{}", step), writer.dof(shown));
+      write(fmt::format("Vloc_Rloc.OUT.{}", step), writer.vloc_rloc(shown));
+      if (!report(monitor, ++done, count(steps))) break;
+    }
+  }
+  if (interruption.stopped()) {
+    note("{}: interrupted after {} of {} steps", options.lmgc90, done, steps.size());
+    return interrupted_exit_code;
+  }
+  fmt::print("{}: {} steps ({}), {} disks\n", options.lmgc90, steps.size(), step_ranges_text(steps),
+             header.system.disks());
+  return 0;
+}
+
 // The step before the one asked for. If it is not kept, names the steps whose contact problems can be set up:
 // those that follow a kept state.
 TrajectoryStep state_before(const Options& options) {
@@ -218,17 +254,21 @@ int export_fclib(const Options& options, const Context& context) {
 }
 
 int run(const Options& options, const Context& context) {
-  const auto asked = std::ranges::count_if(std::array{options.folder, options.vtkhdf, options.operators.folder},
-                                           [](const std::string& name) { return !name.empty(); }) +
+  const auto asked = std::ranges::count_if(
+                         std::array{options.folder, options.vtkhdf, options.lmgc90, options.operators.folder},
+                         [](const std::string& name) { return !name.empty(); }) +
                      (options.step ? 1 : 0);
   if (asked != 1)
-    fail("export: expected one of --vtk FOLDER, --vtkhdf FILE, --fclib STEP and --operators FOLDER, met {}",
-         asked == 0 ? "none" : "several");
+    fail(
+        "export: expected one of --vtk FOLDER, --vtkhdf FILE, --lmgc90 FOLDER, --fclib STEP and --operators FOLDER, "
+        "met {}",
+        asked == 0 ? "none" : "several");
   if (!options.steps.empty() && (options.step || !options.operators.folder.empty()))
-    fail("--steps: expected --vtk or --vtkhdf with it, met {}", options.step ? "--fclib" : "--operators");
+    fail("--steps: expected --vtk, --vtkhdf or --lmgc90 with it, met {}", options.step ? "--fclib" : "--operators");
   if (!options.operators.folder.empty()) return export_operators(options.operators, options.force, context);
   if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 (or FILE.dat) with it, met none");
   if (options.step) return export_fclib(options, context);
+  if (!options.lmgc90.empty()) return export_lmgc90(options);
   return options.vtkhdf.empty() ? export_vtk(options) : export_vtkhdf(options);
 }
 
@@ -242,6 +282,8 @@ Action declare_export(Command& command) {
                                    "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
   command.add("--vtkhdf FILE", options->vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf").excludes =
       vtk;
+  command.add("--lmgc90 FOLDER", options->lmgc90, "write the kept steps there as DOF.OUT.k and Vloc_Rloc.OUT.k")
+      .excludes = vtk;
   command.add("--steps A[:B[:K]]", options->steps, "of all these: steps A, A + K, ... up to B that are kept");
   Option* fclib =
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
@@ -261,6 +303,7 @@ Examples:
   nscdd simulate shear-1k --steps 5 --subdomains 2x1 --algorithm generic -o run.h5
   nscdd export run.h5 --vtk pictures --steps 0:5
   nscdd export run.h5 --vtkhdf run.vtkhdf
+  nscdd export run.h5 --lmgc90 OUTBOX
   nscdd export run.h5 --fclib 5 -o problem.hdf5
   nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5
   nscdd solve problem.hdf5 --tolerance 1e-6

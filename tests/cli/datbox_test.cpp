@@ -142,6 +142,19 @@ TEST_CASE("DATBOX: read wherever a packing is") {
   CHECK(contains(answer(session, "inspect mine.toml"), "mine"));
 }
 
+TEST_CASE("export --lmgc90: places, velocities and forces obey Newton's law by the files alone") {
+  const Session session;
+  session.file("box.toml", box_case());
+  answer(session, "simulate box.toml -o run.h5");
+  CHECK(contains(answer(session, "export run.h5 --lmgc90 out --steps 10:15"), "out: 6 steps (10:15)"));
+  const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/check_outbox.py").string() + "' '" +
+                              path_of(session, "run.h5") + "' '" + path_of(session, "out") + "' 12";
+  CHECK(std::system(command.c_str()) == 0);
+  check_refused(session, "export run.h5 --lmgc90 out", {"out", "--force"});
+  check_refused(session, "export run.h5 --lmgc90 new --vtk pictures", {"--lmgc90"});
+  check_refused(session, "export run.h5 --lmgc90 new --vtkhdf new.vtkhdf", {"expected one of", "several"});
+}
+
 TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {
   const Session session;
   session.file("box.toml", box_case());
