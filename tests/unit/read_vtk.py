@@ -28,9 +28,8 @@ def show(name, entries):
 
 
 def show_cells(name, cells):
-    connectivity, offsets = cells.GetConnectivityArray(), cells.GetOffsetsArray()
-    show(name + "/connectivity", [connectivity.GetValue(k) for k in range(connectivity.GetNumberOfValues())])
-    show(name + "/offsets", [offsets.GetValue(k) for k in range(offsets.GetNumberOfValues())])
+    for kind, array in (("connectivity", cells.GetConnectivityArray()), ("offsets", cells.GetOffsetsArray())):
+        show(f"{name}/{kind}", [int(array.GetComponent(k, 0)) for k in range(array.GetNumberOfTuples())])
 
 
 def opened(reader, path, errors):
