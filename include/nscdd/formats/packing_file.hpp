@@ -21,7 +21,8 @@ Packing parse_packing(std::string_view text, const std::string& name);
 /// Throws Error "name: packing/dataset: ..." for the same reasons, and for datasets of different lengths.
 Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
 
-/// Either of them from a file, by the ending of its name. Any other ending stands for CSV.
+/// Either of them from a file, by the ending of its name. Any other ending stands for CSV. Of a folder DATBOX of LMGC90
+/// it reads the free disks with their masses, see docs/formats.md.
 Packing read_packing(const std::string& path);
 
 /// A packing as CSV text that `parse_packing` reads back bit for bit: the shortest decimals that do so.
