@@ -3,6 +3,7 @@
 #include "core/text.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
+#include "formats/datbox.hpp"
 #include "simulation/simulation.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
@@ -135,7 +136,13 @@ std::string settled_file(const CaseSpec& spec) {
 void add_files(const CaseSpec& spec, std::vector<fs::path>& files) {
   if (!spec.source.empty()) files.push_back(spec.source);
   const fs::path folder = fs::path(spec.source).parent_path();
-  if (const auto* file = std::get_if<PackingFile>(&spec.packing)) files.push_back(folder / file->path);
+  if (const auto* file = std::get_if<PackingFile>(&spec.packing)) {
+    const std::string path = (folder / file->path).string();
+    if (holds_datbox(path))
+      std::ranges::copy(datbox_files(path), std::back_inserter(files));
+    else
+      files.push_back(path);
+  }
   if (const auto* file = std::get_if<ContactProblemFile>(&spec.packing)) files.push_back(folder / file->path);
   if (!std::holds_alternative<SettledFrom>(spec.packing)) return;
   at_key(spec, "packing.settled", [&] {

@@ -83,6 +83,9 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
 /// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
 bool holds_datbox(const std::string& path);
 
+/// The files of such a folder that are there.
+std::vector<std::string> datbox_files(const std::string& path);
+
 /// Reads such a folder. Throws Error as parse_datbox, and for files that cannot be read.
 Datbox read_datbox(const std::string& path);
 

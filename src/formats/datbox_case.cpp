@@ -239,9 +239,14 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxDisks 
   return moving;
 }
 
+// Without the slash that a shell adds.
+std::string trimmed(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  return path;
+}
+
 std::string datbox_name(const std::string& path) {
-  std::filesystem::path folder = std::filesystem::path(path).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();
+  std::filesystem::path folder = std::filesystem::path(trimmed(path)).lexically_normal();
   if (folder.filename() == "DATBOX" && folder.has_parent_path()) folder = folder.parent_path();
   return folder.filename().string();
 }
@@ -293,7 +298,7 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
   const Datbox datbox = read_datbox(path);
   CaseSpec spec;
   spec.name = datbox_name(path);
-  spec.packing = PackingFile{path};
+  spec.packing = PackingFile{trimmed(path)};
   const double uncertainty = gap_uncertainty(datbox);
   spec.contacts.tolerance = std::min(1.0, std::max(spec.contacts.tolerance, uncertainty));
   spec.contacts.overlap_tolerance = std::min(1.0, std::max(spec.contacts.overlap_tolerance, uncertainty));

@@ -179,6 +179,7 @@ TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {
       replaced(session.read("box/DATBOX/DOF.INI"), "V(3)= 0.0000000D+00", "V(3)= 0.1000000D+01");
   refused("box/DATBOX/DOF.INI", spinning, {"DOF.INI:8: V(3)", "met 1"});
   session.file("box/DATBOX/DOF.INI", spinning);
+  check_refused(session, "sweep box --epsilon 1 --csv box/DATBOX/DRV_DOF.DAT --force", {"would be lost"});
   answer(session, "inspect box/DATBOX");  // the linear study has no spins
   session.file("empty/DATBOX/other", "");
   check_refused(session, "inspect empty/DATBOX", {"empty/DATBOX", "BODIES.DAT"});
