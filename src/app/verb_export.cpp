@@ -254,10 +254,10 @@ int export_fclib(const Options& options, const Context& context) {
 }
 
 int run(const Options& options, const Context& context) {
-  const auto asked = std::ranges::count_if(
-                         std::array{options.folder, options.vtkhdf, options.lmgc90, options.operators.folder},
-                         [](const std::string& name) { return !name.empty(); }) +
-                     (options.step ? 1 : 0);
+  const auto asked =
+      std::ranges::count_if(std::array{options.folder, options.vtkhdf, options.lmgc90, options.operators.folder},
+                            [](const std::string& name) { return !name.empty(); }) +
+      (options.step ? 1 : 0);
   if (asked != 1)
     fail(
         "export: expected one of --vtk FOLDER, --vtkhdf FILE, --lmgc90 FOLDER, --fclib STEP and --operators FOLDER, "

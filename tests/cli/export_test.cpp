@@ -283,7 +283,7 @@ TEST_CASE("export: bad input is refused, and nothing is written") {
   answer(session, "simulate box.toml --steps 2 -o run.h5");
   answer(session, "simulate sticky.toml --steps 2 -o sticky.h5");
   check_refused(session, "export run.h5",
-                {"expected one of --vtk FOLDER, --vtkhdf FILE, --fclib STEP and --operators FOLDER, met none"});
+                {"expected one of --vtk FOLDER, --vtkhdf FILE, --lmgc90 FOLDER, --fclib STEP and --operators FOLDER"});
   check_refused(session, "export run.h5 --vtk v --fclib 1 -o p.hdf5", {"--vtk"});
   check_refused(session, "export run.h5 --fclib 1", {"-o FILE"});
   check_refused(session, "export run.h5 --fclib 1 -o -", {"-: expected the name of a file that ends in .h5"});
