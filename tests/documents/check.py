@@ -16,7 +16,7 @@ import re
 import sys
 
 LONGEST = 120
-SOURCES = ("include", "src", "tests", "plots", "benchmarks", "studies", "cases", "tools", "cmake")
+SOURCES = ("include", "src", "tests", "plots", "benchmarks", "studies", "cases", "tools", "cmake", "python")
 ROOTS = SOURCES + ("docs", ".ci")
 
 

@@ -7,7 +7,8 @@ usage: snippets.py FILE.md...
 
 Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
 results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
-run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8).
+run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8), and the
+folder cases/ of the source tree. `import nscdd` finds the package that was built, by $PYTHONPATH.
 A block that raises is a failure, and so is a call that finds no block in any file. The program is $NSCDD_PROGRAM, the
 source tree $NSCDD_SOURCE.
 """
@@ -51,6 +52,7 @@ def prepare(folder):
     for arguments in PREPARATION:
         subprocess.run([os.environ["NSCDD_PROGRAM"], *arguments], cwd=folder, env=environment, check=True,
                        stdout=subprocess.DEVNULL, timeout=TIME_LIMIT)
+    os.symlink(os.path.join(os.environ["NSCDD_SOURCE"], "cases"), os.path.join(folder, "cases"))
 
 
 def run_block(folder, document, line, code):

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/ddm/spectral_radius.hpp>
+#include <nscdd/packing/packing.hpp>
+#include <nscdd/study/model.hpp>
+
+#include <pybind11/pybind11.h>
+
+/// The module nscdd._core, one function here for each source of it. What users see is in python/nscdd/, where arguments
+/// are brought into the form that is taken here.
+namespace nscdd::python {
+
+void bind_packing(pybind11::module_& module);
+void bind_decomposition(pybind11::module_& module);
+void bind_spectra(pybind11::module_& module);
+void bind_tables(pybind11::module_& module);
+void bind_friction(pybind11::module_& module);
+void bind_simulation(pybind11::module_& module);
+
+/// How spectra are computed, from keyword arguments. Throws Error naming the argument.
+SpectralOptions spectral_options(const std::string& solver, double tolerance, Index eigenvalues, bool certify);
+
+}  // namespace nscdd::python

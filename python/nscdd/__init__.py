@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How fast domain decomposition converges on granular media, and why.
+
+NumPy arrays go in, NumPy arrays and SciPy operators come out:
+
+    packing = nscdd.Packing(x, y, radius)
+    parts = nscdd.decompose(packing, subdomains=(3, 2))
+    b = nscdd.contraction(parts, epsilon=1e-3, eta=0.3)
+    print(nscdd.spectral_radius(b, certify=True))
+
+docs/python.md of the source tree shows more. Lengths are in m, masses in kg, times in s, flexibilities epsilon and
+eta in 1/kg. Long work lets other threads run, and Ctrl-C ends it.
+"""
+from ._core import (ContactNetwork, Decomposition, Error, FrictionSolution, Packing, SpectralRadius, Step,
+                    Subdomain)
+from ._core import version as __version__
+from ._friction import reduce_and_solve, solve
+from ._operators import Contraction, InterfaceOperator, contraction, spectral_radius
+from ._packings import chosen_contacts, contacts, decompose, generate, read_case, read_packing
+from ._simulation import Run, simulate
+from ._tables import Table, optimum, sweep
+
+__all__ = [
+    "ContactNetwork", "Contraction", "Decomposition", "Error", "FrictionSolution", "InterfaceOperator", "Packing",
+    "Run", "SpectralRadius", "Step", "Subdomain", "Table", "__version__", "chosen_contacts", "contacts", "contraction",
+    "decompose", "generate", "optimum", "read_case", "read_packing", "reduce_and_solve", "simulate", "solve",
+    "spectral_radius", "sweep",
+]

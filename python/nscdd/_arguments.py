@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arguments of Python in the form that the command line has them: both are then read and refused alike."""
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Callable, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+#: One flexibility or several: numbers in 1/kg, or a text such as "0.1W" or "1e-3:1e3:61", as on the command line.
+Values = Union[float, str, Iterable[float]]
+#: (3, 2) for a grid of 3 x 2 cells, a text such as "3x2" or "metis:4", or the number of a subdomain for each contact.
+Subdomains = Union[str, tuple[int, int], ArrayLike]
+#: True for a bar on standard error, or what is called with (units done, units in all), at most 20 times per second.
+Progress = Union[bool, Callable[[int, int], object], None]
+#: Velocities by the number of a grain, m/s; numbers count from 0, and -1 is the last grain.
+Prescribed = Mapping[int, Sequence[float]]
+
+
+def spec(values: Values | None) -> str:
+    """The SPEC of values: numbers as they read back, None for infinity."""
+    if values is None:
+        return "inf"
+    if isinstance(values, str):
+        return values
+    if np.ndim(values) == 0:  # type: ignore[arg-type]
+        return number(values)
+    return ",".join(spec(value) for value in values)  # type: ignore[union-attr]
+
+
+def number(value: object) -> str:
+    return repr(float(value))  # type: ignore[arg-type]
+
+
+def text(value: object) -> str:
+    """A parameter of a case as --set has it."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return number(value)
+    if isinstance(value, str):
+        return value
+    return ",".join(text(part) for part in value)  # type: ignore[attr-defined]
+
+
+def settings(parameters: Mapping[str, object]) -> list[tuple[str, str]]:
+    return [(key, text(value)) for key, value in parameters.items()]
+
+
+def subdomains(given: Subdomains) -> str | np.ndarray:
+    if isinstance(given, str):
+        return given
+    if isinstance(given, tuple) and len(given) == 2:
+        return f"{given[0]}x{given[1]}"
+    numbers = np.asarray(given)
+    if numbers.dtype.kind not in "iu":
+        raise TypeError("subdomains: expected (columns, rows), a text such as 'metis:4', or an array of integers, "
+                        f"met {given!r}")
+    return numbers.astype(np.int64)
+
+
+def path(name: str | os.PathLike[str]) -> str:
+    return os.fspath(name)
+
+
+class Bar:
+    """A bar on standard error, in a terminal or below the cell of a notebook."""
+
+    def __init__(self) -> None:
+        self.started = time.monotonic()
+
+    def __call__(self, done: int, total: int) -> None:
+        share = done / total if total > 0 else 1.0
+        filled = int(30 * share)
+        passed = time.monotonic() - self.started
+        sys.stderr.write(f"\r[{'#' * filled}{'.' * (30 - filled)}] {done} of {total}, {passed:.0f} s")
+        if done >= total:
+            sys.stderr.write("\n")
+        sys.stderr.flush()
+
+
+def progress(wanted: Progress) -> Callable[[int, int], object] | None:
+    if wanted is None or wanted is False:
+        return None
+    return Bar() if wanted is True else wanted

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The operators of the interface, as SciPy takes linear operators, and their spectral radius."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse.linalg import LinearOperator
+
+from . import _arguments, _core
+from ._core import Decomposition, SpectralRadius
+
+
+class InterfaceOperator(LinearOperator):
+    """X_eta = sum_E A_E (M_E + H_E H_E^T / eta)^-1 A_E^T, 1/kg: jumps of velocity caused by interface impulses while
+    the contacts act as links of flexibility eta. Symmetric, positive definite for eta > 0. eta = inf knows no contacts,
+    eta = 0 is the rigid limit, which may be singular."""
+
+    def __init__(self, core: _core.InterfaceOperator) -> None:
+        super().__init__(np.dtype(float), (core.rows, core.rows))
+        self._core = core
+
+    @property
+    def eta(self) -> float:
+        """Flexibility of the contacts, 1/kg."""
+        return self._core.eta
+
+    @property
+    def nullity(self) -> int:
+        """Dimension of the kernel: 0 for eta > 0, in the rigid limit sum_E rank H_E - rank H."""
+        return self._core.nullity
+
+    def solve(self, g: ArrayLike) -> np.ndarray:
+        """X_eta^-1 g of a vector, or of each column of a matrix, by one sparse solve with the undivided packing. Raises
+        Error for eta = 0."""
+        right = np.asarray(g, dtype=float)
+        if right.ndim == 2:
+            return np.column_stack([self._core.solve(column) for column in right.T])
+        return self._core.solve(right)
+
+    @property
+    def inverse(self) -> LinearOperator:
+        """X_eta^-1 as an operator, such as the `Minv` of scipy.sparse.linalg.eigsh."""
+        def solve(g: np.ndarray) -> np.ndarray:
+            return self._core.solve(np.ravel(g))
+
+        return LinearOperator(self.shape, matvec=solve, rmatvec=solve, dtype=float)
+
+    def dense(self) -> np.ndarray:
+        """X_eta as a matrix, symmetric to the last bit. It is assembled once and cannot be written to."""
+        return self._core.dense()
+
+    def _matvec(self, f: np.ndarray) -> np.ndarray:
+        return self._core.apply(np.ravel(f))
+
+    def _adjoint(self) -> "InterfaceOperator":
+        return self
+
+    def __repr__(self) -> str:
+        return f"<nscdd.InterfaceOperator of {self.shape[0]} unknowns, eta = {self.eta}>"
+
+
+class Contraction(LinearOperator):
+    """B = I - omega P^-1 S, which an error of the interface impulses is multiplied by in each iteration. Its
+    eigenvalues are real: 1 - omega lambda for the eigenvalues lambda of the symmetric pencil (S, P)."""
+
+    def __init__(self, core: _core.Contraction) -> None:
+        super().__init__(np.dtype(float), (core.rows, core.rows))
+        self._core = core
+        self.preconditioner = InterfaceOperator(core.preconditioner)  #: P = X_eta on all contacts
+        self.system = InterfaceOperator(core.system)  #: S = X_epsilon on the contacts that Stage 1 works with
+
+    @property
+    def relaxation(self) -> float:
+        """omega of F <- F + omega (F' - F)."""
+        return self._core.relaxation
+
+    def _matvec(self, f: np.ndarray) -> np.ndarray:
+        return self._core.apply(np.ravel(f))
+
+    def _rmatvec(self, f: np.ndarray) -> np.ndarray:
+        given = np.ravel(f)
+        return given - self.relaxation * self.system.matvec(self.preconditioner.solve(given))
+
+    def __repr__(self) -> str:
+        return (f"<nscdd.Contraction of {self.shape[0]} unknowns, epsilon = {self.system.eta}, "
+                f"eta = {self.preconditioner.eta}, relaxation = {self.relaxation}>")
+
+
+def contraction(parts: Decomposition, epsilon: float | str, eta: float | str | None = math.inf, *,
+                contacts: str = "all", relaxation: float = 1.0) -> Contraction:
+    """The contraction operator of the two-stage algorithm.
+
+    epsilon   flexibility of the contacts, 1/kg, or a text such as "0.1W" in multiples of the mean of W_nn; 0 is rigid
+    eta       flexibility of the network that Stage 2 sees, likewise; inf (or None) is the generic algorithm
+    contacts  that Stage 1 works with: "all", "active" or "unilateral" (see `chosen_contacts`)
+
+    Raises Error for values out of bounds, and where contacts depend on impulses that all vanish.
+    """
+    core = _core.contraction(parts, _arguments.spec(epsilon), _arguments.spec(eta), contacts, float(relaxation))
+    return Contraction(core)
+
+
+def spectral_radius(b: Contraction, *, certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
+                    residual_tolerance: float = 1e-8, threads: int = 0) -> SpectralRadius:
+    """Spectral radius of a contraction operator, with a bound on its error.
+
+    certify      prove by inertia counts that no eigenvalue was missed (not with arpack)
+    eigenvalues  wanted at each end, in `low` and `high` of the result (not with arpack)
+    solver       "auto", "dense", "shift-invert" or "arpack" (matrix-free)
+    residual_tolerance   largest residual, relative to max(1, rho), that counts as converged
+    threads      at most; 0 for all of the machine. No result depends on them
+
+    What was not reached is told by `converged` of the result. Ctrl-C ends shift-invert between two solves; the other
+    two are left alone until they are done.
+    """
+    return _core.spectral_radius(b._core, solver, residual_tolerance, eigenvalues, certify, threads)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packings, their contacts and how they are cut."""
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from . import _arguments, _core
+from ._core import ContactNetwork, Decomposition, Packing
+
+
+def read_packing(path: str | os.PathLike[str]) -> Packing:
+    """The packing of a file: CSV with columns x, y, radius and maybe mass, or HDF5 (.h5, .hdf5) with datasets of these
+    names in the group `packing`. Raises Error naming file and line, or dataset, for what cannot be used."""
+    return _core.read_packing(_arguments.path(path))
+
+
+def generate(generator: str, *, progress: _arguments.Progress = None, threads: int = 0,
+             **parameters: object) -> Packing:
+    """The packing of a generator. Equal parameters give equal bits. `progress` counts grains. Raises Error for a
+    generator or parameter that there is not, or a value out of bounds.
+
+    The generators, and their parameters with what they are by default:
+
+    """
+    return _core.generate(generator, _arguments.settings(parameters), _arguments.progress(progress), threads)
+
+
+if generate.__doc__:  # not with python3 -OO
+    generate.__doc__ += _core.generators_text
+
+
+def contacts(packing: Packing, *, tolerance: float = 1e-7, overlap_tolerance: float = 1e-7) -> ContactNetwork:
+    """Every pair of grains whose gap is at most `tolerance` times the smaller radius. Raises Error naming both grains
+    where a pair overlaps by more than `overlap_tolerance` times the smaller radius, or shares a centre."""
+    return _core.contacts(packing, tolerance, overlap_tolerance)
+
+
+def decompose(packing: Packing, subdomains: _arguments.Subdomains = (1, 1), *, tolerance: float = 1e-7,
+              overlap_tolerance: float = 1e-7, density: float | None = None,
+              prescribed: _arguments.Prescribed | None = None, compression: tuple[float, float] = (0.0, 0.0),
+              shear: float = 0.0, name: str = "packing") -> Decomposition:
+    """A packing cut into subdomains in the FETI way: contacts are distributed among them, a grain whose contacts belong
+    to q subdomains becomes q copies, each with 1/q of its mass, and the interface holds the copies together.
+
+    subdomains   (columns, rows) of a regular grid over the centres, "metis:N" for the graph of contacts, or the number
+                 of a subdomain for each contact, in the order of `contacts(packing)`
+    tolerance, overlap_tolerance   of the contacts, as in `contacts`
+    density      masses = density x pi radius^2, kg/m^2; else those of the packing, or 1 kg each
+    prescribed   arriving velocities of single grains, {grain: (vx, vy)}, m/s
+    compression, shear   rates, 1/s, of a homogeneous deformation that all other grains arrive with
+
+    Velocities matter for the active contacts alone. Raises Error for what cannot be used.
+    """
+    given = {"contacts.tolerance": tolerance, "contacts.overlap_tolerance": overlap_tolerance,
+             "loads.compression": compression, "loads.shear": shear}
+    if density is not None:
+        given["masses.density"] = density
+    velocities = [(int(grain), (float(v[0]), float(v[1]))) for grain, v in (prescribed or {}).items()]
+    return _core.decompose(packing, _arguments.subdomains(subdomains), _arguments.settings(given), velocities, name)
+
+
+def read_case(path: str | os.PathLike[str], subdomains: _arguments.Subdomains | None = None, *,
+              settings: dict[str, object] | None = None, progress: _arguments.Progress = None) -> Decomposition:
+    """The decomposition of a case file (docs/cases.md): its packing or contact problem, cut as the file or `subdomains`
+    says. `settings`: parameters of the case that are to be others, {"packing.grains": 16}, as --set has them. Raises
+    Error naming file, line and key, and for a packing that is to be settled by a simulation."""
+    cut = None if subdomains is None else _arguments.subdomains(subdomains)
+    return _core.read_case(_arguments.path(path), cut, _arguments.settings(settings or {}),
+                           _arguments.progress(progress))
+
+
+def chosen_contacts(parts: Decomposition, contacts: str = "active") -> np.ndarray:
+    """Which contacts Stage 1 works with, one flag per contact: "all", "active" (in compression in the linear rigid
+    problem) or "unilateral" (carrying in the frictionless unilateral problem). Raises Error where the choice depends on
+    impulses and no grain has an arriving velocity, and where the impulses were not found to 1e-8."""
+    flags, _, rule, certain = _core.chosen_contacts(parts, contacts)
+    if not certain:
+        raise _core.Error(f"contacts: expected impulses to 1e-8 for {contacts}, met less ({rule})")
+    return flags

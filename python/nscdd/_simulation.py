@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packings that move."""
+from __future__ import annotations
+
+import os
+from typing import Callable, Mapping, Optional
+
+from . import _arguments, _core
+from ._core import Packing, Step
+from ._tables import Table
+
+#: What is shown each step once it is taken; where it returns False, the run ends.
+StepObserver = Optional[Callable[[Step], object]]
+
+
+class Run:
+    """A run of a simulation that has come to its end."""
+
+    def __init__(self, core: _core.Run) -> None:
+        self.steps = Table(core.columns)  #: a row for each step: the table `summary` of a trajectory (docs/formats.md)
+        self.end = core.end  #: "completed", "at rest", "stopped" or "broke down"
+        self.reason = core.reason  #: of a breakdown: the step, and the grain or contact
+        self.last = core.last  #: the last good step
+        self.packing = core.packing  #: the free grains of the packing as they then lie, with their masses
+
+    def __repr__(self) -> str:
+        return f"<nscdd.Run of {self.steps.rows} steps, {self.end}{': ' * bool(self.reason)}{self.reason}>"
+
+
+def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
+             subdomains: str | tuple[int, int] | None = None, settings: Mapping[str, object] | None = None,
+             callback: StepObserver = None, progress: _arguments.Progress = None, threads: int = 0) -> Run:
+    """Takes the steps of a case file with [dynamics] (docs/cases.md), in memory: nothing is written.
+
+    packing     in place of that of the case, such as the `packing` of a run that settled it
+    subdomains  (columns, rows) or "metis:N", in place of those of the case
+    settings    parameters of the case that are to be others, {"dynamics.steps": 50, "solver.algorithm": "generic"}
+    callback    is shown each step once it is taken; where it returns False, the run ends
+    progress    counts steps
+
+    Breaking down is data: see `end` and `reason`. Raises Error for what cannot be used, for a setting without effect,
+    and for a case whose packing is to be settled by another one unless `packing` gives it.
+    """
+    cut = None if subdomains is None else _arguments.subdomains(subdomains)
+    if cut is not None and not isinstance(cut, str):
+        raise TypeError(f"subdomains: expected (columns, rows) or a text such as 'metis:4', met {subdomains!r}")
+    return Run(_core.simulate(_arguments.path(case), packing, cut, _arguments.settings(settings or {}), callback,
+                              _arguments.progress(progress), threads))

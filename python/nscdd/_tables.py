@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of results by named columns."""
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import _arguments, _core
+from ._core import Decomposition
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Table(dict[str, np.ndarray]):
+    """Columns by their names, all of one length: a dict of arrays. `units` and `descriptions` have the same keys."""
+
+    def __init__(self, columns: list[tuple[str, str, str, np.ndarray]]) -> None:
+        super().__init__((name, values) for name, _, _, values in columns)
+        self.units: dict[str, str] = {name: unit for name, unit, _, _ in columns}
+        self.descriptions: dict[str, str] = {name: description for name, _, description, _ in columns}
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are."""
+        return len(next(iter(self.values()))) if self else 0
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """The same as a DataFrame of pandas, which must be installed."""
+        import pandas
+
+        return pandas.DataFrame(dict(self))
+
+    def __repr__(self) -> str:
+        return f"<nscdd.Table of {self.rows} rows, columns {', '.join(self)}>"
+
+
+def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Values | None = math.inf, *,
+          relaxation: _arguments.Values = 1.0, gauss_seidel_sweeps: _arguments.Values | None = None,
+          contacts: str = "all", certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
+          residual_tolerance: float = 1e-8, progress: _arguments.Progress = None, threads: int = 0) -> Table:
+    """Spectral radii at every point of a sweep: a row for each combination of the values given, the last one running
+    fastest. Values are numbers, or texts as `nscdd sweep` takes them: "1e-3:1e3:61", "0.1W,1W".
+
+    relaxation           omega, or "optimal"
+    gauss_seidel_sweeps  of an inexact Stage 1; None (or inf) is exact
+
+    The other arguments are those of `contraction` and `spectral_radius`. `progress` counts rows. A row that did not
+    converge has False in its column `converged`. Columns:
+
+    """
+    options = _core.TableOptions(solver, residual_tolerance, eigenvalues, certify, _arguments.progress(progress),
+                                 threads)
+    return Table(_core.sweep(parts, _arguments.spec(epsilon), _arguments.spec(eta), _arguments.spec(relaxation),
+                             _arguments.spec(gauss_seidel_sweeps), contacts, options))
+
+
+def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts: str = "active",
+            certify: bool = False, solver: str = "auto", residual_tolerance: float = 1e-8,
+            progress: _arguments.Progress = None, threads: int = 0) -> Table:
+    """The best flexibility eta of Stage 2, with and without relaxation: a row for each epsilon. `progress` counts rows.
+    How a row came about, its columns `status` and `relaxed_status` say. Columns:
+
+    """
+    options = _core.TableOptions(solver, residual_tolerance, 1, certify, _arguments.progress(progress), threads)
+    return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, options))
+
+
+if sweep.__doc__ and optimum.__doc__:  # not with python3 -OO
+    sweep.__doc__ += _core.sweep_columns_text
+    optimum.__doc__ += _core.optimum_columns_text

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "arrays.hpp"
+#include "core/fail.hpp"
+#include "long_work.hpp"
+#include "module.hpp"
+#include "study/case.hpp"
+#include <nscdd/formats/packing_file.hpp>
+#include <nscdd/packing/generator.hpp>
+
+namespace nscdd::python {
+namespace {
+
+using OptionalArray = std::optional<Array<double>>;
+
+std::shared_ptr<Packing> packing_of(const Array<double>& x, const Array<double>& y, const Array<double>& radius,
+                                    const OptionalArray& mass) {
+  auto packing = std::make_shared<Packing>(Packing{numbers(x, "x"), numbers(y, "y"), numbers(radius, "radius"),
+                                                   mass ? numbers(*mass, "mass") : std::vector<double>()});
+  const std::size_t n = packing->x.size();
+  if (packing->y.size() != n || packing->radius.size() != n || (mass && packing->mass.size() != n))
+    fail("packing: expected arrays of one length, met x of {}, y of {}, radius of {}{}", n, packing->y.size(),
+         packing->radius.size(), mass ? fmt::format(", mass of {}", packing->mass.size()) : "");
+  check(*packing);
+  return packing;
+}
+
+py::object masses(const std::shared_ptr<Packing>& packing) {
+  if (packing->mass.empty()) return py::none();
+  return view(packing, packing->mass);
+}
+
+std::string shown(const Packing& packing) {
+  return fmt::format("<nscdd.Packing of {} grains, {} masses>", packing.size(),
+                     packing.mass.empty() ? "without" : "with");
+}
+
+std::shared_ptr<Packing> generated(const std::string& generator,
+                                   const std::vector<std::pair<std::string, std::string>>& parameters,
+                                   const py::object& progress, Index threads) {
+  CaseSpec spec;
+  spec.packing = Alternatives<Generator>::at(position_of(generator, Alternatives<Generator>::names, "generator"));
+  for (const auto& [key, value] : parameters) override_case(spec, "packing." + key, value);
+  LongWork work(progress);
+  return work.run(
+      threads, [&] { return std::make_shared<Packing>(generate(std::get<Generator>(spec.packing), work.monitor())); });
+}
+
+// The generators and their parameters, for the documentation of `generate`.
+std::string generators_text() {
+  std::string text;
+  for (std::size_t k = 0; k < Alternatives<Generator>::names.size(); ++k)
+    std::visit(
+        [&](const auto& generator) {
+          text += fmt::format("{}: {}.\n", generator.name, generator.summary);
+          for (const FieldDescription& field : describe_fields(generator))
+            text += fmt::format("    {} = {}: {}{}\n", field.key, field.value, field.description,
+                                field.unit == "1" || field.type == "text" ? "" : ", " + field.unit);
+        },
+        Alternatives<Generator>::at(k));
+  return text;
+}
+
+// A column of the contacts, which lie one after the other in memory.
+template <class Number>
+py::array_t<Number> column(const std::shared_ptr<ContactNetwork>& network, Number Contact::*member) {
+  static const Contact none;
+  const Contact& first = network->contacts.empty() ? none : network->contacts.front();
+  return strided_view(network, &(first.*member), network->size(), sizeof(Contact));
+}
+py::array_t<double> column(const std::shared_ptr<ContactNetwork>& network, std::array<double, 2> Contact::*member) {
+  static const Contact none;
+  const Contact& first = network->contacts.empty() ? none : network->contacts.front();
+  const std::array<py::ssize_t, 2> strides{sizeof(Contact), sizeof(double)};
+  py::array_t<double> array({network->size(), Index{2}}, strides, (first.*member).data(), keeper(network));
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+void bind_network(py::module_& module) {
+  using Network = std::shared_ptr<ContactNetwork>;
+  py::class_<ContactNetwork, Network>(module, "ContactNetwork",
+                                      "Pairs of touching grains a < b, sorted by (a, b). Its arrays cannot be written "
+                                      "to.")
+      .def_property_readonly(
+          "a", [](const Network& n) { return column(n, &Contact::a); }, "first grain of each contact")
+      .def_property_readonly(
+          "b", [](const Network& n) { return column(n, &Contact::b); }, "second grain")
+      .def_property_readonly(
+          "normal", [](const Network& n) { return column(n, &Contact::normal); },
+          "unit vectors from the centre of a to the centre of b, contacts x 2")
+      .def_property_readonly(
+          "midpoint", [](const Network& n) { return column(n, &Contact::midpoint); },
+          "middle of the two centres, m, contacts x 2: what grids of subdomains distribute")
+      .def_property_readonly(
+          "gap", [](const Network& n) { return column(n, &Contact::gap); }, "m, negative for an overlap")
+      .def_property_readonly(
+          "grains", [](const Network& n) { return n->grains; },
+          "grains of the packing, those without a contact included")
+      .def("__len__", [](const Network& n) { return n->size(); })
+      .def("__repr__", [](const Network& n) {
+        return fmt::format("<nscdd.ContactNetwork of {} contacts among {} grains>", n->size(), n->grains);
+      });
+}
+
+}  // namespace
+
+void bind_packing(py::module_& module) {
+  using Shared = std::shared_ptr<Packing>;
+  py::class_<Packing, Shared>(module, "Packing",
+                              "Disks in the plane, grain i at (x[i], y[i]): m, m, m and kg. Without `mass` every grain "
+                              "has 1 kg where a mass is needed. Arrays are copied in; those that come out cannot be "
+                              "written to and copy nothing. Raises Error naming the grain where a coordinate is not "
+                              "finite or a radius or mass is not finite and positive.")
+      .def(py::init(&packing_of), py::arg("x"), py::arg("y"), py::arg("radius"), py::arg("mass") = py::none())
+      .def_property_readonly(
+          "x", [](const Shared& p) { return view(p, p->x); }, "centres, m")
+      .def_property_readonly(
+          "y", [](const Shared& p) { return view(p, p->y); }, "centres, m")
+      .def_property_readonly(
+          "radius", [](const Shared& p) { return view(p, p->radius); }, "m")
+      .def_property_readonly("mass", &masses, "kg, or None where no masses were given")
+      .def("__len__", [](const Packing& p) { return p.size(); })
+      .def("__repr__", &shown)
+      .def(py::pickle(
+          [](const Shared& p) { return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p)); },
+          [](const py::tuple& state) {
+            return packing_of(state[0].cast<Array<double>>(), state[1].cast<Array<double>>(),
+                              state[2].cast<Array<double>>(), state[3].cast<OptionalArray>());
+          }));
+  bind_network(module);
+  module.def(
+      "read_packing", [](const std::string& path) { return std::make_shared<Packing>(read_packing(path)); },
+      py::arg("path"));
+  module.def("generate", &generated, py::arg("generator"), py::arg("parameters"), py::arg("progress"),
+             py::arg("threads"));
+  module.attr("generators_text") = generators_text();
+  module.def(
+      "contacts",
+      [](const Packing& packing, double tolerance, double overlap_tolerance) {
+        ContactDetection detection;
+        override_field(detection, "tolerance", field_text(tolerance), "tolerance");
+        override_field(detection, "overlap_tolerance", field_text(overlap_tolerance), "overlap_tolerance");
+        return std::make_shared<ContactNetwork>(detect_contacts(packing, detection));
+      },
+      py::arg("packing"), py::arg("tolerance"), py::arg("overlap_tolerance"));
+}
+
+}  // namespace nscdd::python

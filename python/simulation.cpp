@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/simulation.hpp"
+
+#include "arrays.hpp"
+#include "core/fail.hpp"
+#include "formats/case_file.hpp"
+#include "long_work.hpp"
+#include "module.hpp"
+
+namespace nscdd::python {
+namespace {
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+// Where everything is after a step, and how the step was solved. It does not change while the run goes on.
+struct Step {
+  std::shared_ptr<const GranularSystem> system;
+  std::shared_ptr<const GranularState> state;
+  Row report;  // one cell per column of step_columns; empty before the first step
+};
+
+// A run that has come to its end.
+struct Run {
+  std::vector<Row> reports;
+  RunOutcome outcome;
+  Step last;
+  std::shared_ptr<Packing> packing;
+};
+
+template <class Number>
+auto of_state(std::vector<Number> GranularState::*member) {
+  return [member](const Step& step) { return view(step.state, (*step.state).*member); };
+}
+
+py::object of_impulses(const Step& step, const auto& part) {
+  static const RememberedImpulse none;
+  const auto& all = step.state->impulses;
+  const auto* first = &part(all.empty() ? none : all.front());
+  return strided_view(step.state, first, count(all), sizeof(RememberedImpulse));
+}
+
+py::dict report_of(const Step& step) {
+  py::dict report;
+  const std::vector<Column> columns = headings(step_columns());
+  for (std::size_t k = 0; k < step.report.size(); ++k)
+    report[py::str(columns[k].name)] = std::visit([](const auto& value) { return py::cast(value); }, step.report[k]);
+  return report;
+}
+
+// The free grains of the packing: disks of boundaries come behind them.
+std::shared_ptr<Packing> free_grains(const Simulation& simulation, Index grains) {
+  auto packing = std::make_shared<Packing>();
+  for (Index i = 0; i < grains; ++i) {
+    if (!simulation.system.free(i)) continue;
+    packing->x.push_back(simulation.state.x[at(i)]);
+    packing->y.push_back(simulation.state.y[at(i)]);
+    packing->radius.push_back(simulation.system.radius[at(i)]);
+    packing->mass.push_back(simulation.system.mass[at(i)]);
+  }
+  return packing;
+}
+
+Case case_of(const std::string& path, const Packing* packing, const std::optional<std::string>& subdomains,
+             const Settings& settings) {
+  CaseSpec spec = read_case(path);
+  if (subdomains) spec.partition = parse_partitioner(*subdomains, "subdomains");
+  for (const auto& [key, value] : settings) override_case(spec, key, value);
+  check_dynamics(spec);
+  for (const auto& [key, value] : settings) require_effect(*spec.dynamics, key, key);
+  if (packing == nullptr) return resolve(std::move(spec));
+  spec.packing = PackingFile{"packing"};
+  return {.spec = std::move(spec), .packing = *packing};
+}
+
+std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
+                               const std::optional<std::string>& subdomains, const Settings& settings,
+                               const py::object& callback, const py::object& progress, Index threads) {
+  const Case one = case_of(path, packing, subdomains, settings);
+  LongWork work(progress);
+  bool wanted = true;
+  return work.run(threads, [&] {
+    Simulation simulation = simulation_of(one);
+    auto run = std::make_shared<Run>();
+    const auto system = std::make_shared<const GranularSystem>(simulation.system);
+    const auto step_at = [&](const Simulation& now, Row report) {
+      return Step{system, std::make_shared<const GranularState>(now.state), std::move(report)};
+    };
+    RunSinks sinks;
+    sinks.step = [&](const Simulation& after, const SolvedStep&, const StepReport& report) {
+      run->reports.push_back(row(step_columns(), report));
+      if (callback.is_none()) return;
+      const Step step = step_at(after, run->reports.back());
+      work.call([&] { wanted = !callback(step).is(py::bool_(false)); });
+    };
+    sinks.monitor = [&, monitor = work.monitor()](Index done, Index total) { return monitor(done, total) && wanted; };
+    run->outcome = run_simulation(simulation, sinks);
+    run->last = step_at(simulation, run->reports.empty() ? Row() : run->reports.back());
+    run->packing = free_grains(simulation, packing_of(one).size());
+    return run;
+  });
+}
+
+void bind_step(py::module_& module) {
+  using S = Step;
+  py::class_<S>(module, "Step",
+                "Where everything is after a step of a simulation. Grains of the packing come first, then the disks of "
+                "boundaries. Its arrays cannot be written to, and do not change while the run goes on.")
+      .def_property_readonly(
+          "number", [](const S& s) { return s.state->step; }, "from 1; 0 before the first step")
+      .def_property_readonly(
+          "time", [](const S& s) { return s.state->time; }, "s")
+      .def_property_readonly("x", of_state(&GranularState::x), "centres, m")
+      .def_property_readonly("y", of_state(&GranularState::y), "centres, m")
+      .def_property_readonly("angle", of_state(&GranularState::angle), "rad")
+      .def_property_readonly("velocity_x", of_state(&GranularState::velocity_x), "m/s")
+      .def_property_readonly("velocity_y", of_state(&GranularState::velocity_y), "m/s")
+      .def_property_readonly("spin", of_state(&GranularState::spin), "rad/s")
+      .def_property_readonly(
+          "radius", [](const S& s) { return view(s.system, s.system->radius); }, "m")
+      .def_property_readonly(
+          "driven_by", [](const S& s) { return view(s.system, s.system->driven_by); },
+          "boundary that moves a disk, -1 for a free one")
+      .def_property_readonly(
+          "contact_a",
+          [](const S& s) {
+            return of_impulses(
+                s, [](const auto& i) -> auto& { return i.a; });
+          },
+          "first body of each contact that is remembered: a disk, or wall w as the number of disks + w")
+      .def_property_readonly(
+          "contact_b",
+          [](const S& s) {
+            return of_impulses(
+                s, [](const auto& i) -> auto& { return i.b; });
+          },
+          "second body, with a larger number")
+      .def_property_readonly(
+          "impulse_n",
+          [](const S& s) {
+            return of_impulses(
+                s, [](const auto& i) -> auto& { return i.impulse.n; });
+          },
+          "normal impulse of these contacts, N s, pressing > 0")
+      .def_property_readonly(
+          "impulse_t",
+          [](const S& s) {
+            return of_impulses(
+                s, [](const auto& i) -> auto& { return i.impulse.t; });
+          },
+          "tangential impulse, N s")
+      .def_property_readonly("report", &report_of, "how the step was solved: a row of the table `steps` as a dict")
+      .def("__repr__", [](const S& s) {
+        return fmt::format("<nscdd.Step {} at {} s, {} disks>", s.state->step, s.state->time, s.system->disks());
+      });
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+  bind_step(module);
+  py::class_<Run, std::shared_ptr<Run>>(module, "Run")
+      .def_property_readonly("columns",
+                             [](const Run& r) { return columns_of_rows(headings(step_columns()), r.reports); })
+      .def_property_readonly("end", [](const Run& r) { return std::string(to_string(r.outcome.end)); })
+      .def_property_readonly("reason", [](const Run& r) { return r.outcome.reason; })
+      .def_readonly("last", &Run::last)
+      .def_readonly("packing", &Run::packing);
+  module.def("simulate", &simulated, py::arg("path"), py::arg("packing"), py::arg("subdomains"), py::arg("settings"),
+             py::arg("callback"), py::arg("progress"), py::arg("threads"));
+}
+
+}  // namespace nscdd::python

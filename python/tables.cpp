@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "arrays.hpp"
+#include "core/fail.hpp"
+#include "long_work.hpp"
+#include "module.hpp"
+#include "study/optimum.hpp"
+#include "study/values.hpp"
+
+namespace nscdd::python {
+namespace {
+
+// How the spectra of a table are computed, and how the work is watched.
+struct TableOptions {
+  std::string solver;
+  double residual_tolerance;
+  Index eigenvalues;
+  bool certify;
+  py::object progress;
+  Index threads;
+};
+
+// Calls work(sink, monitor, parameters), which hands over rows of these columns.
+template <class Result, class Work>
+py::list table(const ResultColumns<Result>& columns, SweepParameters& parameters, LongWork& watch, Index threads,
+               Work&& work) {
+  parameters.spectral.inertia = watch.watched(parameters.spectral.inertia);
+  const auto rows = watch.run(threads, [&] {
+    std::vector<Row> found;
+    const RowSink keep = [&](const Row& cells) { found.push_back(cells); };
+    work(as_rows(columns, keep), watch.monitor());
+    return found;
+  });
+  return columns_of_rows(headings(columns), rows);
+}
+
+SweepParameters parameters_of(const std::string& epsilon, const std::string& contacts, const TableOptions& options) {
+  SweepParameters parameters;
+  std::tie(parameters.epsilon, parameters.relative_epsilon) = parse_epsilon(epsilon);
+  parameters.contacts = Choice<ContactSet>::parse(contacts, "contacts");
+  parameters.spectral =
+      spectral_options(options.solver, options.residual_tolerance, options.eigenvalues, options.certify);
+  return parameters;
+}
+
+py::list swept(const Model& model, const std::string& epsilon, const std::string& eta, const std::string& relaxation,
+               const std::string& sweeps, const std::string& contacts, const TableOptions& options) {
+  SweepParameters parameters = parameters_of(epsilon, contacts, options);
+  std::tie(parameters.eta, parameters.relative_eta) = parse_eta(eta);
+  parameters.relaxation = parse_relaxation(relaxation);
+  parameters.gauss_seidel_sweeps = parse_sweeps(sweeps);
+  if (options.certify || options.eigenvalues > 1)
+    for (const auto& some : parameters.gauss_seidel_sweeps)
+      if (some)
+        fail(
+            "gauss_seidel_sweeps: expected inf with certify or eigenvalues (an inexact Stage 1 has no symmetric "
+            "pencil), met {}",
+            *some);
+  LongWork watch(options.progress);
+  return table<SweepResult>(sweep_columns(parameters), parameters, watch, options.threads,
+                            [&](const auto& sink, const Monitor& monitor) { sweep(model, parameters, sink, monitor); });
+}
+
+py::list optimised(const Model& model, const std::string& epsilon, const std::string& contacts,
+                   const TableOptions& options) {
+  SweepParameters parameters = parameters_of(epsilon, contacts, options);
+  LongWork watch(options.progress);
+  return table<OptimumResult>(
+      optimum_columns(parameters.relative_epsilon), parameters, watch, options.threads,
+      [&](const auto& sink, const Monitor& monitor) { optima(model, parameters, sink, monitor); });
+}
+
+// Name and description of each column, for the documentation.
+template <class Result>
+std::string columns_text(const ResultColumns<Result>& columns) {
+  std::string text;
+  for (const Column& one : headings(columns))
+    text += fmt::format("    {}: {}{}\n", one.name, one.description,
+                        one.unit.empty() || one.unit == "1" ? "" : ", " + one.unit);
+  return text;
+}
+
+}  // namespace
+
+void bind_tables(py::module_& module) {
+  py::class_<TableOptions>(module, "TableOptions")
+      .def(py::init([](std::string solver, double tolerance, Index eigenvalues, bool certify, py::object progress,
+                       Index threads) {
+             return TableOptions{std::move(solver), tolerance, eigenvalues, certify, std::move(progress), threads};
+           }),
+           py::arg("solver"), py::arg("residual_tolerance"), py::arg("eigenvalues"), py::arg("certify"),
+           py::arg("progress"), py::arg("threads"));
+  module.def("sweep", &swept, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("relaxation"),
+             py::arg("gauss_seidel_sweeps"), py::arg("contacts"), py::arg("options"));
+  module.def("optimum", &optimised, py::arg("parts"), py::arg("epsilon"), py::arg("contacts"), py::arg("options"));
+  module.attr("sweep_columns_text") = columns_text(sweep_columns());
+  module.attr("optimum_columns_text") = columns_text(optimum_columns(false));
+}
+
+}  // namespace nscdd::python

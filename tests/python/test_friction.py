@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Contact problems with friction: Signorini's and Coulomb's laws checked contact by contact in NumPy."""
+import numpy as np
+import pytest
+import scipy.sparse
+
+import nscdd
+
+
+def random_problem(contacts, seed):
+    """M, H, f, w of bodies that are pressed together, H with full rank."""
+    random = np.random.default_rng(seed)
+    unknowns = 3 * contacts
+    mass = random.uniform(0.5, 2, unknowns)
+    h = scipy.sparse.random(unknowns, 2 * contacts, density=0.15, random_state=seed, data_rvs=random.standard_normal)
+    h = (h + scipy.sparse.eye(unknowns, 2 * contacts)).tocsc()
+    f = -(h @ np.tile([1.0, 0.3], contacts)) + random.normal(size=unknowns)
+    return scipy.sparse.diags(mass).tocsc(), h, f, 0.1 * random.normal(size=2 * contacts)
+
+
+def local(problem):
+    mass, h, f, w = problem
+    inverse = scipy.sparse.diags(1 / mass.diagonal())
+    return h.T @ inverse @ h, h.T @ (inverse @ f) + w
+
+
+def natural_maps(w, q, mu, r):
+    """r - projection on the cone of r - rho (u + mu |u_t| n), contact by contact: zero for a solution (De Saxce)."""
+    u = w @ r + q
+    rho = 1 / w.diagonal()[::2]
+    n, t = r[::2] - rho * (u[::2] + mu * np.abs(u[1::2])), r[1::2] - rho * u[1::2]
+    on_edge = (n + mu * np.abs(t)) / (1 + mu**2)
+    inside, polar = np.abs(t) <= mu * n, n <= -mu * np.abs(t)
+    pn = np.where(inside, n, np.where(polar, 0, on_edge))
+    pt = np.where(inside, t, np.where(polar, 0, np.sign(t) * mu * on_edge))
+    return np.concatenate([r[::2] - pn, r[1::2] - pt])
+
+
+@pytest.mark.parametrize("solver", ["auto", "newton", "nlgs", "admm"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_laws_hold(solver, seed):
+    w, q = local(random_problem(12, seed))
+    mu = np.linspace(0, 0.6, 12)
+    found = nscdd.solve(w, q, mu, solver=solver, tolerance=1e-10)
+    assert found.converged and found.status == "converged" and found.residual <= 1e-10
+    r = found.impulses
+    np.testing.assert_allclose(found.velocities, w @ r + q, atol=1e-12)
+    assert np.linalg.norm(natural_maps(w, q, mu, r)) <= 1e-9 * np.linalg.norm(r)
+    pressed = r[::2] > 0
+    assert found.open == np.count_nonzero(~pressed) and found.open + found.stick + found.slide == 12
+    assert 0 < np.count_nonzero(pressed)
+
+
+def test_without_friction_it_is_a_linear_complementarity_problem():
+    """All pressed contacts rest, all others open: the least of r^T W r / 2 + q^T r over r >= 0, by SciPy."""
+    from scipy.optimize import nnls
+
+    w, q = local(random_problem(10, 5))
+    normal = w.toarray()[::2, ::2]
+    root = np.linalg.cholesky(normal).T
+    expected, _ = nnls(root, -np.linalg.solve(root.T, q[::2]))
+    found = nscdd.solve(w, q, 0.0)
+    np.testing.assert_allclose(found.impulses[::2], expected, atol=1e-7)
+    np.testing.assert_array_equal(found.impulses[1::2], 0)
+
+
+def test_one_contact_by_hand():
+    """W = I, q = (-1, 0.3), mu = 0.2: it slides with r = (1, -0.2), and u = (0, 0.1)."""
+    found = nscdd.solve(np.eye(2), [-1, 0.3], 0.2)
+    np.testing.assert_allclose(found.impulses, [1, -0.2], atol=1e-9)
+    np.testing.assert_allclose(found.velocities, [0, 0.1], atol=1e-9)
+    assert (found.open, found.stick, found.slide) == (0, 0, 1)
+    assert nscdd.solve(np.eye(2), [-1, 0.1], 0.2).stick == 1
+    assert nscdd.solve(np.eye(2), [1, 0.1], 0.2).open == 1
+
+
+def test_any_matrix_of_scipy_and_a_guess():
+    w, q = local(random_problem(8, 3))
+    expected = nscdd.solve(w, q, 0.3).impulses
+    for other in (w.toarray(), w.tocsr(), w.tocoo(), w.tobsr()):
+        np.testing.assert_allclose(nscdd.solve(other, q, 0.3).impulses, expected, atol=1e-7)
+    again = nscdd.solve(w, q, 0.3, solver="nlgs", guess=expected)
+    assert again.sweeps <= 10 and nscdd.solve(w, q, 0.3, solver="nlgs").sweeps > again.sweeps
+
+
+def test_the_matrix_of_the_caller_stays_as_it_is():
+    doubled = scipy.sparse.csc_matrix((np.full(4, 0.5), [0, 0, 1, 1], [0, 2, 4]), shape=(2, 2))
+    found = nscdd.solve(doubled, [-1, 0], 0.5)
+    np.testing.assert_allclose(found.impulses, [1, 0], atol=1e-9)
+    assert doubled.nnz == 4
+
+
+def test_bodies():
+    problem = random_problem(9, 4)
+    w, q = local(problem)
+    found = nscdd.reduce_and_solve(*problem, 0.4, tolerance=1e-10)
+    np.testing.assert_allclose(found.velocities, w @ found.impulses + q, atol=1e-10)
+    assert found.converged
+    assert np.linalg.norm(natural_maps(w, q, np.full(9, 0.4), found.impulses)) <= 1e-9 * np.linalg.norm(found.impulses)
+
+
+def test_an_observer_sees_every_check_and_may_stop():
+    w, q = local(random_problem(12, 1))
+    seen = []
+    full = nscdd.solve(w, q, 0.3, solver="nlgs", callback=lambda s: seen.append(s.sweeps))
+    assert seen[0] == 0 and seen == sorted(seen) and seen[-1] == full.sweeps
+    stopped = nscdd.solve(w, q, 0.3, solver="nlgs", check_every=1, callback=lambda s: s.sweeps < 2)
+    assert stopped.status == "stopped" and stopped.sweeps == 2 and not stopped.converged
+
+    def refuse(solution):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        nscdd.solve(w, q, 0.3, callback=refuse)
+
+
+def test_what_does_not_converge_is_data():
+    w, q = local(random_problem(12, 1))
+    found = nscdd.solve(w, q, 0.3, solver="nlgs", maximum_sweeps=1, tolerance=1e-14)
+    assert found.status == "maximum_reached" and not found.converged and "maximum_reached" in repr(found)
+
+
+@pytest.mark.parametrize("w, q, mu, options, words", [
+    (np.eye(4), [0, 0], 0.1, {}, "problem"),
+    (np.eye(2), [0, 0], -0.1, {}, "friction"),
+    (np.array([[1, 0.5], [0, 1]]), [0, 0], 0.1, {}, "symmetric"),
+    (np.zeros((2, 2)), [0, 0], 0.1, {}, "positive definite"),
+    (np.eye(2), [0, np.nan], 0.1, {}, "finite"),
+    (np.eye(2), [-1, 0], 0.1, {"solver": "nlg"}, 'solver: expected one of "auto"'),
+    (np.eye(2), [-1, 0], 0.1, {"order": "backwards"}, 'order: expected one of "natural"'),
+    (np.eye(2), [-1, 0], 0.1, {"relaxation": 2}, "relaxation"),
+    (np.eye(2), [-1, 0], 0.1, {"guess": [0]}, "guess of the impulses: expected 2 x contacts = 2 numbers, met 1"),
+])
+def test_errors(w, q, mu, options, words):
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.solve(w, q, mu, **options)

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packings, contacts and matrices, as arrays that look at the memory of the library."""
+import gc
+import os
+import pickle
+import subprocess
+
+import numpy as np
+import pytest
+import scipy.sparse
+from conftest import bed, lattice
+
+import nscdd
+
+
+def test_a_packing_keeps_its_arrays():
+    x, y, radius = np.arange(3.0), np.zeros(3), np.full(3, 0.5)
+    packing = nscdd.Packing(x, y, radius)
+    x[0] = 7  # it has a copy
+    assert len(packing) == 3 and packing.mass is None and packing.x[0] == 0
+    assert packing.x.base is not None and not packing.x.flags.owndata and not packing.x.flags.writeable
+    assert np.shares_memory(packing.x, packing.x)
+    with pytest.raises(ValueError):
+        packing.x[0] = 1
+    strided = nscdd.Packing(np.arange(6)[::2], [0, 0, 0], np.float32(0.5) * np.ones(3), mass=[1, 2, 3])
+    np.testing.assert_array_equal(strided.x, [0, 2, 4])
+    np.testing.assert_array_equal(strided.mass, [1, 2, 3])
+
+
+def test_arrays_outlive_their_objects():
+    parts = nscdd.decompose(bed(50), (2, 1))
+    h, x, a = parts.H, parts.packing.x, parts.subdomains[1].A
+    expected = h.toarray(), x.copy(), a.toarray()
+    del parts
+    gc.collect()
+    lattice(50, 50)  # takes memory that may have been freed
+    for found, kept in zip((h.toarray(), x, a.toarray()), expected):
+        np.testing.assert_array_equal(found, kept)
+
+
+def test_pickle():
+    packing = lattice(4, 3)
+    again = pickle.loads(pickle.dumps(packing))
+    for name in ("x", "y", "radius", "mass"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(packing, name))
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (([0, 1], [0], [1, 1]), "packing: expected arrays of one length, met x of 2, y of 1, radius of 2"),
+    (([0, 1], [0, 0], [1, 1], [1]), "mass of 1"),
+    (([0, np.nan], [0, 0], [1, 1]), "grain 1: expected finite coordinates"),
+    (([0, 1], [0, 0], [1, 0]), "grain 1: expected a finite radius > 0, met 0"),
+    (([0, 2], [0, 0], [1, 1], [1, -1]), "grain 1: expected a finite mass > 0, met -1"),
+    (([], [], []), "at least one grain"),
+    (([[0, 1]], [0, 0], [1, 1]), "x: expected an array of one dimension, met one of 2"),
+])
+def test_errors_of_packings(arguments, words):
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.Packing(*arguments)
+
+
+def test_contacts_by_brute_force():
+    packing = bed(120, seed=2)
+    network = nscdd.contacts(packing)
+    centres = np.column_stack([packing.x, packing.y])
+    distance = np.linalg.norm(centres[:, None] - centres, axis=2)
+    reach = packing.radius[:, None] + packing.radius
+    gap = distance - reach
+    a, b = np.nonzero(np.triu(gap <= 1e-7 * np.minimum(packing.radius[:, None], packing.radius), 1))
+    np.testing.assert_array_equal(network.a, a)
+    np.testing.assert_array_equal(network.b, b)
+    assert len(network) == len(a) > 120 and network.grains == 120
+    np.testing.assert_allclose(network.gap, gap[a, b], atol=1e-12)
+    np.testing.assert_allclose(network.normal, (centres[b] - centres[a]) / distance[a, b, None], atol=1e-12)
+    np.testing.assert_allclose(network.midpoint, (centres[a] + centres[b]) / 2, atol=1e-12)
+    assert not network.normal.flags.owndata and not network.a.flags.writeable
+    assert len(nscdd.contacts(packing, tolerance=0.2)) > len(network)
+
+
+def test_a_network_without_contacts():
+    network = nscdd.contacts(nscdd.Packing([0, 5], [0, 0], [1, 1]))
+    assert len(network) == 0 and network.a.shape == (0,) and network.normal.shape == (0, 2)
+
+
+def test_errors_of_contacts():
+    overlapping = nscdd.Packing([0, 1], [0, 0], [1, 1])
+    with pytest.raises(nscdd.Error, match="grains 0 and 1 overlap by 1 m"):
+        nscdd.contacts(overlapping)
+    with pytest.raises(nscdd.Error, match="packing: grains 0 and 1 overlap"):
+        nscdd.decompose(overlapping)
+    with pytest.raises(nscdd.Error, match="tolerance"):
+        nscdd.contacts(overlapping, tolerance=-1)
+
+
+def test_the_whole_matrices():
+    """M and H from geometry alone, and the load of a homogeneous deformation."""
+    packing = bed(60)
+    parts = nscdd.decompose(packing, (2, 2), compression=(1, -0.5), shear=0.25)
+    network = nscdd.contacts(packing)
+    expected = np.zeros((120, len(network)))
+    for c, (i, j, normal) in enumerate(zip(network.a, network.b, network.normal)):
+        expected[2 * i:2 * i + 2, c] = -normal
+        expected[2 * j:2 * j + 2, c] = normal
+    assert isinstance(parts.H, scipy.sparse.csc_matrix) and scipy.sparse.issparse(parts.M)
+    np.testing.assert_allclose(parts.H.toarray(), expected, atol=1e-15)
+    np.testing.assert_array_equal(parts.M.toarray(), np.diag(np.repeat(packing.mass, 2)))
+    deformation = np.array([[-1, 0.25], [0.25, 0.5]])
+    centres = np.column_stack([packing.x, packing.y])
+    about = centres - np.average(centres, axis=0, weights=packing.mass)
+    np.testing.assert_allclose(parts.arriving_velocity, (about @ deformation).ravel(), atol=1e-13)
+
+
+@pytest.mark.parametrize("subdomains", [(3, 2), "3x2", "metis:5"])
+def test_the_matrices_of_subdomains(subdomains):
+    """Masses of copies add up, H_E are the columns of H, and A V = 0 holds for equal copies and for no others."""
+    packing = lattice(9, 8, missing=0.1)
+    parts = nscdd.decompose(packing, subdomains)
+    where = parts.subdomain_of_contact
+    mass, velocities = np.zeros(2 * len(packing)), []
+    whole = np.random.default_rng(0).normal(size=2 * len(packing))
+    for e, part in enumerate(parts.subdomains):
+        np.testing.assert_array_equal(part.contacts, np.flatnonzero(where == e))
+        rows = np.ravel(2 * part.grains[:, None] + [0, 1])
+        np.testing.assert_array_equal(part.H.toarray(), parts.H[:, part.contacts].toarray()[rows])
+        mass[rows] += part.M.diagonal()
+        velocities.append(whole[rows])
+    touched = np.diff(parts.H.tocsr().indptr) > 0
+    np.testing.assert_allclose(mass[touched], parts.M.diagonal()[touched], rtol=1e-14)
+    v = np.concatenate(velocities)
+    assert parts.A.shape == (parts.interface_size, len(v))
+    np.testing.assert_array_equal(parts.A @ v, np.zeros(parts.interface_size))
+    shared = np.flatnonzero(np.diff(parts.A.indptr))
+    v[shared[0]] += 1
+    assert np.abs(parts.A @ v).max() == pytest.approx(1)
+    copies = sum(len(part.grains) for part in parts.subdomains)
+    assert parts.interface_size == 2 * (copies - np.count_nonzero(touched) // 2)
+    assert np.linalg.matrix_rank(parts.A.toarray()) == parts.interface_size
+
+
+def test_nothing_is_copied():
+    parts = nscdd.decompose(lattice(5, 5), (2, 1))
+    assert np.shares_memory(parts.H.data, parts.H.data)
+    assert np.shares_memory(parts.H.indices, parts.H.indices)
+    assert np.shares_memory(parts.M.data, parts.M.data)
+    assert np.shares_memory(parts.subdomains[0].H.data, parts.subdomains[0].H.data)
+    with pytest.raises(ValueError):
+        parts.H.data[0] = 1
+
+
+def test_a_partition_of_ones_own():
+    packing = lattice(8, 6)
+    of_grid = nscdd.decompose(packing, (2, 3))
+    own = nscdd.decompose(packing, of_grid.subdomain_of_contact)
+    assert len(own.subdomains) == 6
+    assert (own.A != of_grid.A).nnz == 0
+    swapped = nscdd.decompose(packing, 5 - of_grid.subdomain_of_contact)
+    same, other = (nscdd.spectral_radius(nscdd.contraction(parts, 0.1)).value for parts in (of_grid, swapped))
+    assert other == pytest.approx(same, rel=1e-12)
+    for wrong, words in (([0, 1], "for each of"), (np.full(own.contacts, -1), "subdomain")):
+        with pytest.raises(nscdd.Error, match=words):
+            nscdd.decompose(packing, np.array(wrong))
+    with pytest.raises(TypeError, match="an array of integers"):
+        nscdd.decompose(packing, np.zeros(own.contacts))
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (dict(subdomains="2by3"), "subdomains: expected"),
+    (dict(subdomains=(0, 2)), "met 0"),
+    (dict(density=-1), "masses.density"),
+    (dict(prescribed={99: (1, 0)}), "expected a grain in 0..15"),
+    (dict(prescribed={-1: (1, 0), 15: (1, 0)}), "met grain 15 again"),
+])
+def test_errors_of_decompose(arguments, words):
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.decompose(lattice(4, 4), **arguments)
+
+
+def test_masses():
+    packing = nscdd.Packing([0, 2], [0, 0], [1, 1])
+    np.testing.assert_array_equal(nscdd.decompose(packing).M.diagonal(), np.ones(4))
+    np.testing.assert_allclose(nscdd.decompose(packing, density=3).M.diagonal(), np.full(4, 3 * np.pi), rtol=1e-15)
+
+
+def test_generators_and_files(tmp_path):
+    """The bits of the program's generator, through either kind of file."""
+    program = [os.environ["NSCDD_PROGRAM"], "generate", "deposit", "--set", "packing.grains=150", "--set",
+               "packing.seed=4", "--set", "packing.distribution=lognormal"]
+    expected = nscdd.generate("deposit", grains=150, seed=4, distribution="lognormal")
+    for name in ("bed.csv", "bed.h5"):
+        subprocess.run([*program, "-o", tmp_path / name], check=True, capture_output=True)
+        found = nscdd.read_packing(tmp_path / name)
+        for array in ("x", "y", "radius"):
+            np.testing.assert_array_equal(getattr(found, array), getattr(expected, array))
+    assert len(nscdd.generate("hexagonal", columns=5, rows=4)) == 20
+    assert "grains = 1000: number of grains" in nscdd.generate.__doc__
+    assert "vacancies = 0: fraction of the disks left out" in nscdd.generate.__doc__
+
+
+@pytest.mark.parametrize("generator, parameters, words", [
+    ("deposits", {}, 'generator: expected one of "strip", "hexagonal", "deposit", met "deposits"; did you mean deposit'),
+    ("deposit", {"grain": 3}, "packing.grain: no such parameter in this case; expected one of packing.grains"),
+    ("deposit", {"grains": 0}, "packing.grains"),
+    ("deposit", {"grains": 1.5}, "packing.grains"),
+    ("deposit", {"distribution": "normal"}, 'packing.distribution: expected one of "uniform"'),
+    ("deposit", {"radius_min": 2, "radius_max": 1}, "radius_min"),
+])
+def test_errors_of_generators(generator, parameters, words):
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.generate(generator, **parameters)
+
+
+def test_errors_of_files(tmp_path):
+    with pytest.raises(nscdd.Error, match="no-such.csv"):
+        nscdd.read_packing(tmp_path / "no-such.csv")
+    (tmp_path / "wrong.csv").write_text("x,y,radius\n0,0,1\n0,two,1\n")
+    with pytest.raises(nscdd.Error, match="wrong.csv:3: "):
+        nscdd.read_packing(tmp_path / "wrong.csv")
+
+
+def test_cases():
+    case = os.path.join(os.environ["NSCDD_SOURCE"], "cases", "disks8.toml")
+    parts = nscdd.read_case(case)
+    assert parts.name == "disks8" and parts.grains == 8 and len(parts.subdomains) > 1
+    other = nscdd.read_case(case, subdomains=(3, 1), settings={"packing.grains": 20, "packing.radius": 0.25})
+    assert other.grains == 20 and len(other.subdomains) == 3 and other.packing.radius[0] == 0.25
+    with pytest.raises(nscdd.Error, match="packing.grain"):
+        nscdd.read_case(case, settings={"packing.grain": 20})

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in memory, against the trajectories of the program and against what falls and rests."""
+import os
+import subprocess
+
+import h5py
+import numpy as np
+import pytest
+
+import nscdd
+
+CASES = os.path.join(os.environ["NSCDD_SOURCE"], "cases")
+SETTLE = os.path.join(CASES, "settle-1k.toml")
+FALL = """title = "one disk above a floor"
+[packing]
+generator = "strip"
+grains = 1
+radius = 0.5
+[masses]
+model = "unit"
+[partition]
+grid = [1, 1]
+[interaction]
+law = "coulomb"
+friction = 0.3
+[dynamics]
+step = 0.01
+steps = 100
+theta = 0.5
+gravity = [0.0, -10.0]
+[[boundary]]
+name = "floor"
+shape = "wall"
+from = [-5.0, -2.0]
+to = [5.0, -2.0]
+"""
+TIMES = ("setup_seconds", "solve_seconds")
+
+
+def test_a_run_has_the_bits_of_the_program(tmp_path):
+    settings = {"dynamics.steps": 6, "solver.algorithm": "generic", "interaction.law": "coulomb"}
+    seen = []
+    run = nscdd.simulate(SETTLE, subdomains=(2, 2), settings=settings, callback=seen.append)
+    path = tmp_path / "run.h5"
+    options = [f"--set={key}={value}" for key, value in settings.items()]
+    subprocess.run([os.environ["NSCDD_PROGRAM"], "simulate", SETTLE, "--subdomains", "2x2", *options, "-o", path],
+                   check=True, capture_output=True)
+    with h5py.File(path) as file:
+        steps = file["steps"]
+        assert [step.number for step in seen] == [1, 2, 3, 4, 5, 6] == list(run.steps["step"])
+        for name in ("x", "y", "angle", "velocity_x", "velocity_y", "spin"):
+            np.testing.assert_array_equal([getattr(step, name) for step in seen], steps[name][1:])
+        for name, column in run.steps.items():
+            if name not in TIMES:
+                found = file["summary"][name][:]
+                found = np.array([value.decode() for value in found]) if column.dtype.kind == "U" else found
+                np.testing.assert_array_equal(column, found, err_msg=name)
+        np.testing.assert_array_equal(run.last.radius, file["system/radius"])
+        np.testing.assert_array_equal(run.last.driven_by, file["system/driven_by"])
+        begin, end = file["last/contacts/rows"][-1]
+        contacts = {(a, b): (n, t) for a, b, n, t in zip(*(file["last/contacts"][name][begin:end] for name in (
+            "a", "b", "impulse_n", "impulse_t")))}
+    assert len(run.last.contact_a) > 100
+    for a, b, n, t in zip(run.last.contact_a, run.last.contact_b, run.last.impulse_n, run.last.impulse_t):
+        assert contacts[a, b] == (n, t)
+    assert run.end == "completed" and run.reason == "" and run.last.number == 6
+    assert run.last.report["iterations"] == run.steps["iterations"][-1]
+    assert len(run.packing) == 780 and np.array_equal(run.packing.x, run.last.x[:780])
+
+
+def test_a_disk_falls_and_rests(tmp_path):
+    """g t^2 / 2 until it meets the floor, then m g h of impulse in every step."""
+    (tmp_path / "fall.toml").write_text(FALL)
+    steps = []
+    run = nscdd.simulate(tmp_path / "fall.toml", callback=steps.append)
+    assert run.end == "completed" and len(steps) == 100
+    for step in steps[:40]:
+        assert step.y[0] == pytest.approx(-5 * step.time**2, abs=1e-12)
+        assert step.velocity_y[0] == pytest.approx(-10 * step.time, rel=1e-12)
+    assert len(run.last.impulse_n) == 1 and run.last.impulse_n[0] == pytest.approx(0.1, rel=1e-9)
+    assert (run.last.contact_a[0], run.last.contact_b[0]) == (0, 1)  # the disk and the wall behind all disks
+    assert run.last.y[0] == pytest.approx(-1.5, abs=0.1) and abs(run.last.velocity_y[0]) < 1e-12
+    assert steps[0].y[0] != run.last.y[0] and not steps[0].y.flags.writeable  # steps stay as they were
+
+
+def test_a_packing_in_place_of_that_of_the_case():
+    shear = os.path.join(CASES, "shear-1k.toml")
+    with pytest.raises(nscdd.Error, match="packing.settled: expected a generator or a file"):
+        nscdd.simulate(shear)
+    settling = nscdd.simulate(SETTLE, settings={"dynamics.steps": 30})
+    run = nscdd.simulate(shear, packing=settling.packing, settings={"dynamics.steps": 2})
+    assert run.steps.rows == 2 and np.isfinite(run.last.x).all()
+    np.testing.assert_array_equal(run.last.radius[:780], settling.packing.radius)
+
+
+def test_a_callback_ends_a_run():
+    run = nscdd.simulate(SETTLE, settings={"dynamics.steps": 50}, callback=lambda step: step.number < 3)
+    assert run.end == "stopped" and run.steps.rows == 3 == run.last.number
+
+    def refuse(step):
+        raise RuntimeError(f"enough of {step.number}")
+
+    with pytest.raises(RuntimeError, match="enough of 1"):
+        nscdd.simulate(SETTLE, callback=refuse)
+    seen = []
+    nscdd.simulate(SETTLE, settings={"dynamics.steps": 3}, progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (3, 3)
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (dict(settings={"dynamics.step_size": 1}), "dynamics.step_size: no such parameter"),
+    (dict(settings={"solver.eta": 1.0}), "solver.eta: expected solver.algorithm"),
+    (dict(subdomains="2 by 2"), "subdomains: expected"),
+])
+def test_errors(arguments, words):
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.simulate(SETTLE, **arguments)
+
+
+def test_a_case_that_does_not_move():
+    with pytest.raises(nscdd.Error, match=r"section \[dynamics\]"):
+        nscdd.simulate(os.path.join(CASES, "disks4.toml"))

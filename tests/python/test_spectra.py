@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spectra from outside: what the library finds against dense spectra of NumPy and sparse ones of SciPy, which see only
+M, H and A, or the operators."""
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse.linalg
+from conftest import bed, lattice, literal_interface, literal_spectrum
+
+import nscdd
+
+PACKINGS = [
+    pytest.param(lambda: lattice(7, 6, seed), (3, 2), id=f"lattice {seed}") for seed in range(3)
+] + [
+    pytest.param(lambda: lattice(9, 7, seed, missing=0.15), "metis:4", id=f"vacancies {seed}") for seed in range(3)
+] + [
+    pytest.param(lambda: bed(90, seed), (2, 2), id=f"deposit {seed}") for seed in (1, 2)
+]
+
+
+def close(found, expected, tolerance=1e-9):
+    np.testing.assert_allclose(found, expected, rtol=tolerance, atol=tolerance)
+
+
+def test_radius_of_the_paper():
+    """rho(B_0) of 4 disks in 2 subdomains is (29 + sqrt 57)/56 ([ADI12] section 4.1)."""
+    parts = nscdd.decompose(nscdd.generate("strip", grains=4), (2, 1))
+    found = nscdd.spectral_radius(nscdd.contraction(parts, epsilon=0), certify=True)
+    close(found.value, (29 + np.sqrt(57)) / 56, 1e-14)
+    assert found.converged and found.certified and float(found) == found.value
+    assert "certified=True" in repr(found)
+
+
+@pytest.mark.parametrize("packing, subdomains", PACKINGS)
+@pytest.mark.parametrize("epsilon, eta", [(1e-2, np.inf), (1.0, 0.3), (0.3, 5.0), (0.0, 0.7), (0.0, np.inf)])
+def test_dense_spectrum_of_numpy(packing, subdomains, epsilon, eta):
+    parts = nscdd.decompose(packing(), subdomains)
+    expected = literal_spectrum(parts, epsilon, eta)
+    for solver in ("dense", "shift-invert"):
+        found = nscdd.spectral_radius(nscdd.contraction(parts, epsilon, eta), certify=True, solver=solver)
+        units = np.count_nonzero(np.abs(expected - 1) < 1e-8) if epsilon == 0 else 0
+        others = expected[:len(expected) - units] if units else expected
+        assert found.converged and found.certified and found.solver == solver
+        assert found.unit_multiplicity == units
+        close(found.value, np.abs(expected).max())
+        close([found.subdominant_min, found.subdominant_max], [others[0], others[-1]])
+        close(found.subdominant, np.abs(others).max())
+        for value, (low, high) in ((others[0], found.interval_min), (others[-1], found.interval_max)):
+            assert low - 1e-9 <= value <= high + 1e-9
+
+
+@pytest.mark.parametrize("packing, subdomains", PACKINGS)
+def test_active_contacts_and_relaxation(packing, subdomains):
+    parts = nscdd.decompose(packing(), subdomains, prescribed={0: (1, 0.5), -1: (-1, 0.25)})
+    kept = nscdd.chosen_contacts(parts, "active")
+    assert 0 < np.count_nonzero(kept) < parts.contacts
+    b = nscdd.contraction(parts, epsilon=0.1, eta=2.0, contacts="active", relaxation=0.8)
+    expected = literal_spectrum(parts, 0.1, 2.0, kept, 0.8)
+    found = nscdd.spectral_radius(b)
+    close([found.eigenvalue_min, found.eigenvalue_max], [expected[0], expected[-1]])
+    # All contacts give another radius: the choice has an effect.
+    other = nscdd.spectral_radius(nscdd.contraction(parts, epsilon=0.1, eta=2.0, relaxation=0.8))
+    assert abs(other.value - found.value) > 1e-6
+
+
+@pytest.mark.parametrize("packing, subdomains", PACKINGS)
+def test_operators(packing, subdomains):
+    parts = nscdd.decompose(packing(), subdomains)
+    b = nscdd.contraction(parts, epsilon=0.2, eta=0.7, relaxation=0.9)
+    p, s = literal_interface(parts, 0.7), literal_interface(parts, 0.2)
+    n = parts.interface_size
+    assert b.shape == (n, n) and (b.preconditioner.eta, b.system.eta, b.relaxation) == (0.7, 0.2, 0.9)
+    identity = np.eye(n)
+    close(b.preconditioner @ identity, p)
+    close(b.system.dense(), s)
+    close(b.preconditioner.solve(identity), np.linalg.inv(p))
+    close(b.preconditioner.inverse @ identity, np.linalg.inv(p))
+    close(b @ identity, identity - 0.9 * np.linalg.solve(p, s))
+    close(b.H @ identity, (identity - 0.9 * np.linalg.solve(p, s)).T)
+    close(b.rmatvec(identity[0]), identity[0] - 0.9 * s @ np.linalg.solve(p, identity[0]))
+    close(b.system.H @ identity[:, :2], s[:, :2])
+    assert not b.system.dense().flags.writeable
+    with pytest.raises(nscdd.Error, match=f"expected {n} entries, met {n + 1}"):
+        b.preconditioner.solve(np.zeros(n + 1))
+
+
+@pytest.mark.parametrize("epsilon, eta", [(0.05, np.inf), (0.4, 0.2)])
+def test_eigsh_of_scipy_on_the_operators(epsilon, eta):
+    """Both ends of S x = lambda P x by SciPy's Lanczos, which applies S, P and P^-1 alone."""
+    parts = nscdd.decompose(bed(900, seed=3), "metis:8")
+    b = nscdd.contraction(parts, epsilon, eta)
+    p = b.preconditioner
+    ends = [scipy.sparse.linalg.eigsh(b.system, k=1, M=p, Minv=p.inverse, which=which, tol=1e-10,
+                                      return_eigenvectors=False)[0] for which in ("LA", "SA")]
+    found = nscdd.spectral_radius(b, certify=True)
+    close([found.eigenvalue_min, found.eigenvalue_max], [1 - ends[0], 1 - ends[1]], 1e-8)
+    largest = scipy.sparse.linalg.eigs(b, k=2, which="LM", return_eigenvectors=False)
+    close(found.value, np.abs(largest).max(), 1e-8)
+
+
+def test_modes_are_eigenvectors():
+    parts = nscdd.decompose(lattice(8, 8, 4), (2, 2))
+    b = nscdd.contraction(parts, epsilon=0.1, eta=1.0)
+    found = nscdd.spectral_radius(b)
+    for value, mode in ((found.eigenvalue_min, found.mode_min), (found.eigenvalue_max, found.mode_max)):
+        close(b @ mode, value * mode, 1e-8 * np.abs(mode).max())
+
+
+def test_several_eigenvalues_at_each_end():
+    parts = nscdd.decompose(lattice(8, 6, 5), (3, 1))
+    expected = literal_spectrum(parts, 0.3, 2.0)
+    found = nscdd.spectral_radius(nscdd.contraction(parts, 0.3, 2.0), eigenvalues=4)
+    close(found.low, expected[:4])
+    close(found.high, expected[:-5:-1])
+
+
+def test_no_interface_is_data():
+    found = nscdd.spectral_radius(nscdd.contraction(nscdd.decompose(lattice(3, 3)), 1.0), certify=True)
+    assert (found.value, found.solver, found.certified) == (0, "none", True)
+    assert np.isnan(found.eigenvalue_min) and len(found.mode_max) == 0
+
+
+def test_relative_flexibilities():
+    parts = nscdd.decompose(lattice(6, 6, 1), (2, 2))
+    relative = nscdd.contraction(parts, "0.1W", "2W")
+    close([relative.system.eta, relative.preconditioner.eta], [0.1 * parts.mean_w_nn, 2 * parts.mean_w_nn], 1e-15)
+    w = (parts.H.T @ scipy.sparse.diags(1 / parts.M.diagonal()) @ parts.H).diagonal()
+    close(parts.mean_w_nn, w.mean(), 1e-13)
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (dict(epsilon=-1.0), "epsilon: expected a finite number >= 0, met -1"),
+    (dict(epsilon=1.0, eta=0.0), r"eta: expected a number > 0 \(or inf for the generic algorithm\), met 0"),
+    (dict(epsilon=[1.0, 2.0]), "epsilon: expected one value, met 2"),
+    (dict(epsilon=1.0, contacts="activ"), "did you mean active"),
+    (dict(epsilon=1.0, contacts="active"), "expected a prescribed velocity"),
+    (dict(epsilon=1.0, relaxation=0.0), "relaxation"),
+])
+def test_errors_of_contraction(arguments, words):
+    parts = nscdd.decompose(lattice(4, 4), (2, 1))
+    with pytest.raises(nscdd.Error, match=words) as caught:
+        nscdd.contraction(parts, **arguments)
+    assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (dict(solver="lanczos"), 'solver: expected one of "auto", "dense"'),
+    (dict(solver="slepc"), "met slepc, which nscdd-mpi has"),
+    (dict(solver="arpack", certify=True), "expected auto, dense or shift-invert with certify"),
+    (dict(eigenvalues=0), "eigenvalues"),
+    (dict(residual_tolerance=0.0), "residual_tolerance"),
+])
+def test_errors_of_spectral_radius(arguments, words):
+    b = nscdd.contraction(nscdd.decompose(lattice(4, 4), (2, 1)), 1.0)
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.spectral_radius(b, **arguments)
