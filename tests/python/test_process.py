@@ -44,31 +44,31 @@ def large_contraction():
 
 def test_ctrl_c_ends_a_sweep():
     rows = []
-    started = time.monotonic()
     with pytest.raises(KeyboardInterrupt), Interrupting(0.5):
         long_sweep(lambda done, total: rows.append((done, total)))
-    assert time.monotonic() - started < 30
     assert 0 < rows[-1][0] < rows[-1][1] == 20_000
 
 
 def test_ctrl_c_ends_a_spectrum():
-    """Between two factorisations or solves: the whole takes several seconds."""
+    """Between two factorisations or solves: the whole takes seconds of the processor, what is interrupted part of it."""
     b = large_contraction()
-    started = time.monotonic()
+    started, clock = time.process_time(), time.monotonic()
     whole = nscdd.spectral_radius(b, certify=True, solver="shift-invert")
-    seconds = time.monotonic() - started
+    work, seconds = time.process_time() - started, time.monotonic() - clock
     assert whole.converged
-    started = time.monotonic()
+    started = time.process_time()
     with pytest.raises(KeyboardInterrupt), Interrupting(0.1 * seconds):
         nscdd.spectral_radius(b, certify=True, solver="shift-invert")
-    assert time.monotonic() - started < 0.8 * seconds
+    assert time.process_time() - started < 0.8 * work
     again = nscdd.spectral_radius(b, certify=True, solver="shift-invert")
     assert (again.value, again.residual) == (whole.value, whole.residual)  # what was interrupted left nothing behind
 
 
 def test_ctrl_c_ends_a_generator_and_a_solver():
+    seen = [0]
     with pytest.raises(KeyboardInterrupt), Interrupting(0.2):
-        nscdd.generate("deposit", grains=3_000_000)
+        nscdd.generate("deposit", grains=3_000_000, progress=lambda done, total: seen.append(done))
+    assert seen[-1] < 2_000_000
     w, q = np.eye(1000) + np.ones((1000, 1000)), np.random.default_rng(0).normal(size=1000)
     with pytest.raises(KeyboardInterrupt), Interrupting(0.3):
         nscdd.solve(w, q, 0.5, solver="nlgs", maximum_sweeps=10**9, tolerance=1e-300, check_every=1)
