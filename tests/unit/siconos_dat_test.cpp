@@ -158,11 +158,15 @@ std::string columns(const SparseMatrix& matrix, Index) { return sparse_text(matr
 TEST_CASE("local and global problems in every storage") {
   const GlobalFrictionProblem global = random_bodies_problem(1, 6, 9);
   const LocalFrictionProblem local = reduce(global);
-  for (const auto& [name, matrix] : storages) {
+  for (const auto& storage : storages) {
+    const auto& name = storage.first;  // clang 14 captures no structured binding
+    const auto& matrix = storage.second;
     CAPTURE(name);
     check_reads_as(local, local_text(local, matrix));
     check_reads_as(local, local_text(local, matrix) + "1\n");  // the flag of old versions
-    for (const auto& [of_h, h] : storages) {
+    for (const auto& storage_of_h : storages) {
+      const auto& of_h = storage_of_h.first;  // clang 14 captures no structured binding
+      const auto& h = storage_of_h.second;
       CAPTURE(of_h);
       check_reads_as(global, global_text(global, matrix(global.mass, 3), h));
     }
@@ -190,7 +194,9 @@ TEST_CASE("a local problem is told from a global one of as many rows") {
 
 TEST_CASE("problems without contacts, and blocks without entries") {
   GlobalFrictionProblem global = random_bodies_problem(3, 2, 0);
-  for (const auto& [name, matrix] : storages) {
+  for (const auto& storage : storages) {
+    const auto& name = storage.first;  // clang 14 captures no structured binding
+    const auto& matrix = storage.second;
     CAPTURE(name);
     if (std::string(name) == "dense") continue;
     check_reads_as(global, global_text(global, sparse_text(global.mass, 1), matrix));
@@ -275,7 +281,9 @@ TEST_CASE("texts that are no problem are refused with their line") {
 
 TEST_CASE("every prefix of a text is refused or is a problem by itself") {
   const GlobalFrictionProblem global = random_bodies_problem(2, 2, 2);
-  for (const auto& [name, matrix] : storages) {
+  for (const auto& storage : storages) {
+    const auto& name = storage.first;  // clang 14 captures no structured binding
+    const auto& matrix = storage.second;
     CAPTURE(name);
     const std::string text = global_text(global, matrix(global.mass, 3), matrix);
     for (std::size_t length = 0; length + 40 < text.size(); ++length)
