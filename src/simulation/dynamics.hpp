@@ -75,8 +75,8 @@ struct Simulation {
   GranularState state;
   Dynamics dynamics;
   Partitioner partitioner = GridPartitioner{};
-  Processes processes = {};                ///< share the subdomains of a step; all have the same system and state
-  InertiaMethod inertia = multifrontal();  ///< what factorises for Stage 2
+  Processes processes = {};    ///< share the subdomains of a step; all have the same system and state
+  InertiaMethod inertia = {};  ///< what factorises for Stage 2, see stage_two_inertia
 };
 
 /// Whether the subdomains of a run are switched. A single one is not: it is plain Gauss-Seidel.

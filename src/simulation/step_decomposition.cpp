@@ -63,20 +63,24 @@ Decomposition linear_decomposition(const Simulation& simulation, const StepProbl
   return of_process(std::move(all), dealt, processes);
 }
 
+InertiaMethod stage_two_inertia(const Simulation& simulation) {
+  return simulation.inertia.analyse ? simulation.inertia : multifrontal();
+}
+
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
                                     const Partition& partition, double eta) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
   const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
   return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem)) : all,
-                         InterfaceFamily::default_dense_limit, simulation.inertia)
+                         InterfaceFamily::default_dense_limit, stage_two_inertia(simulation))
       .at(eta);
 }
 
 double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
-  const SpectralOptions options{.inertia = simulation.inertia};
+  const SpectralOptions options{.inertia = stage_two_inertia(simulation)};
   const bool relaxed =
       solver.interface_method == InterfaceMethod::richardson;  // conjugate gradients choose their own steps
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);

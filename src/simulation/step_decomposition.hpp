@@ -27,6 +27,9 @@ double best_eta(const Simulation& simulation, const StepProblem& problem, const 
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem& problem,
                                    const Partition& partition);
 
+/// What factorises for Stage 2 of a step: the simulation's own method, or multifrontal() where it has none.
+InertiaMethod stage_two_inertia(const Simulation& simulation);
+
 /// X_eta of the linear Stage 2 of a step. With `network` active, and always in the semi-implicit scheme, it
 /// has the contacts that carried an impulse in the step before; otherwise all that are considered.
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,

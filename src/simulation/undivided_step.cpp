@@ -92,7 +92,8 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   std::optional<CutContacts> cut;
   RelationSolver linear;
   if (decomposes(solver.algorithm)) {
-    cut.emplace(linear_decomposition(simulation, problem, step.partition), cut_options(solver, simulation.inertia));
+    cut.emplace(linear_decomposition(simulation, problem, step.partition),
+                cut_options(solver, stage_two_inertia(simulation)));
     linear =
         solver.algorithm == StepAlgorithm::two_stage_admm ? relation_solver(*cut) : refined_solver(*cut, contacts.w);
   }
