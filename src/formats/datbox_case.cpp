@@ -70,7 +70,7 @@ Ramp ramp_of(const DatboxDrive& drive, double start) {
 Motion motion_of(const DatboxBody& body, double start) {
   std::array<Ramp, 3> ramps;
   std::set<double> times{0};
-  for (const std::size_t k : {0, 1, 2}) {
+  for (std::size_t k = 0; k < 3; ++k) {
     if (!body.drives[k])
       refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 and 3, met one without {}",
              k + 1);
@@ -103,7 +103,7 @@ void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) 
   const double side = below > 0 ? -1 : 1;
   const std::array<double, 2> foot{body.position[0] - side * plank.thickness * along[1],
                                    body.position[1] + side * plank.thickness * along[0]};
-  for (const std::size_t k : {0, 1}) {
+  for (std::size_t k = 0; k < 2; ++k) {
     wall.from[k] = foot[k] - side * plank.length * along[k];
     wall.to[k] = foot[k] + side * plank.length * along[k];
   }
