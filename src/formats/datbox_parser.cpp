@@ -60,11 +60,11 @@ void complete(DatboxBody& body) {
     std::array<double, 2> centre{};
     for (const DatboxContactor& one : body.contactors) {
       area += one.radius * one.radius;
-      for (const std::size_t k : {0, 1}) centre[k] += one.radius * one.radius * one.shift[k];
+      for (std::size_t k = 0; k < 2; ++k) centre[k] += one.radius * one.radius * one.shift[k];
     }
-    for (const std::size_t k : {0, 1}) body.position[k] = centre[k] / area;
+    for (std::size_t k = 0; k < 2; ++k) body.position[k] = centre[k] / area;
     for (DatboxContactor& one : body.contactors)
-      for (const std::size_t k : {0, 1}) one.shift[k] -= body.position[k];
+      for (std::size_t k = 0; k < 2; ++k) one.shift[k] -= body.position[k];
   }
   if (body.contactors.size() == 1 && (body.average_radius == 0 || body.gyration_radius == 0)) {
     body.average_radius = body.contactors[0].radius;
@@ -151,7 +151,7 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
     if (!lines.find("$nodty")) fail("{}: expected a section $nodty, met none", lines.place().file);
     lines.require_next("displacements X");
     const std::array<double, 3> moved{lines.number(35, "X(1)"), lines.number(56, "X(2)"), lines.number(77, "X(3)")};
-    for (const std::size_t k : {0, 1, 2}) body.position[k] += moved[k];
+    for (std::size_t k = 0; k < 3; ++k) body.position[k] += moved[k];
     body.written_digit += std::max(half_digit(moved[0]), half_digit(moved[1]));
     lines.require_next("velocities V");
     body.velocity = {lines.number(35, "V(1)"), lines.number(56, "V(2)"), lines.number(77, "V(3)")};
