@@ -279,7 +279,7 @@ Action declare_export(Command& command) {
   command.required("CASE", options->operators.one.name,
                    "trajectory of nscdd simulate, .h5 or .hdf5; of --operators what nscdd sweep takes");
   const Option* vtk = &command.add("--vtk FOLDER", options->folder,
-                                   "write the kept steps there for ParaView: a .vtp file each and a .pvd collection");
+                                   "write the kept steps there for ParaView: .vtp files, a .pvd collection");
   command.add("--vtkhdf FILE", options->vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf").excludes =
       vtk;
   command.add("--lmgc90 FOLDER", options->lmgc90, "write the kept steps there as DOF.OUT.k and Vloc_Rloc.OUT.k")
