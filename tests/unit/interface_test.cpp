@@ -98,3 +98,21 @@ TEST_CASE("interface: X_infinity^-1 in closed form, for chains and stars, unequa
     CHECK((x.apply(x.solve(f)) - f).norm() < 1e-13 * f.norm());
   }
 }
+
+TEST_CASE("interface: X_eta^-1 on the interface alone is that by the undivided packing") {
+  const Model model = build(random_lattice(3, 8, 7, {3, 3}));
+  for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {
+    const Decomposition parts = decompose(model.problem, model.partition, shape);
+    const InterfaceFamily assembled(parts), alone(parts, InterfaceFamily::default_dense_limit, multifrontal());
+    for (const double eta : {1e-4, 0.3, 1e3}) {
+      CAPTURE(eta);
+      const InterfaceOperator x = alone.at(eta);
+      const Vector f = RandomStream(5).normal_vector(x.rows()), expected = assembled.at(eta).solve(f);
+      CHECK((x.solve(f) - expected).norm() < 1e-9 * expected.norm());
+      CHECK((x.solve(x.apply(f)) - f).norm() < 1e-9 * f.norm());
+      CHECK((expected - x.solve_generic(f)).norm() > 1e-6 * expected.norm());  // another matrix than X
+    }
+    CHECK_THROWS_WITH_AS(alone.at(0).solve(Vector::Ones(parts.interface_size())), doctest::Contains("has no inverse"),
+                         Error);
+  }
+}
