@@ -237,12 +237,12 @@ Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
   const Processes& all = machine.processes;
   return all.together([&] {
     Model whole = all.together([&] {
-      Model built = build(one);
+      Model built = cut_up(one, all);
       check(built);
       return built;
     });
     require_same(features(whole), one.spec.name, all);
-    Model own = of_process(std::move(whole), all);
+    Model own = share_of(std::move(whole), all);
     if (!all.alone()) {
       if (contacts == ContactSet::all && own.parts.interface_size() > 0)  // an empty interface is explained by H
         own.problem.h = SparseMatrix(own.problem.h.rows(), own.problem.h.cols());

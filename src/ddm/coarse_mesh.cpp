@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/coarse_mesh.hpp"
 
+#include "linalg/sparse_entries.hpp"
+
 #include <Eigen/QR>
 
 namespace nscdd {

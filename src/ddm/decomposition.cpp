@@ -46,7 +46,7 @@ Partitioner parse_partitioner(std::string_view text, std::string_view what) {
   return *found;
 }
 
-Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
+Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
   check(partition, problem.contacts());
   const Index d = problem.dofs_per_grain;
   Decomposition parts;
@@ -62,21 +62,32 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
     auto& grains = subdomain.grains;
     std::sort(grains.begin(), grains.end());
     grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
+    grains.shrink_to_fit();
     held.emplace_back(grains);
   }
   parts.interface = Interface(d, problem.grains(), held, {}, shape);
-  for (Index e = 0; e < count(parts.subdomains); ++e) {
-    Subdomain& subdomain = parts.subdomains[at(e)];
+  for (Subdomain& subdomain : parts.subdomains) {
     subdomain.inertia.resize(d * count(subdomain.grains));
     for (Index i = 0; i < count(subdomain.grains); ++i) {
       const Index grain = subdomain.grains[at(i)];
       subdomain.inertia.segment(d * i, d) =
           problem.inertia.segment(d * grain, d) / static_cast<double>(parts.interface.multiplicity(grain));
     }
+  }
+  return parts;
+}
+
+Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem) {
+  for (Index e = 0; e < count(parts.subdomains); ++e) {
+    Subdomain& subdomain = parts.subdomains[at(e)];
     subdomain.h = local_connectivity(problem, subdomain);
     subdomain.a = parts.interface.matrix(e);
   }
   return parts;
+}
+
+Decomposition decompose(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
+  return with_matrices(cut(problem, partition, shape), problem);
 }
 
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept) {

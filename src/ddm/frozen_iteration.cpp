@@ -3,6 +3,7 @@
 
 #include "ddm/frozen_network.hpp"
 #include "linalg/pencil.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/frozen_network.hpp"
 
+#include "linalg/sparse_entries.hpp"
+
 namespace nscdd {
 
 double sliding_slope(ContactStatus status, double friction) {
@@ -17,7 +19,8 @@ FrozenNetwork frozen_network(const GranularSubdomain& subdomain, const std::vect
     root.insert(root.end(), {of_body, of_body, of_body / std::sqrt(rim_mass_ratio)});
   }
   network.root = Vector::Map(root.data(), count(root));
-  ConnectivityBuilder impulses(2 * statuses.size()), resting(2 * statuses.size());
+  const Index size = network.root.size();
+  ConnectivityBuilder impulses(size, 2 * statuses.size()), resting(size, 2 * statuses.size());
   for (std::size_t k = 0; k < statuses.size(); ++k) {
     if (statuses[k] == ContactStatus::open) continue;
     const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
@@ -28,8 +31,8 @@ FrozenNetwork frozen_network(const GranularSubdomain& subdomain, const std::vect
     put({1, sliding_slope(statuses[k], c.friction)}, {1, 0});
     if (statuses[k] == ContactStatus::stick) put({0, 1}, {0, 1});
   }
-  network.impulses = over_rows(impulses.matrix(network.root.size()), network.root);
-  network.resting = over_rows(resting.matrix(network.root.size()), network.root);
+  network.impulses = over_rows(impulses.matrix(), network.root);
+  network.resting = over_rows(resting.matrix(), network.root);
   return network;
 }
 

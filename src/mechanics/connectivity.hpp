@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linalg/sparse_entries.hpp"
 #include "mechanics/disk_contacts.hpp"
 
 namespace nscdd {
@@ -12,28 +11,43 @@ struct BodyRows {
   double arm = 1;    ///< lever arm of tangential impulses, m; 1 where the speed of the rim stands for the spin
 };
 
-/// Builds H column by column: all that knows how an impulse at a contact acts on two bodies. A column belongs to a
-/// contact and a direction (n, t) of its frame: -impulse on a, +impulse on b, and -arm r_t on the spin of both.
-/// Directions without a tangential part leave the rows of spin out. In space a body has six rows, a frame two tangents.
+/// Builds H column by column, where it stays: all that knows how an impulse at a contact acts on two bodies. A column
+/// belongs to a contact and a direction (n, t) of its frame: -impulse on a, +impulse on b, and -arm r_t on the spin of
+/// both. Directions without a tangential part leave the rows of spin out. In space a body has six rows, a frame two
+/// tangents.
 class ConnectivityBuilder {
  public:
-  explicit ConnectivityBuilder(std::size_t columns) { entries_.reserve(5 * columns); }
+  /// `columns`: at the most.
+  ConnectivityBuilder(Index rows, std::size_t columns) : h_(rows, static_cast<Index>(columns)) {
+    h_.reserve(5 * static_cast<Index>(columns));
+  }
 
+  /// The bodies must differ.
   void add(const std::array<double, 2>& normal, const BodyRows& a, const BodyRows& b, LocalVector direction) {
-    for (const auto& [body, sign] : {std::pair(a, -1.0), std::pair(b, 1.0)}) {
-      if (body.first < 0) continue;
-      const auto impulse = impulse_on_disk(normal, sign, direction);
-      entries_.add(body.first, columns_, impulse[0]);
-      entries_.add(body.first + 1, columns_, impulse[1]);
-      if (direction.t != 0) entries_.add(body.first + 2, columns_, body.arm * impulse[2]);
-    }
+    h_.startVec(columns_);
+    const bool ascending = a.first < b.first;
+    put(normal, ascending ? a : b, ascending ? -1 : 1, direction);
+    put(normal, ascending ? b : a, ascending ? 1 : -1, direction);
     ++columns_;
   }
 
-  SparseMatrix matrix(Index rows) const { return entries_.matrix(rows, columns_); }
+  /// The matrix with as many columns as were added, once.
+  SparseMatrix matrix() {
+    h_.finalize();
+    h_.conservativeResize(h_.rows(), columns_);
+    return std::move(h_);
+  }
 
  private:
-  SparseEntries entries_;
+  void put(const std::array<double, 2>& normal, const BodyRows& body, double sign, LocalVector direction) {
+    if (body.first < 0) return;
+    const auto impulse = impulse_on_disk(normal, sign, direction);
+    h_.insertBackByOuterInner(columns_, body.first) = impulse[0];
+    h_.insertBackByOuterInner(columns_, body.first + 1) = impulse[1];
+    if (direction.t != 0) h_.insertBackByOuterInner(columns_, body.first + 2) = body.arm * impulse[2];
+  }
+
+  SparseMatrix h_;
   Index columns_ = 0;
 };
 

@@ -35,9 +35,9 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   problem.inertia.resize(2 * n);
   for (Index i = 0; i < n; ++i) problem.inertia.segment(2 * i, 2).setConstant(packing.mass[at(i)]);
 
-  ConnectivityBuilder h(network.contacts.size());
+  ConnectivityBuilder h(2 * n, network.contacts.size());
   for (const Contact& contact : network.contacts) h.add(contact.normal, {2 * contact.a}, {2 * contact.b}, {1, 0});
-  problem.h = h.matrix(2 * n);
+  problem.h = h.matrix();
 
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {

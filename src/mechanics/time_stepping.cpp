@@ -97,7 +97,7 @@ GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std
   problem.f = Vector::Map(momentum.data(), rows);
   problem.w.resize(2 * size);
   problem.friction.resize(size);
-  ConnectivityBuilder h(2 * contacts.size());
+  ConnectivityBuilder h(rows, 2 * contacts.size());
   for (Index c = 0; c < size; ++c) {
     const DiskContact& k = contacts[at(c)];
     for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
@@ -106,7 +106,7 @@ GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std
     problem.w.segment<2>(2 * c) << w.n, w.t;
     problem.friction[c] = k.friction;
   }
-  problem.h = h.matrix(rows);
+  problem.h = h.matrix();
   return problem;
 }
 

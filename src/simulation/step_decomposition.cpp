@@ -56,11 +56,14 @@ std::vector<char> expected_columns(const StepProblem& problem) {
 
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem& problem,
                                    const Partition& partition) {
-  Decomposition all = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+  const ReferenceProblem whole = reference_problem(problem, simulation.system.disks());
+  Decomposition parts = cut(whole, partition_of_columns(partition));
   const Processes& processes = simulation.processes;
-  if (processes.alone()) return all;
-  const std::vector<Index> dealt = deal_out(all.interface, partition, processes.size);
-  return of_process(std::move(all), dealt, processes);
+  if (!processes.alone()) {
+    const std::vector<Index> dealt = deal_out(parts.interface, partition, processes.size);
+    parts = of_process(std::move(parts), dealt, processes);
+  }
+  return with_matrices(std::move(parts), whole);
 }
 
 InertiaMethod stage_two_inertia(const Simulation& simulation) {

@@ -222,14 +222,8 @@ Model of_process(Model model, const Processes& processes) {
 
 namespace {
 
-void decompose(Model& model) {
-  model.parts = decompose(model.problem, model.partition);
-  if (model.problem.contacts() > 0) model.flexibility = mean_normal_delassus(model.problem);
-}
-
-}  // namespace
-
-Model build(const Case& one, const Monitor& monitor) try {
+// All of a model but its decomposition.
+Model undivided(const Case& one, const Monitor& monitor) try {
   Model model;
   model.name = one.spec.name;
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
@@ -238,7 +232,6 @@ Model build(const Case& one, const Monitor& monitor) try {
            file->path, one.spec.prescribed.size());
     model.problem = reference_problem(one.problem, file->path);
     model.partition = partition_without_geometry(one.spec.partition, model.problem, file->path);
-    decompose(model);
     return model;
   }
   model.packing = with_masses(packing_of(one, monitor), one.spec.masses);
@@ -253,11 +246,28 @@ Model build(const Case& one, const Monitor& monitor) try {
   model.partition = distribute(
       one.spec.partition, [&] { return std::tie(model.packing, model.network); },
       [&]() -> const ReferenceProblem& { return model.problem; });
-  decompose(model);
   return model;
 } catch (const Error& error) {
   if (error.key().empty()) throw;
   throw located(one.spec, error);
 }
+
+}  // namespace
+
+Model cut_up(const Case& one, const Processes& processes, const Monitor& monitor) {
+  Model model = undivided(one, monitor);
+  if (!processes.alone()) model.network = {.contacts = {}, .grains = model.network.grains};
+  model.parts = cut(model.problem, model.partition);
+  if (model.problem.contacts() > 0) model.flexibility = mean_normal_delassus(model.problem);
+  return model;
+}
+
+Model share_of(Model cut, const Processes& processes) {
+  Model own = of_process(std::move(cut), processes);
+  own.parts = with_matrices(std::move(own.parts), own.problem);
+  return own;
+}
+
+Model build(const Case& one, const Monitor& monitor) { return share_of(cut_up(one, {}, monitor), {}); }
 
 }  // namespace nscdd

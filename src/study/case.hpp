@@ -89,4 +89,9 @@ Simulation simulation_of(const Case& one, const Monitor& monitor = {});
 /// Throws Error for whatever cannot be used (see the functions called). The monitor follows the generator.
 Model build(const Case& one, const Monitor& monitor = {});
 
+/// The two halves of it for one of several processes, which keeps its own subdomains. The first half knows all of them,
+/// but none of their matrices; the geometry of contacts is dropped unless the process is alone.
+Model cut_up(const Case& one, const Processes& processes, const Monitor& monitor = {});
+Model share_of(Model cut, const Processes& processes);
+
 }  // namespace nscdd

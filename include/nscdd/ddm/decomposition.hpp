@@ -39,6 +39,12 @@ struct Decomposition {
 Decomposition decompose(const ReferenceProblem& problem, const Partition& partition,
                         GluingShape shape = GluingShape::chain);
 
+/// The two halves of `decompose`. A process that keeps some of the subdomains alone (`of_process`) drops the others in
+/// between, so that it never holds their matrices. `cut`: all but H_E and A_E. `with_matrices`: these of the subdomains
+/// that have their grains.
+Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape = GluingShape::chain);
+Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem);
+
 /// The same subdomains, grains and gluing with only some contacts kept: G_E in place of H_E
 /// ([ADI12] eq. (28), G_E = H_E C_E). `kept`: one flag per contact of the packing.
 Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept);
