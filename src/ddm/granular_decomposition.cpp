@@ -157,6 +157,7 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
                                 std::uint64_t seed) {
   check(partition, count(problem.contacts));
   GranularDecomposition parts;
+  parts.contacts = count(problem.contacts);
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
@@ -170,18 +171,16 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
   for (GranularSubdomain& subdomain : parts.subdomains)  // a grain shared by q subdomains weighs 1/q in each
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
       subdomain.velocities[i].inverse_mass *= static_cast<double>(parts.interface.multiplicity(subdomain.bodies[i]));
+  for (const Gluing& row : parts.interface.gluing())
+    parts.copy_mass.push_back(1 / copy_of(parts, row.first).inverse_mass);
   return parts;
 }
 
 GranularDecomposition of_process(GranularDecomposition parts, const Partition& partition, const Processes& processes) {
   parts.interface = parts.interface.of_process(deal_out(parts.interface, partition, processes.size), processes);
   parts.interface.meet_neighbours();
-  for (Index e = 0; e < count(parts.subdomains); ++e) {
-    ContactRows& contacts = parts.subdomains[at(e)].contacts;
-    if (parts.interface.process_of(e) == processes.rank) continue;
-    contacts.rows = std::vector<ContactRows::Row>();  // {} would keep the memory
-    contacts.bias_t = contacts.pull = std::vector<double>();
-  }
+  for (Index e = 0; e < count(parts.subdomains); ++e)
+    if (parts.interface.process_of(e) != processes.rank) parts.subdomains[at(e)] = GranularSubdomain();
   return parts;
 }
 
@@ -213,7 +212,7 @@ double glued_speed_squared(const GranularDecomposition& parts, Index subdomain) 
 Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g) {
   return parts.interface.solve_generic(
       [&](Index row, Index k) {
-        const double mass = 1 / copy_of(parts, parts.interface.gluing()[at(row)].first).inverse_mass;
+        const double mass = parts.copy_mass[at(row)];
         return k < 2 ? mass : mass / rim_mass_ratio;
       },
       g);

@@ -19,8 +19,10 @@ struct GranularSubdomain {
 /// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a
 /// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
 struct GranularDecomposition {
+  Index contacts = 0;  ///< of the step, all subdomains together
   std::vector<GranularSubdomain> subdomains;
-  Interface interface;  ///< 3 unknowns per grain: x, y, rim
+  Interface interface;            ///< 3 unknowns per grain: x, y, rim
+  std::vector<double> copy_mass;  ///< kg, for each row of the gluing that of either copy, the share of its grain
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 };
@@ -37,9 +39,8 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
                                 std::uint64_t seed);
 
-/// What one of several processes works on: the contacts of its own subdomains. Of all subdomains it keeps which bodies
-/// and contacts they have, their velocities and impulses; those of other processes stay as they are at the beginning.
-/// `partition`: of its contacts. Throws Error for more processes than subdomains.
+/// What one of several processes works on: its own subdomains, and the gluing of all. The subdomains of others are
+/// empty. `partition`: of the contacts of the step. Throws Error for more processes than subdomains.
 GranularDecomposition of_process(GranularDecomposition parts, const Partition& partition, const Processes& processes);
 
 /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take

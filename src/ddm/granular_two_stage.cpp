@@ -10,15 +10,14 @@ namespace {
 
 constexpr double rounding_of_impulses = 1e-24;  // squared, relative
 
-// Sum over the free bodies of |M V|^2, rims included.
-double momentum_squared(const GranularDecomposition& parts) {
+// Sum over the free bodies of a subdomain of |M V|^2, rims included.
+double momentum_squared_of(const GranularSubdomain& subdomain) {
   double sum = 0;
-  for (const GranularSubdomain& subdomain : parts.subdomains)
-    for (const DiskVelocity& v : subdomain.velocities) {
-      if (v.inverse_mass == 0) continue;
-      const double rim = v.rim / rim_mass_ratio;
-      sum += (v.x * v.x + v.y * v.y + rim * rim) / (v.inverse_mass * v.inverse_mass);
-    }
+  for (const DiskVelocity& v : subdomain.velocities) {
+    if (v.inverse_mass == 0) continue;
+    const double rim = v.rim / rim_mass_ratio;
+    sum += (v.x * v.x + v.y * v.y + rim * rim) / (v.inverse_mass * v.inverse_mass);
+  }
   return sum;
 }
 
@@ -35,7 +34,7 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
       law_(law),
       solver_(solver),
       enriched_(std::move(enriched)),
-      impulse_floor_squared_(rounding_of_impulses * momentum_squared(parts_)) {
+      impulse_floor_squared_(rounding_of_impulses * momentum_squared()) {
   if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
     throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
 }
@@ -106,6 +105,12 @@ double GranularTwoStage::dot(const Vector& f, const Vector& g) const {
 double GranularTwoStage::glued_speed_squared() const {
   Eigen::MatrixXd parts(1, count(parts_.subdomains));
   for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = nscdd::glued_speed_squared(parts_, e);
+  return summed(std::move(parts))[0];
+}
+
+double GranularTwoStage::momentum_squared() const {
+  Eigen::MatrixXd parts(1, count(parts_.subdomains));
+  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = momentum_squared_of(parts_.subdomains[at(e)]);
   return summed(std::move(parts))[0];
 }
 

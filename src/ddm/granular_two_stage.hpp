@@ -66,16 +66,19 @@ class GranularTwoStage {
   /// Of single contacts, in all sweeps so far of the subdomains of this process.
   Index contact_updates() const;
 
-  /// Brings velocities and impulses of all subdomains together in every process that shares them. Contacts, velocities,
-  /// gluing and interface impulses are known of all of them from then on, until the next iteration.
-  void gather();
-
   /// Status of every contact, in the numbers of the step problem.
   std::vector<ContactStatus> statuses() const;
 
-  /// In the numbers of the step problem. The velocity of a shared grain is the mean of its copies.
-  std::vector<DiskContact> contacts(const StepProblem& problem) const;
-  std::vector<DiskVelocity> velocities(const StepProblem& problem) const;
+  /// Contacts with their impulses and velocities of the bodies, in the numbers of the step problem. The velocity of a
+  /// shared grain is the mean of its copies.
+  struct Solution {
+    std::vector<DiskContact> contacts;
+    std::vector<DiskVelocity> velocities;
+  };
+  /// Brings what all subdomains have found together, in every process that shares them. Gluing and interface impulses,
+  /// too, are those of all from then on, until the next iteration.
+  Solution gather(const StepProblem& problem);
+
   std::vector<RememberedGluing> gluing() const;
   std::vector<RememberedModel> models() const;  ///< one per subdomain; empty unless models are switched
 
@@ -98,6 +101,8 @@ class GranularTwoStage {
   Vector summed(Eigen::MatrixXd parts) const;
   double dot(const Vector& f, const Vector& g) const;
   double glued_speed_squared() const;
+  double momentum_squared() const;
+  void gather_interface_impulses();
   SweepSums sweeps(GranularSubdomain& subdomain) const;
   std::vector<SweepSums> stage_one();
   bool enriched_now() const;

@@ -209,9 +209,9 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
   report.status = *status;
   report.residual = iteration.residual();
   simulation.processes.counts->contact_updates += static_cast<double>(iteration.contact_updates());
-  iteration.gather();
-  step.contacts = iteration.contacts(step.problem);
-  step.velocities = iteration.velocities(step.problem);
+  auto [contacts, velocities] = iteration.gather(step.problem);
+  step.contacts = std::move(contacts);
+  step.velocities = std::move(velocities);
   if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
     const double scale = report.residual.impulses;
     report.residual = contact_residual(step.problem.law, step.contacts, step.velocities);

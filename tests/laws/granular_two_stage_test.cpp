@@ -340,9 +340,9 @@ TEST_CASE("a step that starts from the impulses and the gluing of another is whe
     cross_points += step.iteration.parts().interface.multiplicity(grain) > 2;
   REQUIRE(cross_points > 0);
   for (int k = 0; k < 7; ++k) step.iteration.iterate();
-  const GranularTwoStage& met = step.iteration;
+  GranularTwoStage& met = step.iteration;
   StepProblem problem = step.problem;
-  problem.contacts = met.contacts(step.problem);
+  problem.contacts = met.gather(step.problem).contacts;
   GranularTwoStage started(decompose(problem, step.partition, dynamics.solver.order, 1), problem.law, dynamics.solver,
                            {});
   started.start(met.gluing());

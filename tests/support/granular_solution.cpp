@@ -13,8 +13,9 @@ Close closely(const Simulation& simulation) {
     result.gluing = step.iteration.record().gluing;
     if (k % 20 == 0) result.map = step.iteration.residual().relative_natural_map();
   }
-  result.contacts = step.iteration.contacts(step.problem);
-  result.velocities = step.iteration.velocities(step.problem);
+  auto [contacts, velocities] = step.iteration.gather(step.problem);
+  result.contacts = std::move(contacts);
+  result.velocities = std::move(velocities);
   result.interface_size = step.iteration.parts().interface_size();
   result.problem = std::move(step.problem);
   return result;
