@@ -94,6 +94,7 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
     points.push_back(problem.geometry[at(c)].point);
   }
   const std::vector<Index> numbers = std::exchange(subdomain.numbers, {});
+  subdomain.bodies.clear();
   ContactRows& rows = subdomain.contacts;
   rows.friction = problem.friction;
   rows.boundary_friction = problem.boundary_friction;
@@ -120,6 +121,27 @@ void fill(GranularSubdomain& subdomain, const StepProblem& problem, Choice<Conta
     subdomain.velocities.push_back(problem.free[at(i)]);
     local[at(i)] = -1;  // for the next subdomain
   }
+}
+
+// The bodies that contacts touch, in the order in which they are met. `local`: -1 of every body.
+std::vector<Index> bodies_of(const std::vector<Index>& contacts, const StepProblem& problem,
+                             std::vector<std::int32_t>& local) {
+  std::vector<Index> bodies;
+  for (const Index c : contacts) {
+    const DiskContact& contact = problem.contacts[at(c)];
+    for (const std::int32_t body : {contact.a, contact.b})
+      if (std::exchange(local[at(body)], 0) < 0) bodies.push_back(body);
+  }
+  for (const Index body : bodies) local[at(body)] = -1;  // for the next subdomain
+  return bodies;
+}
+
+Interface interface_of(const GranularDecomposition& parts, const StepProblem& problem) {
+  std::vector<std::span<const Index>> held;
+  for (const GranularSubdomain& subdomain : parts.subdomains) held.emplace_back(subdomain.bodies);
+  std::vector<char> free;
+  for (const DiskVelocity& v : problem.free) free.push_back(v.inverse_mass > 0);
+  return {3, count(problem.free), held, free};
 }
 
 const DiskVelocity& copy_of(const GranularDecomposition& parts, const GrainCopy& copy) {
@@ -154,7 +176,7 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
 }
 
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
-                                std::uint64_t seed) {
+                                std::uint64_t seed, const Processes& processes) {
   check(partition, count(problem.contacts));
   GranularDecomposition parts;
   parts.contacts = count(problem.contacts);
@@ -162,25 +184,27 @@ GranularDecomposition decompose(const StepProblem& problem, const Partition& par
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
   std::vector<std::int32_t> local(problem.free.size(), -1);
-  for (GranularSubdomain& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
-  std::vector<std::span<const Index>> held;
-  for (const GranularSubdomain& subdomain : parts.subdomains) held.emplace_back(subdomain.bodies);
-  std::vector<char> free;
-  for (const DiskVelocity& v : problem.free) free.push_back(v.inverse_mass > 0);
-  parts.interface = Interface(3, count(problem.free), held, free);
-  for (GranularSubdomain& subdomain : parts.subdomains)  // a grain shared by q subdomains weighs 1/q in each
+  std::vector<Index> process_of(parts.subdomains.size(), 0);
+  if (!processes.alone()) {
+    for (GranularSubdomain& one : parts.subdomains) one.bodies = bodies_of(one.numbers, problem, local);
+    process_of = deal_out(interface_of(parts, problem), partition, processes.size);
+  }
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e)
+    if (process_of[e] == processes.rank) fill(parts.subdomains[e], problem, order, seed, local);
+  parts.interface = interface_of(parts, problem);
+  // A grain shared by q subdomains weighs 1/q in each.
+  const auto copies = [&](Index body) { return static_cast<double>(parts.interface.multiplicity(body)); };
+  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
+    GranularSubdomain& subdomain = parts.subdomains[e];
+    if (process_of[e] != processes.rank) subdomain = GranularSubdomain();
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
-      subdomain.velocities[i].inverse_mass *= static_cast<double>(parts.interface.multiplicity(subdomain.bodies[i]));
+      subdomain.velocities[i].inverse_mass *= copies(subdomain.bodies[i]);
+  }
   for (const Gluing& row : parts.interface.gluing())
-    parts.copy_mass.push_back(1 / copy_of(parts, row.first).inverse_mass);
-  return parts;
-}
-
-GranularDecomposition of_process(GranularDecomposition parts, const Partition& partition, const Processes& processes) {
-  parts.interface = parts.interface.of_process(deal_out(parts.interface, partition, processes.size), processes);
+    parts.copy_mass.push_back(1 / (problem.free[at(row.grain)].inverse_mass * copies(row.grain)));
+  if (processes.alone()) return parts;
+  parts.interface = parts.interface.of_process(process_of, processes);
   parts.interface.meet_neighbours();
-  for (Index e = 0; e < count(parts.subdomains); ++e)
-    if (parts.interface.process_of(e) != processes.rank) parts.subdomains[at(e)] = GranularSubdomain();
   return parts;
 }
 

@@ -35,13 +35,11 @@ std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const Dis
                                  std::span<const std::array<double, 2>> points);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
-/// them. `order`, `seed`: see contact_order. Throws Error if the partition does not fit.
+/// them. `order`, `seed`: see contact_order. Where several processes share the step, each has its own subdomains and
+/// the gluing of all, and the subdomains of others are empty; they are dealt out by their contacts. Throws Error if the
+/// partition does not fit, and for more processes than subdomains.
 GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
-                                std::uint64_t seed);
-
-/// What one of several processes works on: its own subdomains, and the gluing of all. The subdomains of others are
-/// empty. `partition`: of the contacts of the step. Throws Error for more processes than subdomains.
-GranularDecomposition of_process(GranularDecomposition parts, const Partition& partition, const Processes& processes);
+                                std::uint64_t seed, const Processes& processes = {});
 
 /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
 /// part.

@@ -147,16 +147,14 @@ bool IterationSink::looks_at(Index iteration) const {
 PreparedStep prepare_solution(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
-  const bool alone = simulation.processes.alone();
-  if (!alone && (!decomposes(solver.algorithm) || switches_models(simulation)))
+  if (!simulation.processes.alone() && (!decomposes(solver.algorithm) || switches_models(simulation)))
     throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
   auto [problem, partition, parts] = simulation.processes.together([&] {
     StepProblem whole = checked_problem(simulation);
     Partition of_contacts = partition_step(simulation, whole);
     const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-    GranularDecomposition all = decompose(whole, of_contacts, solver.order, seed);
-    if (!alone) all = of_process(std::move(all), of_contacts, simulation.processes);
-    return std::tuple(std::move(whole), std::move(of_contacts), std::move(all));
+    GranularDecomposition own = decompose(whole, of_contacts, solver.order, seed, simulation.processes);
+    return std::tuple(std::move(whole), std::move(of_contacts), std::move(own));
   });
   StepReport report{.interface_size = parts.interface_size(), .scale = problem.scale};
   std::optional<InterfaceOperator> enriched;

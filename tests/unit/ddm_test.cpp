@@ -269,8 +269,11 @@ TEST_CASE("deal out: every process has subdomains, of about equal weight, and to
 }
 
 TEST_CASE("shared decomposition: the parts of all processes are the whole") {
-  const Decomposition parts = build(random_lattice(3, 12, 12, {3, 2})).parts;
+  const Model whole = build(random_lattice(3, 12, 12, {3, 2}));
+  const Decomposition& parts = whole.parts;
+  const Decomposition unfilled = cut(whole.problem, whole.partition);
   const std::vector<Index> process_of = deal_out(parts, 3);
+  CHECK(deal_out(unfilled, 3) == process_of);
   RandomStream stream(3);
   std::vector<Vector> velocities;
   for (const Subdomain& subdomain : parts.subdomains)
@@ -282,8 +285,14 @@ TEST_CASE("shared decomposition: the parts of all processes are the whole") {
     CHECK(own.interface_size() == parts.interface_size());
     CHECK(own.interface.same_rows(parts.interface));
     std::vector<Vector> of_own;
+    const Decomposition filled =
+        with_matrices(of_process(unfilled, process_of, {.rank = rank, .size = 3}), whole.problem);
     for (std::size_t e = 0; e < process_of.size(); ++e) {
       const bool is_own = process_of[e] == rank;
+      CHECK(filled.subdomains[e].h.nonZeros() == own.subdomains[e].h.nonZeros());
+      if (is_own) CHECK((filled.subdomains[e].h - parts.subdomains[e].h).norm() == 0);
+      CHECK((filled.subdomains[e].a - own.subdomains[e].a).norm() == 0);
+      CHECK(filled.subdomains[e].inertia == own.subdomains[e].inertia);
       CHECK(own.subdomains[e].h.cols() == (is_own ? parts.subdomains[e].h.cols() : 0));
       CHECK(own.interface.ties(static_cast<Index>(e)).empty() == !is_own);
       contacts += count(own.subdomains[e].contacts);
