@@ -99,36 +99,41 @@ TEST_CASE("processes: what is sent is counted") {
   CHECK(counts.sums == 4);
 }
 
-TEST_CASE("processes: what one of them throws, all throw, and one says why") {
-  for (Index culprit = 0; culprit < all().size; ++culprit) {
-    const auto work = [&] {
-      if (all().rank >= culprit) throw Error("too bad");
-      return 1;
-    };
-    std::string met;
+TEST_CASE("processes: what one of them throws, all throw, with its words") {
+  struct Met {
+    std::string text;
+    bool elsewhere = false;
+  };
+  const auto met = [](const auto& work) {
     try {
-      all().together(work);
-    } catch (const FailedElsewhere&) {
-      met = "elsewhere";
+      work();
+    } catch (const FailedElsewhere& error) {
+      return Met{error.what(), true};
     } catch (const Error& error) {
-      met = error.what();
+      return Met{error.what()};
     }
-    CHECK(met == (all().rank == culprit ? "too bad" : "elsewhere"));
+    return Met{};
+  };
+  for (Index culprit = 0; culprit < all().size; ++culprit) {
+    const Met one = met([&] {
+      all().together([&] {
+        if (all().rank >= culprit) throw Error("too bad: " + std::to_string(all().rank) + ", met µ");
+        return 1;
+      });
+    });
+    CHECK(one.text == "too bad: " + std::to_string(culprit) + ", met µ");
+    CHECK(one.elsewhere == (all().rank != culprit));
   }
-  std::string inner;  // one has failed, and all are together again further out
-  try {
+  const Met inner = met([&] {  // one has failed, and all are together again further out
     all().together([&] {
       return all().together([&] {
         if (all().rank == all().size - 1) throw Error("the last one");
         return 1;
       });
     });
-  } catch (const FailedElsewhere&) {
-    inner = "elsewhere";
-  } catch (const Error& error) {
-    inner = error.what();
-  }
-  CHECK(inner == (all().rank == all().size - 1 ? "the last one" : "elsewhere"));
+  });
+  CHECK(inner.text == "the last one");
+  CHECK(inner.elsewhere == (all().rank != all().size - 1));
   CHECK(all().together([] { return 7; }) == 7);
 }
 

@@ -9,9 +9,9 @@
 
 namespace nscdd {
 
-/// What the other processes throw where one has failed, and says why.
+/// What the other processes throw where one has failed, in the words of that one.
 struct FailedElsewhere : Error {
-  FailedElsewhere() : Error("another process has failed") {}
+  using Error::Error;
 };
 
 /// Entries of an array to which this process and another one add, ascending: both have the same list.
@@ -72,9 +72,13 @@ struct Processes {
       error = met;
     }
     const auto failing = static_cast<Index>(-maximum(static_cast<double>(error ? -rank : -size)));
+    if (failing == size) return std::move(*result);
+    const std::string_view said = failing == rank ? error->what() : "";
+    const std::vector<double> letters = gather(std::vector<double>(said.begin(), said.end()));
     if (failing == rank) throw *error;
-    if (failing < size) throw FailedElsewhere();
-    return std::move(*result);
+    std::string text;
+    for (const double letter : letters) text += static_cast<char>(letter);
+    throw FailedElsewhere(text);
   }
 };
 
