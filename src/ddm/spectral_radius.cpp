@@ -30,15 +30,29 @@ PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel,
   return ends;
 }
 
+// The map, with a look at the checkpoint before each product.
+LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
+  if (!checkpoint) return map;
+  return [map = std::move(map), checkpoint](const Vector& x) {
+    checkpoint();
+    return map(x);
+  };
+}
+
 SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
+  const auto look = [&] {
+    if (options.checkpoint) options.checkpoint();
+  };
   // Both matrices are scaled by D^-1/2 from both sides, D = diag(X): unequal masses no longer spoil the condition.
   const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
   const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
+  look();
   // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
   if (unit_multiplicity == n) return all_unit(n, "dense");
   const auto ends_of = [&](Index wanted) {
+    look();
     return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
                                   : deflated_ends(difference, p, b.system.kernel().kernel, wanted);
   };
@@ -90,9 +104,13 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
     return not_converged("arpack", unit_multiplicity);
   SpectralRadius result;
   result.solver = "arpack";
-  const auto p_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.preconditioner.apply(x); };
-  const auto p_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.preconditioner.solve(x); };
-  LinearMap s_apply = [&](const Vector& x) -> Vector { return ++result.applications, b.system.apply(x); };
+  const auto counting = [&](auto product) {
+    return watched([&result, product](const Vector& x) -> Vector { return ++result.applications, product(x); },
+                   options.checkpoint);
+  };
+  const LinearMap p_apply = counting([&](const Vector& x) { return b.preconditioner.apply(x); });
+  const LinearMap p_solve = counting([&](const Vector& x) { return b.preconditioner.solve(x); });
+  LinearMap s_apply = counting([&](const Vector& x) { return b.system.apply(x); });
 
   if (unit_multiplicity == n) return all_unit(n, "arpack");
   if (unit_multiplicity > 0) {
@@ -113,7 +131,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const LanczosResult high =
       lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, memory.largest);
   // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
-  const auto s_solve = [&](const Vector& x) -> Vector { return ++result.applications, b.system.solve(x); };
+  const LinearMap s_solve = counting([&](const Vector& x) { return b.system.solve(x); });
   const LanczosResult low =
       b.system.eta() == 0
           ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, memory.smallest)

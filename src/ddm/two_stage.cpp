@@ -110,8 +110,12 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
   return result;
 }
 
-MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units) {
+MapRadius map_radius(Index n, const LinearMap& given, const SpectralOptions& options, UnitEigenvalues units) {
   const OneBlasThread serial_blas;
+  const LinearMap map = [&](const Vector& x) {
+    if (options.checkpoint) options.checkpoint();
+    return given(x);
+  };
   const SolverChoice choice = choose_inexact_solver(n, options);
   if (choice.solver == SpectralSolver::arpack) {
     const bool pass_over = units == UnitEigenvalues::passed_over, counted = units == UnitEigenvalues::counted;

@@ -193,6 +193,10 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
     report.solve_seconds += seconds_since(start);
     if (look || (judged && needs_residual(solver.criterion))) report.residual = iteration.residual();
     if (judged) status = watch.judge(report.last, report.residual);
+    if (sink.goes_on && !sink.goes_on()) {
+      report.status = SolverStatus::given_up;
+      return;
+    }
     if (status && sink.row && !look) {
       look = true;
       report.residual = iteration.residual();
@@ -234,6 +238,7 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     solve_undivided(step, simulation, sink);
   else
     iterate(step, prepared.iteration, simulation, sink);
+  if (report.status == SolverStatus::given_up) return step;
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
   if (!std::ranges::all_of(step.velocities, is_finite))
     report.status = SolverStatus::no_number;
@@ -296,6 +301,7 @@ RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::ve
     std::string reason;
     const std::optional<SolvedStep> solved = solve_or_explain(simulation, sinks.iteration, reason);
     if (!solved) return {RunEnd::broke_down, reason};
+    if (solved->report.status == SolverStatus::given_up) return {RunEnd::stopped};
     const StepReport report = take_step(simulation, *solved);
     if (sinks.step) sinks.step(simulation, *solved, report);
     speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));

@@ -15,9 +15,11 @@ enum class SolverStatus {
   maximum_reached,  ///< as many iterations as allowed were made
   diverged,         ///< impulses grew to a million times their first size, or energy far beyond what there was
   no_number,        ///< an impulse or velocity is not finite
+  given_up,         ///< IterationSink::goes_on said so: such a step is not taken
 };
 constexpr auto names_of(SolverStatus) {
-  return std::to_array<std::string_view>({"converged", "stalled", "maximum_reached", "diverged", "no_number"});
+  return std::to_array<std::string_view>(
+      {"converged", "stalled", "maximum_reached", "diverged", "no_number", "given_up"});
 }
 
 /// Whether a criterion of StepSolver needs the residual of the contact law at every iteration.
@@ -62,6 +64,9 @@ bool begins_interval(Index iteration, Index per_decade);
 struct IterationSink {
   std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
   Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
+  /// Asked after every iteration, or check of a contact solver; may be empty. Where it returns false the step is given
+  /// up.
+  std::function<bool()> goes_on = {};
 
   bool looks_at(Index iteration) const;
 };
@@ -129,7 +134,7 @@ std::string describe_breakdown(const Simulation& before, const SolvedStep& step)
 enum class RunEnd {
   completed,   ///< TimeStepping::steps are done
   at_rest,     ///< mean_speed was below TimeStepping::rest_speed for `rest_steps` steps, without always rising
-  stopped,     ///< the monitor asked for it
+  stopped,     ///< the monitor asked for it, or a step was given up (IterationSink::goes_on)
   broke_down,  ///< a step could not be prepared (see prepare_solution), diverged, or gave values not finite
 };
 constexpr auto names_of(RunEnd) {

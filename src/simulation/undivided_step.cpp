@@ -39,6 +39,8 @@ SolverStatus status_of_step(FrictionStatus status) {
       return SolverStatus::diverged;
     case FrictionStatus::not_finite:
       return SolverStatus::no_number;
+    case FrictionStatus::stopped:
+      return SolverStatus::given_up;
     default:
       return SolverStatus::maximum_reached;
   }
@@ -122,7 +124,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
                        .impulses = check.impulses.squaredNorm()};
         report.factorisations = check.factorisations;
         if (sink.looks_at(report.last.iteration)) look(check.impulses);
-        return true;
+        return !sink.goes_on || sink.goes_on();
       },
       linear);
   report.solve_seconds = seconds();

@@ -34,6 +34,10 @@ struct SpectralOptions {
   ArpackOptions arpack = {};
   InertiaMethod inertia = multifrontal();  ///< what factorises and counts for shift_invert
   SpectrumSolver slepc = {};               ///< Krylov-Schur of SLEPc, which nscdd-mpi has (nscdd/mpi/slepc.hpp)
+  /// Called between two products or solves of a matrix-free solver, between two columns of a map that is written out,
+  /// and between the assembly of a dense pencil and its eigenvalues; may be empty. What it throws ends the work and is
+  /// passed on. It is called by the thread that asked for the spectrum.
+  std::function<void()> checkpoint = {};
 };
 
 /// How one spectrum is computed.
