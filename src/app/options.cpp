@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
 
-#include "files/csv.hpp"
 #include "formats/case_file.hpp"
-#include "formats/datbox.hpp"
-#include "formats/siconos_dat.hpp"
-#include "formats/text_packing.hpp"
 #include "study/values.hpp"
-#include <nscdd/formats/packing_file.hpp>
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -93,33 +88,7 @@ std::vector<double> features(const Model& model) {
 
 }  // namespace
 
-CaseSpec find_spec(const std::string& name) {
-  const std::string path = find_case(name);
-  if (holds_datbox(path)) return case_of_datbox(path, false);
-  if (fs::path(path).extension() == ".toml") return read_case(path);
-  CaseSpec spec;
-  spec.name = fs::path(path).stem().string();
-  const auto format = packing_format(path);
-  if (!format) {
-    // What other programs write as text: a packing, whatever its ending, or a contact problem.
-    const bool siconos = has_siconos_name(path);
-    if ((siconos || fs::path(path).extension() == ".txt") && is_text_packing(read_text(path)))
-      spec.packing = PackingFile{path};
-    else if (siconos)
-      spec.packing = ContactProblemFile{path};
-    else
-      fail(
-          "{}: expected a case file (.toml), a packing file (.csv, .h5 or .hdf5, or .txt with lines 'x y radius'), a "
-          "folder with BODIES.DAT or a contact problem (.hdf5 or .dat)",
-          path);
-    return spec;
-  }
-  if (*format == PackingFormat::hdf5 && holds_fclib(read_text(path), path))
-    spec.packing = ContactProblemFile{path};
-  else
-    spec.packing = PackingFile{path};
-  return spec;
-}
+CaseSpec find_spec(const std::string& name) { return spec_of_file(find_case(name)); }
 
 void apply_settings(CaseSpec& spec, const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {

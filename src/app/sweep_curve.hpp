@@ -6,11 +6,6 @@
 
 namespace nscdd::app {
 
-/// `nscdd sweep --curve TOLERANCE`: which range the points are placed in. `rest` has everything but the flexibilities,
-/// whose texts are those of the options. Throws Error for what no curve can be proved of.
-CurveParameters curve_parameters(double tolerance, const std::string& epsilon, const std::string& eta,
-                                 SweepParameters rest);
-
 /// The table of curves: as that of a sweep, but the number of its rows is not known beforehand.
 TableWork curve_work(const StudyTable& work, const CurveParameters& parameters);
 

@@ -4,7 +4,7 @@
 #include "app/simulate_output.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"
-#include "formats/datbox.hpp"
+#include "formats/case_file.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd::app {
@@ -181,7 +181,7 @@ int run(const Options& options, const Context& context) {
   CaseSpec spec = all.together([&] {
     if (all.first()) check_names(options);
     const std::string path = find_case(options.name);
-    CaseSpec found = holds_datbox(path) ? case_of_datbox(path, true) : find_spec(path);
+    CaseSpec found = spec_of_file(path, true);
     apply(options, found);
     require_shared(found, context.machine);
     if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);

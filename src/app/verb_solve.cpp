@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
 #include "files/csv.hpp"
+#include "formats/contact_solution.hpp"
 #include "formats/siconos_dat.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
@@ -124,18 +125,12 @@ void write_siconos(const FclibFile& file, const Options& options, OutputFile& ou
 void write_result(const FclibFile& file, const FrictionSolution& solution, const Options& options,
                   const Context& context, OutputFile& output) {
   if (has_siconos_name(options.output)) return write_siconos(file, options, output);
-  FclibSolution found{{}, solution.state.velocities, solution.impulses};
-  if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
-    found.v = body_velocities(*global, solution.impulses);
-  const bool converged = solution.status == FrictionStatus::converged;
-  FclibFile written{file.problem, file.info, converged ? std::optional(found) : std::nullopt, file.guesses};
-  if (solution.status == FrictionStatus::not_finite) {
+  const FclibFile written = with_result(file, solution);
+  if (solution.status == FrictionStatus::not_finite)
     note("{}: the impulses are not finite and are left out", options.output);
-  } else if (!converged) {
-    written.guesses.push_back(found);
+  else if (!written.solution)
     note("{}: not converged: the impulses are written as guess {}, not as the solution", options.output,
          written.guesses.size());
-  }
   output.bytes(to_hdf5(written, provenance(context, {})));
   output.finish();
 }

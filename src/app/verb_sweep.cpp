@@ -84,7 +84,7 @@ Asked asked(const Options& options, const Machine& machine) {
     if (options.how.resume || options.redo)
       fail("{}: expected a sweep of points given, met --curve, which places them itself",
            options.redo ? "--redo" : "--resume");
-    asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep);
+    asked.curve = curve_parameters(*options.curve, options.epsilon, options.eta, sweep, "--");
     sweep = asked.curve->sweep;
   } else {
     std::tie(sweep.epsilon, sweep.relative_epsilon) = parse_epsilon(options.epsilon);

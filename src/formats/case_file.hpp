@@ -14,6 +14,11 @@ CaseSpec parse_case(std::string_view text, const std::string& file, bool of_traj
 /// What a case file says, named by its stem.
 CaseSpec read_case(const std::string& path);
 
+/// What any file or folder says that stands for a case on the command line: a case file (.toml), a packing or a contact
+/// problem alone, or a folder DATBOX of LMGC90, of which `moving` takes what moves as well. Throws Error for a name
+/// that ends in none of their ways, and as their readers.
+CaseSpec spec_of_file(const std::string& path, bool moving = false);
+
 /// The case with the packing or contact problem of the file that it names, which lies beside the case file. Throws
 /// Error "file:line: packing.file: ..." for a file that cannot be used, and for a packing that is to be settled first.
 Case resolve(CaseSpec spec);

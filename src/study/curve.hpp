@@ -16,6 +16,12 @@ struct CurveParameters {
   Index most_points = 1000;
 };
 
+/// The curve that texts ask for: of `epsilon` and `eta` one is a range FROM:TO (parse_range), in which points are
+/// placed, and the other the values of a sweep. `rest` has everything else. `dashes` stand before the names of what is
+/// refused, as on the command line. Throws Error for what no curve can be proved of.
+CurveParameters curve_parameters(double tolerance, const std::string& epsilon, const std::string& eta,
+                                 SweepParameters rest, std::string_view dashes = "");
+
 /// One point of a curve, which is one row of its table.
 struct CurveResult {
   SweepResult found;

@@ -38,8 +38,8 @@ void derive(Mode& mode, const Contraction& b) {
   const Decomposition& parts = b.system.parts();
   mode.velocities = stage_one_velocities(parts, b.system.eta(), mode.impulses);
   mode.jumps = parts.interface.exchange(mode.velocities);
-  const Vector r = mode.jumps + (1.0 - mode.eigenvalue) * pf;  // - S F + lambda P F
-  mode.residual = std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
+  const Vector r = mode.jumps + (1.0 - mode.eigenvalue) / b.relaxation * pf;  // - S F + lambda P F
+  mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
   const Index d = parts.dofs_per_grain();
   for (Index k = 0; k < count(parts.interface.gluing()); ++k)
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
@@ -62,32 +62,36 @@ Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
   return f * (std::copysign(1.0, f[leading]) / norm);
 }
 
-Mode interface_mode(const Model& model, const ModeParameters& parameters) {
-  const Selection selection = select(model, parameters.contacts);
-  const InterfaceFamily stage_two(model.parts);
-  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
-  const InterfaceFamily stage_one =
-      parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one);
-  const Contraction b{stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)};
-  SpectralOptions options = parameters.spectral;
+Mode mode_of(const Contraction& b, const ModeOptions& asked, bool certain) {
+  SpectralOptions options = asked.spectral;
   // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.
-  if (choose_solver(b.rows(), parameters.epsilon == 0, options).solver == SpectralSolver::dense)
+  if (choose_solver(b.rows(), b.system.eta() == 0, options).solver == SpectralSolver::dense)
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
   mode.spectrum = spectral_radius(b, options);
-  mode.side = resolve(parameters.side, mode.spectrum);
+  mode.side = resolve(asked.side, mode.spectrum);
   const bool low = mode.side == SpectrumSide::low;
   const Vector& found = low ? mode.spectrum.mode_min : mode.spectrum.mode_max;
   const std::vector<double>& values = low ? mode.spectrum.low : mode.spectrum.high;
   mode.eigenvalue = low ? mode.spectrum.subdominant_min : mode.spectrum.subdominant_max;
   if (values.size() > 1) mode.next = values[1];
-  mode.converged = selection.certain && (mode.spectrum.converged || found.size() > 0);
+  mode.converged = certain && (mode.spectrum.converged || found.size() > 0);
   if (found.size() == 0) return mode;
   mode.impulses = normalised(found, b.preconditioner);
   derive(mode, b);
   // This judges one mode. The other end of the spectrum may not have converged.
   mode.converged = mode.converged && mode.residual <= options.tolerance * std::max(1.0, std::abs(mode.eigenvalue));
   return mode;
+}
+
+Mode interface_mode(const Model& model, const ModeParameters& parameters) {
+  const Selection selection = select(model, parameters.contacts);
+  const InterfaceFamily stage_two(model.parts);
+  // With the same contacts P and S are of one family and share what does not depend on the flexibility.
+  const InterfaceFamily stage_one =
+      parameters.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one);
+  return mode_of({stage_two.at(parameters.eta), stage_one.at(parameters.epsilon)},
+                 {parameters.side, parameters.spectral}, selection.certain);
 }
 
 std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, const Mode& mode) {

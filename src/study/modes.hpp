@@ -16,6 +16,12 @@ enum class SpectrumSide {
 
 constexpr auto names_of(SpectrumSide) { return std::to_array<std::string_view>({"slowest", "low", "high"}); }
 
+/// Which mode of a contraction is meant, and how its spectrum is computed.
+struct ModeOptions {
+  SpectrumSide side = SpectrumSide::slowest;
+  SpectralOptions spectral = {};
+};
+
 struct ModeParameters {
   double epsilon = 1.0;   ///< 1/kg; 0 is the rigid limit
   double eta = infinity;  ///< 1/kg
@@ -28,7 +34,8 @@ struct ModeParameters {
 /// algorithm started from F runs
 ///     Stage 1   (M_E + K_E / epsilon) V_E = - A_E^T F        ([ADI12] eqs. (9), (14) with F^d_E = 0)
 ///     Stage 2   F' = F + P^-1 sum_E A_E V_E = mu F
-/// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = 1 - mu.
+/// so that the jumps are sum_E A_E V_E = - S F = - lambda P F, lambda = 1 - mu. With a relaxation omega, F moves omega
+/// times as far, and lambda = (1 - mu) / omega.
 /// F is normalised to F^T P F = 1 J, with its largest component positive (the first of those that equal it
 /// within 1e-6). If an eigenvalue is multiple, F is one vector of its eigenspace: see `next`.
 struct Mode {
@@ -37,7 +44,7 @@ struct Mode {
   double eigenvalue = not_a_number;        ///< mu
   /// The eigenvalue next to it, inwards. It is known if the solver is dense or was asked for two, else NaN.
   double next = not_a_number;
-  double residual = not_a_number;  ///< ||S F - lambda P F||_{P^-1} of the vectors given here
+  double residual = not_a_number;  ///< omega ||S F - lambda P F||_{P^-1} of the vectors given here
   /// Whether this is a mode of the operator: `residual` is within the tolerance and the contacts are certain.
   /// `spectrum.converged` tells whether no other mode lies further out.
   bool converged = true;
@@ -49,6 +56,9 @@ struct Mode {
 
   bool found() const { return impulses.size() > 0; }
 };
+
+/// The mode of one end of a contraction. `certain`: whether the contacts of Stage 1 are, see ContactChoice.
+Mode mode_of(const Contraction& b, const ModeOptions& options, bool certain = true);
 
 /// The mode of one end. None is found for an empty interface, for B = I or B = 0, or if the solver failed.
 /// Throws Error if the contacts cannot be chosen (see choose_contacts).
