@@ -62,13 +62,37 @@ py::object diagonal_view(const std::shared_ptr<const void>& owner, const Vector&
   return scipy_sparse("dia_matrix")(py::make_tuple(row, py::make_tuple(0)), py::arg("shape") = shape);
 }
 
-std::vector<double> numbers(const Array<double>& array, std::string_view name) {
-  if (array.ndim() != 1) fail("{}: expected an array of one dimension, met one of {}", name, array.ndim());
+Array<double> reals(const py::object& given, std::string_view name) {
+  const auto numpy = py::module_::import("numpy");
+  const auto refuse = [&](const std::string& met) { fail("{}: expected real numbers, met {}", name, met); };
+  if (py::bool_(numpy.attr("ma").attr("is_masked")(given))) refuse("an array of which parts are masked");
+  const py::array array = [&]() -> py::array {
+    try {
+      return numpy.attr("asarray")(given);
+    } catch (py::error_already_set& error) {
+      if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
+      refuse(py::str(error.value()));
+      throw;
+    }
+  }();
+  const char kind = array.dtype().kind();
+  if (array.ndim() != 1 && kind != 'O')
+    fail("{}: expected an array of one dimension, met one of {}", name, array.ndim());
+  if (std::string_view("biufO").find(kind) == std::string_view::npos)
+    refuse("an array of " + std::string(py::str(array.dtype())));
+  const auto found = Array<double>::ensure(array);  // of objects, each has to be a number by itself
+  PyErr_Clear();
+  if (!found || found.ndim() != 1) refuse(py::str(py::type::of(given).attr("__name__")));
+  return found;
+}
+
+std::vector<double> numbers(const py::object& given, std::string_view name) {
+  const Array<double> array = reals(given, name);
   return {array.data(), array.data() + array.size()};
 }
 
-Vector vector(const Array<double>& array, std::string_view name) {
-  if (array.ndim() != 1) fail("{}: expected an array of one dimension, met one of {}", name, array.ndim());
+Vector vector(const py::object& given, std::string_view name) {
+  const Array<double> array = reals(given, name);
   return Eigen::Map<const Vector>(array.data(), array.size());
 }
 

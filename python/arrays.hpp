@@ -53,9 +53,12 @@ py::object sparse_view(const std::shared_ptr<const void>& owner, const SparseMat
 /// A diagonal matrix as scipy.sparse.dia_matrix; nothing is copied.
 py::object diagonal_view(const std::shared_ptr<const void>& owner, const Vector& diagonal);
 
-/// The numbers of a one-dimensional array. Throws Error naming it for one of another shape.
-std::vector<double> numbers(const Array<double>& array, std::string_view name);
-Vector vector(const Array<double>& array, std::string_view name);
+/// The real numbers that an array, or what NumPy makes one of, holds. Throws Error naming it for one of more or fewer
+/// dimensions than one, and for what a conversion would change in silence: complex numbers, texts, dates, and arrays
+/// of which parts are masked.
+Array<double> reals(const py::object& given, std::string_view name);
+std::vector<double> numbers(const py::object& given, std::string_view name);
+Vector vector(const py::object& given, std::string_view name);
 
 /// The arrays (data, indices, indptr) of a scipy.sparse.csc_matrix whose indices ascend.
 struct CompressedColumns {

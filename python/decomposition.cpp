@@ -22,12 +22,18 @@ struct Part {
 };
 
 Partition partition_of(const Array<Index>& subdomain_of_contact, Index contacts) {
-  if (subdomain_of_contact.ndim() != 1 || subdomain_of_contact.size() != contacts)
+  if (subdomain_of_contact.ndim() != 1)
+    fail("subdomains: expected an array of one dimension, met one of {}", subdomain_of_contact.ndim());
+  if (subdomain_of_contact.size() != contacts)
     fail("subdomains: expected the number of a subdomain for each of {} contacts, met {}", contacts,
          subdomain_of_contact.size());
   Partition partition{.subdomains = 1,
                       .subdomain_of_contact = {subdomain_of_contact.data(), subdomain_of_contact.data() + contacts}};
-  for (const Index e : partition.subdomain_of_contact) partition.subdomains = std::max(partition.subdomains, e + 1);
+  constexpr Index most = 1'000'000;  // as of METIS
+  for (const Index e : partition.subdomain_of_contact) {
+    if (e >= most) fail("subdomains: expected numbers from 0 to {}, met {}", most - 1, e);
+    partition.subdomains = std::max(partition.subdomains, e + 1);
+  }
   return partition;
 }
 
@@ -61,7 +67,7 @@ Shared decomposed(const Packing& packing, const Subdomains& subdomains, const Se
 
 Shared read(const std::string& path, const std::optional<Subdomains>& subdomains, const Settings& settings,
             const py::object& progress) {
-  CaseSpec spec = read_case(path);
+  CaseSpec spec = spec_of_file(path);
   for (const auto& [key, value] : settings) override_case(spec, key, value);
   return built(resolve(std::move(spec)), subdomains, progress);
 }

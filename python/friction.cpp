@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "friction.hpp"
+
 #include "arrays.hpp"
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
 
 namespace nscdd::python {
 namespace {
 
 using Shared = std::shared_ptr<FrictionSolution>;
-using Matrices = std::optional<std::pair<CompressedColumns, CompressedColumns>>;
 
-CompressedColumns columns_of(const py::object& csc) {
-  return {csc.attr("data").cast<Array<double>>(), csc.attr("indices").cast<Array<int>>(),
-          csc.attr("indptr").cast<Array<int>>(), csc.attr("shape").cast<std::array<Index, 2>>()};
+Index integer(const py::dict& options, const char* name) {
+  const py::object given = options[name];
+  if (!PyIndex_Check(given.ptr())) fail("{}: expected an integer, met {}", name, std::string(py::repr(given)));
+  return given.cast<Index>();
 }
 
 FrictionSolverOptions options_of(const std::string& solver, double tolerance, const std::string& order,
@@ -23,40 +24,26 @@ FrictionSolverOptions options_of(const std::string& solver, double tolerance, co
   options.order = Choice<SweepOrder>::parse(order, "order");
   check_bounds(tolerance, Field{.description = "", .minimum = 0, .maximum = 1}, "tolerance");
   options.tolerance = tolerance;
-  options.maximum_sweeps = more["maximum_sweeps"].cast<Index>();
-  options.maximum_factorisations = more["maximum_factorisations"].cast<Index>();
+  options.maximum_sweeps = integer(more, "maximum_sweeps");
+  options.maximum_factorisations = integer(more, "maximum_factorisations");
   options.relaxation = more["relaxation"].cast<double>();
-  options.seed = more["seed"].cast<Index>();
-  options.check_every = more["check_every"].cast<Index>();
+  options.seed = integer(more, "seed");
+  options.check_every = integer(more, "check_every");
   return options;
 }
 
-Shared solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
-              const std::optional<Array<double>>& guess, const py::object& callback, Index threads) {
-  const Vector start = guess ? vector(*guess, "guess") : Vector();
+Shared solved(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const py::object& guess,
+              const py::object& callback, Index threads) {
+  const Vector start = guess.is_none() ? Vector() : vector(guess, "guess");
+  if (!start.allFinite()) fail("guess: expected finite numbers, met others");
   LongWork work;
   bool wanted = true;
   const auto observe = [&](const FrictionSolution& check) {
-    return work.call([&] {
-      if (!callback.is_none()) wanted = !callback(std::make_shared<FrictionSolution>(check)).is(py::bool_(false));
-    }) && wanted;
+    if (callback.is_none()) return work.goes_on();
+    return work.call([&] { wanted = !asks_to_stop(callback(std::make_shared<FrictionSolution>(check))); }) && wanted;
   };
   return work.run(threads,
                   [&] { return std::make_shared<FrictionSolution>(solve_friction(problem, options, start, observe)); });
-}
-
-LocalFrictionProblem local_problem(const py::object& w, const Array<double>& q, const Array<double>& friction) {
-  LocalFrictionProblem problem{sparse_matrix(columns_of(w), "W"), vector(q, "q"), vector(friction, "mu")};
-  check(problem, "problem");
-  return problem;
-}
-
-LocalFrictionProblem reduced(const py::object& mass, const py::object& h, const Array<double>& f,
-                             const Array<double>& w, const Array<double>& friction) {
-  const GlobalFrictionProblem problem{sparse_matrix(columns_of(mass), "M"), sparse_matrix(columns_of(h), "H"),
-                                      vector(f, "f"), vector(w, "w"), vector(friction, "mu")};
-  check(problem, "problem");
-  return LongWork().run(0, [&] { return reduce(problem); });
 }
 
 std::string shown(const FrictionSolution& s) {
@@ -97,15 +84,12 @@ void bind_solution(py::module_& module) {
 
 void bind_friction(py::module_& module) {
   bind_solution(module);
-  py::class_<LocalFrictionProblem, std::shared_ptr<LocalFrictionProblem>>(module, "LocalFrictionProblem")
-      .def_property_readonly("contacts", &LocalFrictionProblem::contacts);
-  module.def("local_problem", &local_problem, py::arg("W"), py::arg("q"), py::arg("mu"));
-  module.def("reduced_problem", &reduced, py::arg("M"), py::arg("H"), py::arg("f"), py::arg("w"), py::arg("mu"));
+  bind_contact_problems(module);
   module.def(
       "solve",
-      [](const LocalFrictionProblem& problem, const std::string& solver, double tolerance, const std::string& order,
-         const py::dict& more, const std::optional<Array<double>>& guess, const py::object& callback, Index threads) {
-        return solved(problem, options_of(solver, tolerance, order, more), guess, callback, threads);
+      [](const ContactProblem& problem, const std::string& solver, double tolerance, const std::string& order,
+         const py::dict& more, const py::object& guess, const py::object& callback, Index threads) {
+        return solved(*problem.reduced(), options_of(solver, tolerance, order, more), guess, callback, threads);
       },
       py::arg("problem"), py::arg("solver"), py::arg("tolerance"), py::arg("order"), py::arg("more"), py::arg("guess"),
       py::arg("callback"), py::arg("threads"));

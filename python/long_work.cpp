@@ -21,7 +21,7 @@ bool LongWork::goes_on(Index done, Index total) {
 }
 
 void LongWork::require_going_on() {
-  if (failed_ || (is_time() && !call([] {}))) throw Ended{};
+  if (!goes_on()) throw Ended{};
 }
 
 Monitor LongWork::monitor() {
@@ -48,6 +48,12 @@ InertiaMethod LongWork::watched(InertiaMethod method) {
     return family;
   };
   return method;
+}
+
+SpectralOptions LongWork::watched(SpectralOptions options) {
+  options.inertia = watched(std::move(options.inertia));
+  options.checkpoint = [this] { require_going_on(); };
+  return options;
 }
 
 }  // namespace nscdd::python

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "linalg/threads.hpp"
-#include <nscdd/linalg/inertia_factor.hpp>
+#include <nscdd/core/fields.hpp>
+#include <nscdd/ddm/spectral_radius.hpp>
 
 #include <pybind11/pybind11.h>
 
@@ -29,6 +30,13 @@ class LongWork {
 
   /// For work without one: whatever is factorised or solved looks first whether the work is to end.
   InertiaMethod watched(InertiaMethod method);
+  /// Both for spectra: the factorisations, and the checkpoints between products.
+  SpectralOptions watched(SpectralOptions options);
+
+  /// Whether the work is to go on, for what asks at every iteration.
+  bool goes_on() {
+    return !failed_ && (!is_time() || call([] {}));
+  }
 
   /// Calls back to Python whatever the time. False where that raised, or something did before.
   template <class Call>
@@ -44,9 +52,11 @@ class LongWork {
     return !failed_;
   }
 
-  /// The result of the work, in at most `threads` threads (0: all of the machine). Throws what it throws.
+  /// The result of the work, in at most `threads` threads (0: all of the machine). Throws what it throws, and Error for
+  /// another number of threads than the command line takes.
   template <class Work>
   auto run(Index threads, Work&& work) {
+    check_bounds(threads, Field{.description = "", .minimum = 0, .maximum = 4096}, "threads");
     std::optional<std::invoke_result_t<Work>> result;
     {
       const py::gil_scoped_release released;
@@ -54,6 +64,8 @@ class LongWork {
       try {
         result.emplace(work());
       } catch (const Ended&) {  // why is said below
+      } catch (...) {
+        if (!failed_) throw;  // else it met this on its way out
       }
     }
     if (failure_) std::rethrow_exception(failure_);
@@ -71,5 +83,11 @@ class LongWork {
   std::exception_ptr failure_;           // written with the interpreter lock, read after the work
   std::atomic<std::int64_t> looked_{0};  // at, in milliseconds
 };
+
+/// Whether what a callback returned asks to stop: False, of Python or of NumPy.
+inline bool asks_to_stop(const py::object& returned) {
+  py::detail::make_caster<bool> truth;
+  return truth.load(returned, false) && !static_cast<bool>(truth);
+}
 
 }  // namespace nscdd::python

@@ -16,6 +16,7 @@ PYBIND11_MODULE(_core, module) {
   nscdd::python::bind_packing(module);
   nscdd::python::bind_decomposition(module);
   nscdd::python::bind_spectra(module);
+  nscdd::python::bind_modes(module);
   nscdd::python::bind_tables(module);
   nscdd::python::bind_friction(module);
   nscdd::python::bind_simulation(module);

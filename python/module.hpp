@@ -14,6 +14,7 @@ namespace nscdd::python {
 void bind_packing(pybind11::module_& module);
 void bind_decomposition(pybind11::module_& module);
 void bind_spectra(pybind11::module_& module);
+void bind_modes(pybind11::module_& module);
 void bind_tables(pybind11::module_& module);
 void bind_friction(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);

@@ -10,16 +10,15 @@
 namespace nscdd::python {
 namespace {
 
-using OptionalArray = std::optional<Array<double>>;
-
-std::shared_ptr<Packing> packing_of(const Array<double>& x, const Array<double>& y, const Array<double>& radius,
-                                    const OptionalArray& mass) {
+std::shared_ptr<Packing> packing_of(const py::object& x, const py::object& y, const py::object& radius,
+                                    const py::object& mass) {
+  const bool with_masses = !mass.is_none();
   auto packing = std::make_shared<Packing>(Packing{numbers(x, "x"), numbers(y, "y"), numbers(radius, "radius"),
-                                                   mass ? numbers(*mass, "mass") : std::vector<double>()});
+                                                   with_masses ? numbers(mass, "mass") : std::vector<double>()});
   const std::size_t n = packing->x.size();
-  if (packing->y.size() != n || packing->radius.size() != n || (mass && packing->mass.size() != n))
+  if (packing->y.size() != n || packing->radius.size() != n || (with_masses && packing->mass.size() != n))
     fail("packing: expected arrays of one length, met x of {}, y of {}, radius of {}{}", n, packing->y.size(),
-         packing->radius.size(), mass ? fmt::format(", mass of {}", packing->mass.size()) : "");
+         packing->radius.size(), with_masses ? fmt::format(", mass of {}", packing->mass.size()) : "");
   check(*packing);
   return packing;
 }
@@ -123,10 +122,7 @@ void bind_packing(py::module_& module) {
       .def("__repr__", &shown)
       .def(py::pickle(
           [](const Shared& p) { return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p)); },
-          [](const py::tuple& state) {
-            return packing_of(state[0].cast<Array<double>>(), state[1].cast<Array<double>>(),
-                              state[2].cast<Array<double>>(), state[3].cast<OptionalArray>());
-          }));
+          [](const py::tuple& state) { return packing_of(state[0], state[1], state[2], state[3]); }));
   bind_network(module);
   module.def(
       "read_packing", [](const std::string& path) { return std::make_shared<Packing>(read_packing(path)); },
@@ -140,7 +136,7 @@ void bind_packing(py::module_& module) {
         ContactDetection detection;
         override_field(detection, "tolerance", field_text(tolerance), "tolerance");
         override_field(detection, "overlap_tolerance", field_text(overlap_tolerance), "overlap_tolerance");
-        return std::make_shared<ContactNetwork>(detect_contacts(packing, detection));
+        return LongWork().run(0, [&] { return std::make_shared<ContactNetwork>(detect_contacts(packing, detection)); });
       },
       py::arg("packing"), py::arg("tolerance"), py::arg("overlap_tolerance"));
 }

@@ -62,7 +62,7 @@ std::shared_ptr<Packing> free_grains(const Simulation& simulation, Index grains)
 
 Case case_of(const std::string& path, const Packing* packing, const std::optional<std::string>& subdomains,
              const Settings& settings) {
-  CaseSpec spec = read_case(path);
+  CaseSpec spec = spec_of_file(path, true);
   if (subdomains) spec.partition = parse_partitioner(*subdomains, "subdomains");
   for (const auto& [key, value] : settings) override_case(spec, key, value);
   check_dynamics(spec);
@@ -90,8 +90,9 @@ std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
       run->reports.push_back(row(step_columns(), report));
       if (callback.is_none()) return;
       const Step step = step_at(after, run->reports.back());
-      work.call([&] { wanted = !callback(step).is(py::bool_(false)); });
+      work.call([&] { wanted = !asks_to_stop(callback(step)); });
     };
+    sinks.iteration.goes_on = [&] { return work.goes_on(); };
     sinks.monitor = [&, monitor = work.monitor()](Index done, Index total) { return monitor(done, total) && wanted; };
     run->outcome = run_simulation(simulation, sinks);
     run->last = step_at(simulation, run->reports.empty() ? Row() : run->reports.back());

@@ -35,7 +35,7 @@ Contraction contraction_of(const std::shared_ptr<Model>& model, const std::strin
 }
 
 // The vector of an operator's domain. Throws Error for one of another length.
-Vector argument(const Array<double>& f, Index size) {
+Vector argument(const py::object& f, Index size) {
   Vector given = vector(f, "vector");
   if (given.size() != size) fail("vector: expected {} entries, met {}", size, given.size());
   return given;
@@ -43,7 +43,7 @@ Vector argument(const Array<double>& f, Index size) {
 
 template <class Operator, class Apply>
 auto applied(Apply apply) {
-  return [apply](const Operator& x, const Array<double>& f) {
+  return [apply](const Operator& x, const py::object& f) {
     const Vector given = argument(f, x.rows());
     const py::gil_scoped_release released;
     return Vector(apply(x, given));
@@ -159,8 +159,7 @@ void bind_spectra(py::module_& module) {
       [](const Contraction& b, const std::string& solver, double tolerance, Index eigenvalues, bool certify,
          Index threads) {
         LongWork work;
-        SpectralOptions options = spectral_options(solver, tolerance, eigenvalues, certify);
-        options.inertia = work.watched(options.inertia);
+        const SpectralOptions options = work.watched(spectral_options(solver, tolerance, eigenvalues, certify));
         return std::make_shared<SpectralRadius>(work.run(threads, [&] { return spectral_radius(b, options); }));
       },
       py::arg("b"), py::arg("solver"), py::arg("residual_tolerance"), py::arg("eigenvalues"), py::arg("certify"),

@@ -3,6 +3,7 @@
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
+#include "study/curve.hpp"
 #include "study/optimum.hpp"
 #include "study/values.hpp"
 
@@ -23,7 +24,7 @@ struct TableOptions {
 template <class Result, class Work>
 py::list table(const ResultColumns<Result>& columns, SweepParameters& parameters, LongWork& watch, Index threads,
                Work&& work) {
-  parameters.spectral.inertia = watch.watched(parameters.spectral.inertia);
+  parameters.spectral = watch.watched(std::move(parameters.spectral));
   const auto rows = watch.run(threads, [&] {
     std::vector<Row> found;
     const RowSink keep = [&](const Row& cells) { found.push_back(cells); };
@@ -60,6 +61,25 @@ py::list swept(const Model& model, const std::string& epsilon, const std::string
                             [&](const auto& sink, const Monitor& monitor) { sweep(model, parameters, sink, monitor); });
 }
 
+// Curves of the radius with what became of each: (columns, statuses).
+py::tuple traced(const Model& model, const std::string& epsilon, const std::string& eta, double tolerance,
+                 const std::string& relaxation, const std::string& contacts, const TableOptions& options) {
+  SweepParameters sweep;
+  sweep.relaxation = parse_relaxation(relaxation);
+  sweep.contacts = Choice<ContactSet>::parse(contacts, "contacts");
+  sweep.spectral = spectral_options(options.solver, options.residual_tolerance, options.eigenvalues, options.certify);
+  CurveParameters parameters = curve_parameters(tolerance, epsilon, eta, std::move(sweep));
+  LongWork watch(options.progress);
+  std::vector<CurveReport> reports;
+  const auto columns = curve_columns(parameters.sweep);
+  py::list found = table<CurveResult>(
+      columns, parameters.sweep, watch, options.threads,
+      [&](const auto& sink, const Monitor& monitor) { reports = trace_curves(model, parameters, sink, monitor); });
+  py::list statuses;
+  for (const CurveReport& report : reports) statuses.append(std::string(to_string(report.status)));
+  return py::make_tuple(found, statuses);
+}
+
 py::list optimised(const Model& model, const std::string& epsilon, const std::string& contacts,
                    const TableOptions& options) {
   SweepParameters parameters = parameters_of(epsilon, contacts, options);
@@ -91,8 +111,11 @@ void bind_tables(py::module_& module) {
            py::arg("progress"), py::arg("threads"));
   module.def("sweep", &swept, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("relaxation"),
              py::arg("gauss_seidel_sweeps"), py::arg("contacts"), py::arg("options"));
+  module.def("curve", &traced, py::arg("parts"), py::arg("epsilon"), py::arg("eta"), py::arg("tolerance"),
+             py::arg("relaxation"), py::arg("contacts"), py::arg("options"));
   module.def("optimum", &optimised, py::arg("parts"), py::arg("epsilon"), py::arg("contacts"), py::arg("options"));
   module.attr("sweep_columns_text") = columns_text(sweep_columns());
+  module.attr("curve_columns_text") = columns_text(curve_columns({}));
   module.attr("optimum_columns_text") = columns_text(optimum_columns(false));
 }
 

@@ -14,15 +14,17 @@ eta in 1/kg. Long work lets other threads run, and Ctrl-C ends it.
 from ._core import (ContactNetwork, Decomposition, Error, FrictionSolution, Packing, SpectralRadius, Step,
                     Subdomain)
 from ._core import version as __version__
-from ._friction import reduce_and_solve, solve
+from ._friction import ContactProblem, read_contact_problem, reduce_and_solve, solve, write_contact_problem
+from ._modes import Mode, mode
 from ._operators import Contraction, InterfaceOperator, contraction, spectral_radius
 from ._packings import chosen_contacts, contacts, decompose, generate, read_case, read_packing
 from ._simulation import Run, simulate
-from ._tables import Table, optimum, sweep
+from ._tables import CurveTable, Table, curve, optimum, sweep
 
 __all__ = [
-    "ContactNetwork", "Contraction", "Decomposition", "Error", "FrictionSolution", "InterfaceOperator", "Packing",
-    "Run", "SpectralRadius", "Step", "Subdomain", "Table", "__version__", "chosen_contacts", "contacts", "contraction",
-    "decompose", "generate", "optimum", "read_case", "read_packing", "reduce_and_solve", "simulate", "solve",
-    "spectral_radius", "sweep",
+    "ContactNetwork", "ContactProblem", "Contraction", "CurveTable", "Decomposition", "Error", "FrictionSolution",
+    "InterfaceOperator", "Mode", "Packing", "Run", "SpectralRadius", "Step", "Subdomain", "Table", "__version__",
+    "chosen_contacts", "contacts", "contraction", "curve", "decompose", "generate", "mode", "optimum", "read_case",
+    "read_contact_problem", "read_packing", "reduce_and_solve", "simulate", "solve", "spectral_radius", "sweep",
+    "write_contact_problem",
 ]

@@ -2,14 +2,17 @@
 """Arguments of Python in the form that the command line has them: both are then read and refused alike."""
 from __future__ import annotations
 
+import operator
 import os
 import sys
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Callable, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from ._core import Error
 
 #: One flexibility or several: numbers in 1/kg, or a text such as "0.1W" or "1e-3:1e3:61", as on the command line.
 Values = Union[float, str, Iterable[float]]
@@ -27,9 +30,20 @@ def spec(values: Values | None) -> str:
         return "inf"
     if isinstance(values, str):
         return values
-    if np.ndim(values) == 0:  # type: ignore[arg-type]
-        return number(values)
-    return ",".join(spec(value) for value in values)  # type: ignore[union-attr]
+    if np.ma.is_masked(values):
+        raise Error(f"values: expected numbers, met an array of which parts are masked: {values!r}")
+    if isinstance(values, Iterable) and np.shape(values) != ():  # type: ignore[arg-type]
+        return ",".join(spec(value) for value in values)
+    if isinstance(values, Iterator):
+        return spec(list(values))
+    return number(values)
+
+
+def interval(values: Values | tuple[float, float] | None) -> str:
+    """The same, where two numbers in a tuple are the ends of a range."""
+    if isinstance(values, tuple) and len(values) == 2:
+        return f"{number(values[0])}:{number(values[1])}"
+    return spec(values)
 
 
 def number(value: object) -> str:
@@ -59,14 +73,27 @@ def subdomains(given: Subdomains) -> str | np.ndarray:
     if isinstance(given, tuple) and len(given) == 2:
         return f"{given[0]}x{given[1]}"
     numbers = np.asarray(given)
-    if numbers.dtype.kind not in "iu":
+    if numbers.dtype.kind not in "iu" or np.ma.is_masked(given):
         raise TypeError("subdomains: expected (columns, rows), a text such as 'metis:4', or an array of integers, "
                         f"met {given!r}")
     return numbers.astype(np.int64)
 
 
+def prescribed(given: Prescribed | None) -> list[tuple[int, tuple[float, float]]]:
+    """Velocities by grains. Raises TypeError for what is no number of a grain or no pair of numbers."""
+    found = []
+    for grain, velocity in (given or {}).items():
+        if len(velocity) != 2:
+            raise TypeError(f"prescribed: expected two components of the velocity of grain {grain}, met {velocity!r}")
+        found.append((operator.index(grain), (float(velocity[0]), float(velocity[1]))))
+    return found
+
+
 def path(name: str | os.PathLike[str]) -> str:
-    return os.fspath(name)
+    found = os.fspath(name)
+    if "\0" in found:
+        raise Error(f"{found!r}: expected the name of a file, met one with a zero in it")
+    return found
 
 
 class Bar:

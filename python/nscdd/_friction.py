@@ -2,60 +2,180 @@
 """Contact problems with friction."""
 from __future__ import annotations
 
+import os
 from typing import Any, Callable, Optional
 
 import numpy as np
 import scipy.sparse
 from numpy.typing import ArrayLike
 
-from . import _core
+from . import _arguments, _core
 from ._core import FrictionSolution
 
 #: What is shown the solution at every check; where it returns False, the solver stops.
 Observer = Optional[Callable[[FrictionSolution], object]]
 
 
-def _columns(matrix: Any) -> scipy.sparse.csc_matrix:
+def _columns(matrix: Any, name: str) -> scipy.sparse.csc_matrix:
     """Compressed columns with ascending rows, without a copy where the matrix has them already."""
-    columns = scipy.sparse.csc_matrix(matrix, dtype=float)
+    given = matrix if scipy.sparse.issparse(matrix) else np.asarray(matrix)
+    if given.ndim != 2 or given.dtype.kind not in "biuf" or np.ma.is_masked(matrix):
+        raise _core.Error(f"{name}: expected a matrix of real numbers, met {given.dtype} of shape {given.shape}"
+                          f"{', parts of it masked' * bool(np.ma.is_masked(matrix))}")
+    columns = scipy.sparse.csc_matrix(given, dtype=float)
     if not columns.has_canonical_format:
         columns = columns.copy()  # summing up must not change the caller's matrix
         columns.sum_duplicates()
     return columns
 
 
-def _each(mu: ArrayLike, contacts: int) -> np.ndarray:
-    given = np.asarray(mu, dtype=float)
-    return np.full(contacts, float(given)) if given.ndim == 0 else given
+def _each(mu: ArrayLike, contacts: int) -> ArrayLike:
+    return np.full(contacts, mu) if np.ndim(mu) == 0 else mu
 
 
-def _solved(problem: _core.LocalFrictionProblem, solver: str, tolerance: float, guess: ArrayLike | None,
-            callback: Observer, threads: int, order: str, more: dict[str, object]) -> FrictionSolution:
-    start = None if guess is None else np.asarray(guess, dtype=float)
-    return _core.solve(problem, solver, tolerance, order, more, start, callback, threads)
+class ContactProblem:
+    """A plane contact problem with friction, from arrays or a file: impulses r and velocities u = W r + q such that every
+    contact obeys Signorini's and Coulomb's laws. Rows 2c and 2c + 1 are the normal and the tangential component of
+    contact c. `ContactProblem(W, q, mu)` has the unknowns of the contacts alone, `ContactProblem.of_bodies(M, H, f, w,
+    mu)` the velocities v of the bodies too: M v = H r + f, u = H^T v + w. Arrays that come out cannot be written to.
+
+    W, M   symmetric, 1/kg or kg, an array or any matrix of scipy.sparse, stored in full
+    q, w   relative velocities without contact impulses, or of moving supports, m/s
+    f      impulses of the loads and the momentum before
+    mu     coefficient of friction, one for all contacts or one for each
+
+    Raises Error for sizes that do not fit together, numbers that are not finite, W or M that is not symmetric, and a
+    contact whose block of W is not positive definite.
+    """
+
+    def __init__(self, W: Any, q: ArrayLike, mu: ArrayLike) -> None:
+        matrix = _columns(W, "W")
+        self._core = _core.local_problem(matrix, q, _each(mu, matrix.shape[0] // 2))
+
+    @classmethod
+    def _of(cls, core: _core.ContactProblem) -> "ContactProblem":
+        problem = cls.__new__(cls)
+        problem._core = core
+        return problem
+
+    @classmethod
+    def of_bodies(cls, M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike) -> "ContactProblem":
+        """The problem with the velocities of the bodies as unknowns."""
+        columns = _columns(H, "H")
+        return cls._of(_core.global_problem(_columns(M, "M"), columns, f, w, _each(mu, columns.shape[1] // 2)))
+
+    @property
+    def contacts(self) -> int:
+        """How many contacts there are."""
+        return self._core.contacts
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether M, H, f and w are known; W and q are None then, and else these are."""
+        return self._core.is_global
+
+    @property
+    def W(self) -> scipy.sparse.csc_matrix | None:
+        """2c x 2c, 1/kg; None for a problem with bodies, see `reduced`."""
+        return self._core.W
+
+    @property
+    def q(self) -> np.ndarray | None:
+        """Relative velocities without contact impulses, m/s; None for a problem with bodies."""
+        return self._core.q
+
+    @property
+    def M(self) -> scipy.sparse.csc_matrix | None:
+        """Masses and moments of inertia, n x n; None for a problem without bodies, and so are H, f and w."""
+        return self._core.M
+
+    @property
+    def H(self) -> scipy.sparse.csc_matrix | None:
+        """n x 2c."""
+        return self._core.H
+
+    @property
+    def f(self) -> np.ndarray | None:
+        """Impulses of the loads and the momentum before, n entries."""
+        return self._core.f
+
+    @property
+    def w(self) -> np.ndarray | None:
+        """Relative velocities that moving supports add, m/s."""
+        return self._core.w
+
+    @property
+    def mu(self) -> np.ndarray:
+        """Coefficient of friction of each contact."""
+        return self._core.mu
+
+    @property
+    def info(self) -> dict[str, str]:
+        """Texts of the file: title, description and math_info, as far as it has them."""
+        return self._core.info
+
+    @property
+    def solution(self) -> dict[str, np.ndarray] | None:
+        """Impulses r and velocities u, with bodies v too, that the file has as its solution, or None."""
+        return self._core.solution
+
+    @property
+    def guesses(self) -> list[dict[str, np.ndarray]]:
+        """Further ones that the file has, to start from."""
+        return self._core.guesses
+
+    def reduced(self) -> "ContactProblem":
+        """The problem in the unknowns of its contacts: W = H^T M^-1 H and q = H^T M^-1 f + w. Raises Error for an M that
+        is not positive definite."""
+        return self._of(self._core.reduced())
+
+    def solve(self, *, solver: str = "auto", tolerance: float = 1e-8, guess: ArrayLike | None = None,
+              callback: Observer = None, threads: int = 0, order: str = "natural", maximum_sweeps: int = 100_000,
+              maximum_factorisations: int = 1000, relaxation: float = 1.0, seed: int = 1,
+              check_every: int = 10) -> FrictionSolution:
+        """Solves it, with the arguments of `nscdd solve`. How it ended, `status` of the result says.
+
+        solver   "auto", "continuation", "newton", "nlgs", "admm" or "apgd"
+        guess    impulses to start from, 2c numbers
+        callback is shown the solution at every check; where it returns False, the solver stops
+
+        Solvers that factorise are faster where the problem has bodies.
+        """
+        more: dict[str, object] = dict(maximum_sweeps=maximum_sweeps, maximum_factorisations=maximum_factorisations,
+                                       relaxation=relaxation, seed=seed, check_every=check_every)
+        return _core.solve(self._core, solver, tolerance, order, more, guess, callback, threads)
+
+    def __repr__(self) -> str:
+        return f"<nscdd.ContactProblem of {self.contacts} contacts, {'with' if self.has_bodies else 'without'} bodies>"
+
+
+def read_contact_problem(path: str | os.PathLike[str]) -> ContactProblem:
+    """The plane contact problem of a file: HDF5 of FCLIB (.h5, .hdf5), or a text of Siconos (.dat). Raises Error naming
+    the file, and line or dataset, for what cannot be used or is not supported, such as three dimensions."""
+    return ContactProblem._of(_core.read_contact_problem(_arguments.path(path)))
+
+
+def write_contact_problem(path: str | os.PathLike[str], problem: ContactProblem,
+                          solution: FrictionSolution | None = None, *, title: str | None = None,
+                          description: str | None = None, math_info: str | None = None, force: bool = False) -> None:
+    """Writes a contact problem, with its texts and guesses, as HDF5 of FCLIB (.h5, .hdf5), or the problem alone as a text
+    of Siconos (.dat). A `solution` that converged takes the place of the one there was; another one is added to the
+    guesses. Raises Error for a file that is there already, unless `force`, and for a solution of another problem."""
+    info = [(name, text) for name, text in (("title", title), ("description", description), ("math_info", math_info))
+            if text is not None]
+    _core.write_contact_problem(problem._core, _arguments.path(path), solution, info, force)
 
 
 def solve(W: Any, q: ArrayLike, mu: ArrayLike, *, solver: str = "auto", tolerance: float = 1e-8,
           guess: ArrayLike | None = None, callback: Observer = None, threads: int = 0, order: str = "natural",
           maximum_sweeps: int = 100_000, maximum_factorisations: int = 1000, relaxation: float = 1.0, seed: int = 1,
           check_every: int = 10) -> FrictionSolution:
-    """Solves a plane contact problem with friction: impulses r and velocities u = W r + q such that every contact obeys
-    Signorini's and Coulomb's laws. Rows 2c and 2c + 1 are the normal and the tangential component of contact c.
-
-    W      symmetric, 1/kg, an array or any matrix of scipy.sparse, stored in full
-    q      relative velocities without contact impulses, m/s
-    mu     coefficient of friction, one for all contacts or one for each
-    solver "auto", "continuation", "newton", "nlgs", "admm" or "apgd"; the other arguments are those of `nscdd solve`
-    guess  impulses to start from
-
-    How it ended, `status` of the result says. Raises Error for sizes that do not fit together, numbers that are not
-    finite, W that is not symmetric, and a contact whose block of W is not positive definite.
-    """
-    matrix = _columns(W)
-    problem = _core.local_problem(matrix, np.asarray(q, dtype=float), _each(mu, matrix.shape[0] // 2))
-    return _solved(problem, solver, tolerance, guess, callback, threads, order, dict(
+    """Solves `ContactProblem(W, q, mu)`, with the arguments of its method `solve`. How it ended, `status` of the result
+    says. Raises Error as ContactProblem does."""
+    return ContactProblem(W, q, mu).solve(
+        solver=solver, tolerance=tolerance, guess=guess, callback=callback, threads=threads, order=order,
         maximum_sweeps=maximum_sweeps, maximum_factorisations=maximum_factorisations, relaxation=relaxation, seed=seed,
-        check_every=check_every))
+        check_every=check_every)
 
 
 def reduce_and_solve(M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike, *, solver: str = "auto",
@@ -63,12 +183,9 @@ def reduce_and_solve(M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike, 
                      threads: int = 0, order: str = "natural", maximum_sweeps: int = 100_000,
                      maximum_factorisations: int = 1000, relaxation: float = 1.0, seed: int = 1,
                      check_every: int = 10) -> FrictionSolution:
-    """The same with the velocities v of the bodies as unknowns: M v = H r + f, u = H^T v + w. They are eliminated, W =
-    H^T M^-1 H and q = H^T M^-1 f + w. Solvers that factorise are faster where they know M and H. Also raises Error for
-    an M that is not positive definite."""
-    columns = _columns(H)
-    problem = _core.reduced_problem(_columns(M), columns, np.asarray(f, dtype=float), np.asarray(w, dtype=float),
-                                    _each(mu, columns.shape[1] // 2))
-    return _solved(problem, solver, tolerance, guess, callback, threads, order, dict(
+    """Solves `ContactProblem.of_bodies(M, H, f, w, mu)`, likewise. Also raises Error for an M that is not positive
+    definite."""
+    return ContactProblem.of_bodies(M, H, f, w, mu).solve(
+        solver=solver, tolerance=tolerance, guess=guess, callback=callback, threads=threads, order=order,
         maximum_sweeps=maximum_sweeps, maximum_factorisations=maximum_factorisations, relaxation=relaxation, seed=seed,
-        check_every=check_every))
+        check_every=check_every)

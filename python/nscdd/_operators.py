@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,14 @@ from scipy.sparse.linalg import LinearOperator
 
 from . import _arguments, _core
 from ._core import Decomposition, SpectralRadius
+
+
+def _applied(apply: Callable[[ArrayLike], np.ndarray], f: ArrayLike) -> np.ndarray:
+    """A real operator applied to a vector, which may be complex."""
+    given = np.ravel(f)
+    if np.iscomplexobj(given):
+        return apply(given.real) + 1j * apply(given.imag)
+    return apply(given)
 
 
 class InterfaceOperator(LinearOperator):
@@ -34,16 +43,17 @@ class InterfaceOperator(LinearOperator):
     def solve(self, g: ArrayLike) -> np.ndarray:
         """X_eta^-1 g of a vector, or of each column of a matrix, by one sparse solve with the undivided packing. Raises
         Error for eta = 0."""
-        right = np.asarray(g, dtype=float)
-        if right.ndim == 2:
-            return np.column_stack([self._core.solve(column) for column in right.T])
-        return self._core.solve(right)
+        right = np.asarray(g)
+        if right.ndim != 2:
+            return self._core.solve(g) if right.ndim != 1 else _applied(self._core.solve, right)
+        columns = [_applied(self._core.solve, column) for column in right.T]
+        return np.column_stack(columns) if columns else np.zeros((self.shape[0], 0))
 
     @property
     def inverse(self) -> LinearOperator:
         """X_eta^-1 as an operator, such as the `Minv` of scipy.sparse.linalg.eigsh."""
         def solve(g: np.ndarray) -> np.ndarray:
-            return self._core.solve(np.ravel(g))
+            return _applied(self._core.solve, g)
 
         return LinearOperator(self.shape, matvec=solve, rmatvec=solve, dtype=float)
 
@@ -52,7 +62,7 @@ class InterfaceOperator(LinearOperator):
         return self._core.dense()
 
     def _matvec(self, f: np.ndarray) -> np.ndarray:
-        return self._core.apply(np.ravel(f))
+        return _applied(self._core.apply, f)
 
     def _adjoint(self) -> "InterfaceOperator":
         return self
@@ -65,9 +75,10 @@ class Contraction(LinearOperator):
     """B = I - omega P^-1 S, which an error of the interface impulses is multiplied by in each iteration. Its
     eigenvalues are real: 1 - omega lambda for the eigenvalues lambda of the symmetric pencil (S, P)."""
 
-    def __init__(self, core: _core.Contraction) -> None:
+    def __init__(self, core: _core.Contraction, parts: Decomposition) -> None:
         super().__init__(np.dtype(float), (core.rows, core.rows))
         self._core = core
+        self.parts = parts  #: the decomposition that it belongs to
         self.preconditioner = InterfaceOperator(core.preconditioner)  #: P = X_eta on all contacts
         self.system = InterfaceOperator(core.system)  #: S = X_epsilon on the contacts that Stage 1 works with
 
@@ -77,7 +88,7 @@ class Contraction(LinearOperator):
         return self._core.relaxation
 
     def _matvec(self, f: np.ndarray) -> np.ndarray:
-        return self._core.apply(np.ravel(f))
+        return _applied(self._core.apply, f)
 
     def _rmatvec(self, f: np.ndarray) -> np.ndarray:
         given = np.ravel(f)
@@ -99,7 +110,13 @@ def contraction(parts: Decomposition, epsilon: float | str, eta: float | str | N
     Raises Error for values out of bounds, and where contacts depend on impulses that all vanish.
     """
     core = _core.contraction(parts, _arguments.spec(epsilon), _arguments.spec(eta), contacts, float(relaxation))
-    return Contraction(core)
+    return Contraction(core, parts)
+
+
+def _of(b: Contraction) -> Contraction:
+    if not isinstance(b, Contraction):
+        raise TypeError(f"b: expected a Contraction, as `contraction` makes it, met {type(b).__name__}")
+    return b
 
 
 def spectral_radius(b: Contraction, *, certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
@@ -112,7 +129,7 @@ def spectral_radius(b: Contraction, *, certify: bool = False, eigenvalues: int =
     residual_tolerance   largest residual, relative to max(1, rho), that counts as converged
     threads      at most; 0 for all of the machine. No result depends on them
 
-    What was not reached is told by `converged` of the result. Ctrl-C ends shift-invert between two solves; the other
-    two are left alone until they are done.
+    What was not reached is told by `converged` of the result. Ctrl-C ends the work between two products or solves; the
+    eigenvalues of a dense matrix are one call of LAPACK, which is left alone until it is done.
     """
-    return _core.spectral_radius(b._core, solver, residual_tolerance, eigenvalues, certify, threads)
+    return _core.spectral_radius(_of(b)._core, solver, residual_tolerance, eigenvalues, certify, threads)

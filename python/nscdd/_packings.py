@@ -11,8 +11,9 @@ from ._core import ContactNetwork, Decomposition, Packing
 
 
 def read_packing(path: str | os.PathLike[str]) -> Packing:
-    """The packing of a file: CSV with columns x, y, radius and maybe mass, or HDF5 (.h5, .hdf5) with datasets of these
-    names in the group `packing`. Raises Error naming file and line, or dataset, for what cannot be used."""
+    """The packing of a file: CSV with columns x, y, radius and maybe mass, HDF5 (.h5, .hdf5) with datasets of these
+    names in the group `packing`, a text with lines "x y radius", or the free disks of a folder DATBOX of LMGC90. Raises
+    Error naming file and line, or dataset, for what cannot be used."""
     return _core.read_packing(_arguments.path(path))
 
 
@@ -57,15 +58,17 @@ def decompose(packing: Packing, subdomains: _arguments.Subdomains = (1, 1), *, t
              "loads.compression": compression, "loads.shear": shear}
     if density is not None:
         given["masses.density"] = density
-    velocities = [(int(grain), (float(v[0]), float(v[1]))) for grain, v in (prescribed or {}).items()]
-    return _core.decompose(packing, _arguments.subdomains(subdomains), _arguments.settings(given), velocities, name)
+    return _core.decompose(packing, _arguments.subdomains(subdomains), _arguments.settings(given),
+                           _arguments.prescribed(prescribed), name)
 
 
 def read_case(path: str | os.PathLike[str], subdomains: _arguments.Subdomains | None = None, *,
               settings: dict[str, object] | None = None, progress: _arguments.Progress = None) -> Decomposition:
     """The decomposition of a case file (docs/cases.md): its packing or contact problem, cut as the file or `subdomains`
-    says. `settings`: parameters of the case that are to be others, {"packing.grains": 16}, as --set has them. Raises
-    Error naming file, line and key, and for a packing that is to be settled by a simulation."""
+    says. The path may also be what stands for a case on the command line: a packing, a contact problem of FCLIB or
+    Siconos, or a folder DATBOX of LMGC90, whose contacts are found to the digits of its numbers. `settings`: parameters
+    of the case that are to be others, {"packing.grains": 16}, as --set has them. Raises Error naming file, line and key,
+    and for a packing that is to be settled by a simulation."""
     cut = None if subdomains is None else _arguments.subdomains(subdomains)
     return _core.read_case(_arguments.path(path), cut, _arguments.settings(settings or {}),
                            _arguments.progress(progress))

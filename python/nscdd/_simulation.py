@@ -30,7 +30,8 @@ class Run:
 def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
              subdomains: str | tuple[int, int] | None = None, settings: Mapping[str, object] | None = None,
              callback: StepObserver = None, progress: _arguments.Progress = None, threads: int = 0) -> Run:
-    """Takes the steps of a case file with [dynamics] (docs/cases.md), in memory: nothing is written.
+    """Takes the steps of a case file with [dynamics] (docs/cases.md), or of a folder DATBOX of LMGC90, in memory: nothing
+    is written.
 
     packing     in place of that of the case, such as the `packing` of a run that settled it
     subdomains  (columns, rows) or "metis:N", in place of those of the case
@@ -38,7 +39,7 @@ def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
     callback    is shown each step once it is taken; where it returns False, the run ends
     progress    counts steps
 
-    Breaking down is data: see `end` and `reason`. Raises Error for what cannot be used, for a setting without effect,
+    Ctrl-C ends it within a step, between two iterations. Breaking down is data: see `end` and `reason`. Raises Error for what cannot be used, for a setting without effect,
     and for a case whose packing is to be settled by another one unless `packing` gives it.
     """
     cut = None if subdomains is None else _arguments.subdomains(subdomains)

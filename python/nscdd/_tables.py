@@ -57,6 +57,41 @@ def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Valu
                              _arguments.spec(gauss_seidel_sweeps), contacts, options))
 
 
+class CurveTable(Table):
+    """The rows of curves, one curve behind the other, each ascending."""
+
+    def __init__(self, columns: list[tuple[str, str, str, np.ndarray]], status: list[str]) -> None:
+        super().__init__(columns)
+        #: Of each curve: "proved", "wide" (proved, but a wider band than asked for) or "not_converged" (nothing is).
+        self.status = status
+
+    @property
+    def proved(self) -> bool:
+        """Whether the band of every curve is within the tolerance everywhere."""
+        return all(one == "proved" for one in self.status)
+
+
+def curve(parts: Decomposition, epsilon: _arguments.Values | tuple[float, float],
+          eta: _arguments.Values | tuple[float, float] | None = math.inf, *, tolerance: float = 1e-3,
+          relaxation: _arguments.Values = 1.0, contacts: str = "all", certify: bool = False, solver: str = "auto",
+          residual_tolerance: float = 1e-8, progress: _arguments.Progress = None, threads: int = 0) -> CurveTable:
+    """Curves of the spectral radius that are proved between their points, which are placed by themselves.
+
+    epsilon, eta   one of them is a range, (1e-3, 1e3) or a text "1e-3:1e3" or "0.1:10W"; there is a curve for every value
+                   of the other and every relaxation
+    tolerance      of `curve_high` - `curve_low` at a point, times max(1, `subdominant_radius`)
+
+    Over log epsilon (or eta), straight lines from `curve_low` to `curve_low` and from `curve_high` to `curve_high` of
+    neighbouring rows lie below and above the subdominant radius all along the curve. Both are nan for a curve with a
+    point that did not converge. `progress` counts points, as many as are known to be wanted. The other arguments are
+    those of `sweep`. Columns:
+
+    """
+    options = _core.TableOptions(solver, residual_tolerance, 1, certify, _arguments.progress(progress), threads)
+    return CurveTable(*_core.curve(parts, _arguments.interval(epsilon), _arguments.interval(eta), tolerance,
+                                   _arguments.spec(relaxation), contacts, options))
+
+
 def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts: str = "active",
             certify: bool = False, solver: str = "auto", residual_tolerance: float = 1e-8,
             progress: _arguments.Progress = None, threads: int = 0) -> Table:
@@ -71,3 +106,5 @@ def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts:
 if sweep.__doc__ and optimum.__doc__:  # not with python3 -OO
     sweep.__doc__ += _core.sweep_columns_text
     optimum.__doc__ += _core.optimum_columns_text
+    if curve.__doc__:
+        curve.__doc__ += _core.curve_columns_text

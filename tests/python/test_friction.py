@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact problems with friction: Signorini's and Coulomb's laws checked contact by contact in NumPy."""
+import os
+import subprocess
+
 import numpy as np
 import pytest
 import scipy.sparse
@@ -120,6 +123,83 @@ def test_what_does_not_converge_is_data():
     assert found.status == "maximum_reached" and not found.converged and "maximum_reached" in repr(found)
 
 
+def test_a_callback_may_say_no_as_numpy_does():
+    w, q = local(random_problem(12, 1))
+    stopped = nscdd.solve(w, q, 0.3, solver="nlgs", check_every=1, callback=lambda s: np.bool_(s.sweeps < 2))
+    assert stopped.status == "stopped" and stopped.sweeps == 2
+    for goes_on in (None, 0, "", np.array(0)):  # only False stops
+        assert nscdd.solve(w, q, 0.3, callback=lambda s: goes_on).converged
+
+
+def same_matrix(a, b):
+    return a.shape == b.shape and (a != b).nnz == 0
+
+
+@pytest.mark.parametrize("name", ["problem.hdf5", "problem.h5", "problem.dat"])
+def test_files_keep_every_bit(tmp_path, name):
+    mass, h, f, w = random_problem(8, 2)
+    of_bodies = nscdd.ContactProblem.of_bodies(mass, h, f, w, np.linspace(0, 0.5, 8))
+    assert of_bodies.has_bodies and of_bodies.W is None and of_bodies.q is None
+    for problem in (of_bodies, of_bodies.reduced()):
+        nscdd.write_contact_problem(tmp_path / name, problem, force=True)
+        back = nscdd.read_contact_problem(tmp_path / name)
+        assert back.contacts == 8 and back.has_bodies == problem.has_bodies and back.solution is None
+        for matrix in ("W", "M", "H"):
+            expected, found = getattr(problem, matrix), getattr(back, matrix)
+            assert (found is None and expected is None) or same_matrix(found, expected)
+        for vector in ("q", "f", "w", "mu"):
+            np.testing.assert_array_equal(getattr(back, vector), getattr(problem, vector))
+    with pytest.raises(ValueError):
+        back.W.data[0] = 1
+
+
+def test_a_solution_is_written_and_another_program_reads_it(tmp_path):
+    """By h5py, in the layout of FCLIB, and by `nscdd solve`, which solves the same problem."""
+    import h5py
+
+    problem = nscdd.ContactProblem.of_bodies(*random_problem(8, 2), 0.3)
+    found = problem.solve(tolerance=1e-10)
+    path = tmp_path / "solved.hdf5"
+    nscdd.write_contact_problem(path, problem, found, title="eight contacts")
+    with h5py.File(path) as file:
+        np.testing.assert_array_equal(file["solution/r"][:], found.impulses)
+        v = file["solution/v"][:]
+        np.testing.assert_allclose(problem.M @ v, problem.H @ found.impulses + problem.f, atol=1e-10)
+        np.testing.assert_allclose(file["solution/u"][:], problem.H.T @ v + problem.w, atol=1e-10)
+        assert file["fclib_global/info/title"][()].decode() == "eight contacts"
+    back = nscdd.read_contact_problem(path)
+    assert back.info == {"title": "eight contacts"} and back.guesses == []
+    np.testing.assert_array_equal(back.solution["r"], found.impulses)
+    assert set(back.solution) == {"u", "r", "v"} and set(back.reduced().info) == set()
+    report = subprocess.run([os.environ["NSCDD_PROGRAM"], "solve", path], check=True, capture_output=True, text=True)
+    assert "title                eight contacts" in report.stdout and "converged" in report.stdout
+    stopped = problem.solve(solver="nlgs", maximum_sweeps=1, tolerance=1e-14)
+    nscdd.write_contact_problem(path, back, stopped, force=True)
+    again = nscdd.read_contact_problem(path)
+    assert again.solution is None and len(again.guesses) == 1
+    np.testing.assert_array_equal(again.guesses[0]["r"], stopped.impulses)
+    assert again.solve(solver="nlgs", guess=found.impulses).sweeps < again.solve(solver="nlgs").sweeps
+
+
+def test_errors_of_files(tmp_path):
+    problem = nscdd.ContactProblem(np.eye(2), [-1, 0], 0.3)
+    found = problem.solve()
+    nscdd.write_contact_problem(tmp_path / "p.hdf5", problem)
+    other = nscdd.ContactProblem(np.eye(4), [-1, 0, -1, 0], 0.3).solve()
+    for arguments, words in (
+            ((tmp_path / "p.hdf5", problem), "p.hdf5.*force"),
+            ((tmp_path / "p.dat", problem, found), "has no place for it"),
+            ((tmp_path / "p.csv", problem), "p.csv"),
+            ((tmp_path / "q.hdf5", problem, other), "expected that of a problem of 1 contacts, met 2")):
+        with pytest.raises(nscdd.Error, match=words):
+            nscdd.write_contact_problem(*arguments)
+    with pytest.raises(nscdd.Error, match="no-such.hdf5"):
+        nscdd.read_contact_problem(tmp_path / "no-such.hdf5")
+    (tmp_path / "wrong.dat").write_text("3\n1\n")
+    with pytest.raises(nscdd.Error, match="wrong.dat"):
+        nscdd.read_contact_problem(tmp_path / "wrong.dat")
+
+
 @pytest.mark.parametrize("w, q, mu, options, words", [
     (np.eye(4), [0, 0], 0.1, {}, "problem"),
     (np.eye(2), [0, 0], -0.1, {}, "friction"),
@@ -129,6 +209,13 @@ def test_what_does_not_converge_is_data():
     (np.eye(2), [-1, 0], 0.1, {"solver": "nlg"}, 'solver: expected one of "auto"'),
     (np.eye(2), [-1, 0], 0.1, {"order": "backwards"}, 'order: expected one of "natural"'),
     (np.eye(2), [-1, 0], 0.1, {"relaxation": 2}, "relaxation"),
+    (np.eye(2) * 1j, [-1, 0], 0.1, {}, "W: expected a matrix of real numbers, met complex128"),
+    (np.ones(2), [-1, 0], 0.1, {}, r"W: expected a matrix of real numbers, met float64 of shape \(2,\)"),
+    (np.eye(2), [-1j, 0], 0.1, {}, "q: expected real numbers, met an array of complex128"),
+    (np.eye(2), [-1, 0], 0.1, {"maximum_sweeps": 1e5}, "maximum_sweeps: expected an integer, met 100000.0"),
+    (np.eye(2), [-1, 0], 0.1, {"check_every": 0}, "checks every >= 1 sweep"),
+    (np.eye(2), [-1, 0], 0.1, {"guess": [np.nan, 0]}, "guess: expected finite numbers"),
+    (np.eye(2), [-1, 0], 0.1, {"threads": -1}, "threads"),
     (np.eye(2), [-1, 0], 0.1, {"guess": [0]}, "guess of the impulses: expected 2 x contacts = 2 numbers, met 1"),
 ])
 def test_errors(w, q, mu, options, words):

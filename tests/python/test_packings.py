@@ -53,10 +53,24 @@ def test_pickle():
     (([0, 2], [0, 0], [1, 1], [1, -1]), "grain 1: expected a finite mass > 0, met -1"),
     (([], [], []), "at least one grain"),
     (([[0, 1]], [0, 0], [1, 1]), "x: expected an array of one dimension, met one of 2"),
+    ((0, 0, 1), "x: expected an array of one dimension, met one of 0"),
+    ((np.array([0, 1j]), [0, 0], [1, 1]), "x: expected real numbers, met an array of complex128"),
+    ((np.array(["0", "1"]), [0, 0], [1, 1]), "x: expected real numbers, met an array of <U1"),
+    (([0, 1], np.array(["2020", "2021"], "datetime64[Y]"), [1, 1]), "y: expected real numbers, met an array of dat"),
+    (([0, 1], [0, 0], np.ma.array([1, 2], mask=[False, True])), "radius: expected real numbers, met an array of which"),
+    (([0, [1, 2]], [0, 0], [1, 1]), "x: expected real numbers"),
+    ((iter([0.0, 1.0]), [0, 0], [1, 1]), "x: expected real numbers, met list_iterator"),
+    ((np.array([0, "one"], object), [0, 0], [1, 1]), "x: expected real numbers"),
 ])
 def test_errors_of_packings(arguments, words):
     with pytest.raises(nscdd.Error, match=words):
         nscdd.Packing(*arguments)
+
+
+def test_arrays_of_any_kind_of_real_number():
+    for x in (np.arange(3, dtype=">f8"), np.arange(3, dtype=np.int8), np.arange(3, dtype=np.float16), [0, 1, 2],
+              np.array([0, 1, 2], dtype=object), np.ma.array([0, 1, 2]), np.arange(4.0)[2::-1][::-1], (0, 1, 2)):
+        np.testing.assert_array_equal(nscdd.Packing(x, np.zeros(3), np.full(3, 0.5)).x, [0, 1, 2])
 
 
 def test_contacts_by_brute_force():
@@ -159,8 +173,13 @@ def test_a_partition_of_ones_own():
     for wrong, words in (([0, 1], "for each of"), (np.full(own.contacts, -1), "subdomain")):
         with pytest.raises(nscdd.Error, match=words):
             nscdd.decompose(packing, np.array(wrong))
-    with pytest.raises(TypeError, match="an array of integers"):
-        nscdd.decompose(packing, np.zeros(own.contacts))
+    for wrong in (np.zeros(own.contacts), np.ma.array(np.zeros(own.contacts, int), mask=True)):
+        with pytest.raises(TypeError, match="an array of integers"):
+            nscdd.decompose(packing, wrong)
+    with pytest.raises(nscdd.Error, match="expected numbers from 0 to 999999, met 1000000000000"):
+        nscdd.decompose(packing, np.arange(own.contacts) * 10**12)
+    with pytest.raises(nscdd.Error, match="expected an array of one dimension, met one of 2"):
+        nscdd.decompose(packing, np.zeros((own.contacts, 1), int))
 
 
 @pytest.mark.parametrize("arguments, words", [
@@ -173,6 +192,16 @@ def test_a_partition_of_ones_own():
 def test_errors_of_decompose(arguments, words):
     with pytest.raises(nscdd.Error, match=words):
         nscdd.decompose(lattice(4, 4), **arguments)
+
+
+@pytest.mark.parametrize("prescribed, words", [
+    ({0: (1, 0, 0)}, "expected two components of the velocity of grain 0"),
+    ({0: (1,)}, "expected two components"),
+    ({1.7: (1, 0)}, "cannot be interpreted as an integer"),
+])
+def test_velocities_are_pairs_of_numbers_of_a_grain(prescribed, words):
+    with pytest.raises(TypeError, match=words):
+        nscdd.decompose(lattice(4, 4), prescribed=prescribed)
 
 
 def test_masses():
@@ -215,6 +244,30 @@ def test_errors_of_files(tmp_path):
     (tmp_path / "wrong.csv").write_text("x,y,radius\n0,0,1\n0,two,1\n")
     with pytest.raises(nscdd.Error, match="wrong.csv:3: "):
         nscdd.read_packing(tmp_path / "wrong.csv")
+
+
+def test_what_stands_for_a_case_on_the_command_line(tmp_path):
+    """A packing alone, a text of YADE, a contact problem of FCLIB, and a folder of LMGC90 with its seven digits."""
+    (tmp_path / "three.txt").write_text("0 0 0.5\n1 0 0.5\n2 0 0.5\n")
+    parts = nscdd.read_case(tmp_path / "three.txt", (2, 1))
+    assert (parts.name, parts.grains, parts.contacts, len(parts.subdomains)) == ("three", 3, 2, 2)
+    program = os.environ["NSCDD_PROGRAM"]
+    case = os.path.join(os.environ["NSCDD_SOURCE"], "cases", "settle-1k.toml")
+    run, problem, folder = tmp_path / "run.h5", tmp_path / "problem.hdf5", tmp_path / "lmgc90"
+    subprocess.run([program, "simulate", case, "--steps", "40", "-o", run], check=True, capture_output=True)
+    subprocess.run([program, "export", run, "--fclib", "40", "-o", problem], check=True, capture_output=True)
+    subprocess.run([program, "export", run, "--lmgc90", folder], check=True, capture_output=True)
+    bodies = nscdd.read_case(problem, "metis:3")
+    assert bodies.H.shape[1] == 2 * nscdd.read_contact_problem(problem).contacts and bodies.M.shape[0] % 3 == 0
+    packing = nscdd.read_packing(folder)
+    assert len(packing) == 780
+    with pytest.raises(nscdd.Error):
+        nscdd.read_packing(tmp_path)
+    assert nscdd.read_case(folder, (2, 1)).grains == 780
+    back = nscdd.simulate(folder, settings={"dynamics.steps": 2, "dynamics.step": 1e-3})
+    assert back.end == "completed" and len(back.packing) == 780
+    with pytest.raises(nscdd.Error, match="expected the name of a file, met one with a zero in it"):
+        nscdd.read_packing("bed\0.csv")
 
 
 def test_cases():

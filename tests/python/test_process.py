@@ -15,13 +15,15 @@ import nscdd
 
 
 class Interrupting(threading.Thread):
-    """Sends Ctrl-C to this process after some seconds, once, unless it is left before."""
+    """Sends Ctrl-C to this process some seconds after `begun` says so, once, unless it is left before."""
 
-    def __init__(self, after):
+    def __init__(self, after, begun=lambda: True):
         super().__init__(daemon=True)
-        self.after, self.left = after, threading.Event()
+        self.after, self.begun, self.left = after, begun, threading.Event()
 
     def run(self):
+        while not self.begun() and not self.left.wait(0.01):
+            pass
         if not self.left.wait(self.after):
             os.kill(os.getpid(), signal.SIGINT)
 
@@ -44,7 +46,7 @@ def large_contraction():
 
 def test_ctrl_c_ends_a_sweep():
     rows = []
-    with pytest.raises(KeyboardInterrupt), Interrupting(0.5):
+    with pytest.raises(KeyboardInterrupt), Interrupting(0.2, lambda: rows):
         long_sweep(lambda done, total: rows.append((done, total)))
     assert 0 < rows[-1][0] < rows[-1][1] == 20_000
 
@@ -72,6 +74,57 @@ def test_ctrl_c_ends_a_generator_and_a_solver():
     w, q = np.eye(1000) + np.ones((1000, 1000)), np.random.default_rng(0).normal(size=1000)
     with pytest.raises(KeyboardInterrupt), Interrupting(0.3):
         nscdd.solve(w, q, 0.5, solver="nlgs", maximum_sweeps=10**9, tolerance=1e-300, check_every=1)
+
+
+def test_ctrl_c_ends_arpack():
+    """Between two products of its iteration, which takes far longer in all."""
+    b = large_contraction()
+    started = time.process_time()
+    with pytest.raises(KeyboardInterrupt), Interrupting(0.3):
+        nscdd.spectral_radius(b, solver="arpack")
+    interrupted = time.process_time() - started
+    small = nscdd.contraction(nscdd.decompose(bed(900, 3), "metis:8"), 0.05)
+    found = nscdd.spectral_radius(small, solver="arpack")  # ARPACK is left as it was
+    assert found.converged and found.value == nscdd.spectral_radius(small, solver="arpack").value
+    assert interrupted < 20
+
+
+def test_ctrl_c_ends_an_inexact_stage_one():
+    parts = nscdd.decompose(lattice(60, 60), "metis:16")
+    with pytest.raises(KeyboardInterrupt), Interrupting(0.5):
+        nscdd.sweep(parts, 1e-4, gauss_seidel_sweeps=200, solver="arpack")
+
+
+@pytest.mark.parametrize("solver", ["generic", "nlgs", "newton"])
+def test_ctrl_c_ends_a_single_step(solver):
+    """Between two iterations, or checks of a contact solver, of a step that is never done."""
+    case = os.path.join(os.environ["NSCDD_SOURCE"], "cases", "settle-1k.toml")
+    settings = {"dynamics.steps": 1, "dynamics.step": 0.02, "solver.algorithm": solver, "solver.tolerance": 1e-300,
+                "solver.maximum_iterations": 10**8}
+    if solver == "newton":
+        settings["solver.maximum_iterations"] = 10**6
+    seen = []
+    started = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), Interrupting(1):
+        nscdd.simulate(case, settings=settings, callback=seen.append)
+    assert seen == [] and time.monotonic() - started < 120
+
+
+def test_what_ends_the_work_is_what_is_raised():
+    """An interrupted search for a curve says so, not what it met on its way out."""
+    parts = nscdd.decompose(lattice(12, 12), (4, 4))
+    with pytest.raises(KeyboardInterrupt), Interrupting(0.3):
+        nscdd.curve(parts, (1e-5, 1e5), [0.1, 0.3, 1.0, 3.0, np.inf], tolerance=1e-7)
+
+
+def test_a_callback_may_use_the_library():
+    """Also from within: no lock of the library is held while Python is called."""
+    parts = nscdd.decompose(lattice(8, 8), (2, 2))
+    b = nscdd.contraction(parts, 0.1)
+    seen = []
+    nscdd.sweep(parts, np.geomspace(1e-2, 1, 6), solver="shift-invert",
+                progress=lambda done, total: seen.append(nscdd.spectral_radius(b, solver="arpack").value))
+    assert seen and len(set(seen)) == 1
 
 
 def test_a_callback_that_raises_ends_the_work():

@@ -84,6 +84,18 @@ def test_operators(packing, subdomains):
         b.preconditioner.solve(np.zeros(n + 1))
 
 
+def test_operators_are_linear_over_complex_numbers():
+    """SciPy may hand over complex vectors: their imaginary part must not be lost."""
+    b = nscdd.contraction(nscdd.decompose(lattice(5, 5), (2, 2)), epsilon=0.2, eta=0.7, relaxation=0.9)
+    x = np.random.default_rng(1).normal(size=(b.shape[0], 2)) @ [1, 1j]
+    for operator in (b, b.H, b.system, b.preconditioner, b.preconditioner.inverse):
+        close(operator @ x, operator @ x.real + 1j * (operator @ x.imag), 1e-13)
+    close(b.system.solve(x), b.system.solve(x.real) + 1j * b.system.solve(x.imag), 1e-13)
+    assert b.system.solve(np.zeros((b.shape[0], 0))).shape == (b.shape[0], 0)
+    with pytest.raises(nscdd.Error, match="expected real numbers"):
+        b.system.solve(np.array(["a"] * b.shape[0]))
+
+
 @pytest.mark.parametrize("epsilon, eta", [(0.05, np.inf), (0.4, 0.2)])
 def test_eigsh_of_scipy_on_the_operators(epsilon, eta):
     """Both ends of S x = lambda P x by SciPy's Lanczos, which applies S, P and P^-1 alone."""
@@ -149,6 +161,7 @@ def test_errors_of_contraction(arguments, words):
     (dict(solver="arpack", certify=True), "expected auto, dense or shift-invert with certify"),
     (dict(eigenvalues=0), "eigenvalues"),
     (dict(residual_tolerance=0.0), "residual_tolerance"),
+    (dict(threads=-1), "threads: expected a finite number >= 0 and <= 4096, met -1"),
 ])
 def test_errors_of_spectral_radius(arguments, words):
     b = nscdd.contraction(nscdd.decompose(lattice(4, 4), (2, 1)), 1.0)

@@ -11,15 +11,17 @@ from conftest import bed, lattice, literal_spectrum
 import nscdd
 
 
-def program_table(folder, packing, *arguments):
-    """What `nscdd VERB` prints of a packing, as columns of texts."""
+def program_table(folder, packing, *arguments, table=True):
+    """What `nscdd VERB` prints of a packing, as columns of texts; nothing of a verb that writes its own tables."""
     path = folder / "packing.csv"
     names = ("x", "y", "radius", "mass")
     rows = zip(*(map(repr, map(float, getattr(packing, name))) for name in names))
     path.write_text("\n".join([",".join(names), *map(",".join, rows)]) + "\n")
     verb, *options = arguments
-    found = subprocess.run([os.environ["NSCDD_PROGRAM"], verb, path, *options, "--csv", "-"], check=True,
+    found = subprocess.run([os.environ["NSCDD_PROGRAM"], verb, path, *options, *(["--csv", "-"] * table)], check=True,
                            capture_output=True, text=True).stdout
+    if not table:
+        return {}
     rows = list(csv.DictReader(found.splitlines()))
     return {name: [row[name] for row in rows] for name in rows[0]}
 
@@ -59,6 +61,48 @@ def test_a_sweep_by_numpy():
     expected = [np.abs(literal_spectrum(parts, epsilon, 0.7)).max() for epsilon in table["epsilon"]]
     np.testing.assert_allclose(table["spectral_radius"], expected, rtol=1e-9)
     assert table["converged"].all() and table["converged"].dtype == bool and table["grains"].dtype == np.int64
+
+
+def test_a_curve_has_the_rows_of_the_program_and_holds_the_radius(tmp_path):
+    packing = lattice(6, 5, 4)
+    parts = nscdd.decompose(packing, (2, 2))
+    for arguments in (dict(epsilon=(1e-2, 1e2)), dict(epsilon="1e-2:1e2")):
+        table = nscdd.curve(parts, **arguments, eta=[0.5, np.inf], tolerance=0.02)
+        same_as_text(table, program_table(tmp_path, packing, "sweep", "--subdomains", "2x2", "--epsilon", "1e-2:1e2",
+                                          "--eta", "0.5,inf", "--curve", "0.02"))
+    assert table.status == ["proved", "proved"] and table.proved
+    for eta in (0.5, np.inf):
+        rows = table["eta"] == eta
+        x = np.log(table["epsilon"][rows])
+        assert (np.diff(x) > 0).all()
+        for at in np.random.default_rng(1).uniform(x[0], x[-1], 40):
+            radius = np.abs(literal_spectrum(parts, np.exp(at), eta)).max()
+            low, high = (np.interp(at, x, table[name][rows]) for name in ("curve_low", "curve_high"))
+            assert low - 1e-12 <= radius <= high + 1e-12
+    seen = []
+    along_eta = nscdd.curve(parts, 0.5, (0.1, 10), tolerance=0.1, progress=lambda done, total: seen.append((done, total)))
+    assert along_eta["eta"][0] == 0.1 and along_eta["eta"][-1] == 10 and seen[-1][0] == seen[-1][1]
+    assert "    curve_low: " in nscdd.curve.__doc__
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (dict(epsilon=1.0), "curve: expected one range FROM:TO"),
+    (dict(epsilon=(1, 2), eta=(1, 2)), "curve: expected one range FROM:TO"),
+    (dict(epsilon=(2, 1)), "0 < FROM < TO"),
+    (dict(epsilon=(1, 2), tolerance=0), "curve: expected a finite tolerance > 0, met 0"),
+    (dict(epsilon=(1, 2), relaxation="optimal"), "relaxation: expected numbers with curve"),
+    (dict(epsilon=(1, 2), solver="arpack"), "solver: expected auto, dense or shift-invert with curve"),
+])
+def test_errors_of_curves(arguments, words):
+    with pytest.raises(nscdd.Error, match=words):
+        nscdd.curve(nscdd.decompose(lattice(4, 4), (2, 1)), **arguments)
+
+
+def test_values_may_come_one_by_one():
+    parts = nscdd.decompose(lattice(4, 4), (2, 1))
+    np.testing.assert_array_equal(nscdd.sweep(parts, (10.0**k for k in range(3)))["epsilon"], [1, 10, 100])
+    with pytest.raises(nscdd.Error, match="parts are masked"):
+        nscdd.sweep(parts, np.ma.array([1.0, 2.0], mask=[False, True]))
 
 
 def test_an_optimum_has_the_rows_of_the_program(tmp_path):

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the iteration is slow."""
+from __future__ import annotations
+
+import numpy as np
+
+from . import _core
+from ._core import SpectralRadius
+from ._operators import Contraction, _of
+from ._tables import Table
+
+
+class Mode:
+    """An eigenvector F of a contraction, B F = mu F, and what the grains do in it: the error that the iteration is left
+    with in the end. F is scaled to F^T P F = 1 J. Where there is none, `found` is False, and arrays are empty: of an
+    empty interface, where every eigenvalue is the same, or where the solver failed."""
+
+    def __init__(self, core: _core.Mode) -> None:
+        self._core = core
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a mode."""
+        return self._core.found
+
+    @property
+    def end(self) -> str:
+        """The end of the spectrum that it belongs to, "low" or "high"."""
+        return self._core.end
+
+    @property
+    def eigenvalue(self) -> float:
+        """mu, unit eigenvalues of the rigid limit apart."""
+        return self._core.eigenvalue
+
+    @property
+    def next(self) -> float:
+        """The eigenvalue next to it, inwards; nan where it is not known. The same again: the mode is one of several."""
+        return self._core.next
+
+    @property
+    def residual(self) -> float:
+        """omega ||S F - lambda P F||_{P^-1}, lambda = (1 - mu) / omega: an eigenvalue lies as near as this."""
+        return self._core.residual
+
+    @property
+    def converged(self) -> bool:
+        """Whether the residual is within the tolerance. That no mode lies further out, `spectrum` says."""
+        return self._core.converged
+
+    @property
+    def spectrum(self) -> SpectralRadius:
+        """Both ends of the spectrum with their certificate."""
+        return self._core.spectrum
+
+    @property
+    def impulses(self) -> np.ndarray:
+        """F, interface impulses, kg m/s, one for each interface unknown."""
+        return self._core.impulses
+
+    @property
+    def jumps(self) -> np.ndarray:
+        """sum_E A_E V_E, velocities of copies against each other, m/s, one for each interface unknown."""
+        return self._core.jumps
+
+    @property
+    def velocities(self) -> list[np.ndarray]:
+        """V_E of each subdomain, m/s, a row for each of `parts.subdomains[e].grains`: what Stage 1 answers F with."""
+        return self._core.velocities
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Part of each pair of copies in F^T P F; they add up to 1."""
+        return self._core.shares
+
+    @property
+    def spread(self) -> float:
+        """Over how many pairs of copies the mode spreads; 0 where there is none."""
+        return self._core.spread
+
+    def impulse_table(self) -> Table:
+        """A row for each pair of copies of a shared grain: the table PREFIX-impulses.csv of `nscdd modes`. Raises Error
+        for a contact problem, of which no geometry is known, and so does `velocity_table`."""
+        return Table(self._core.impulse_columns())
+
+    def velocity_table(self) -> Table:
+        """A row for each copy of each grain: the table PREFIX-velocities.csv of `nscdd modes`."""
+        return Table(self._core.velocity_columns())
+
+    def __repr__(self) -> str:
+        if not self.found:
+            return "<nscdd.Mode: none was found>"
+        return (f"<nscdd.Mode of the {self.end} end, eigenvalue = {self.eigenvalue}, residual = {self.residual:.1e}, "
+                f"converged = {self.converged}>")
+
+
+def mode(b: Contraction, end: str = "slowest", *, certify: bool = False, eigenvalues: int = 1, solver: str = "auto",
+         residual_tolerance: float = 1e-8, threads: int = 0) -> Mode:
+    """The mode of one end of the spectrum: "slowest" (of larger modulus), "low" or "high". The other arguments are those
+    of `spectral_radius`."""
+    return Mode(_core.mode(_of(b).parts, b._core, end, solver, residual_tolerance, eigenvalues, certify, threads))
