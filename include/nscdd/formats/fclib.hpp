@@ -21,7 +21,8 @@ struct FclibInfo {
 };
 
 /// A file of the Friction Contact Library (FCLIB, https://frictionalcontactlibrary.github.io), by which
-/// Siconos, LMGC90 and others exchange frictional contact problems.
+/// Siconos, LMGC90 and others exchange frictional contact problems. The text files of Siconos (.dat) are read as one
+/// that has the problem alone.
 struct FclibFile {
   std::variant<LocalFrictionProblem, GlobalFrictionProblem> problem;
   FclibInfo info;
@@ -42,10 +43,12 @@ bool holds_fclib(std::string_view bytes, const std::string& name);
 /// dimensions, rolling friction, equality constraints G, couplings V and R.
 FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
 
-/// Reads a file. Throws Error as `fclib_from_hdf5` does.
+/// Reads a file of FCLIB, whatever its name. Throws Error as `fclib_from_hdf5` does.
 FclibFile read_fclib(const std::string& path);
 
-/// Reads a file that must hold a global problem. Throws Error as `read_fclib` does, and for a local problem.
+/// Reads a file that must hold a global problem: a text of Siconos where its name ends in .dat (docs/formats.md), else
+/// HDF5 of FCLIB. Throws Error as `read_fclib` does, for a text "name:line: expected ..., met ...", and for a local
+/// problem.
 GlobalFrictionProblem read_global_problem(const std::string& path);
 
 /// The bytes of a file that reads back to `file` bit for bit: matrices by columns, 32-bit integers, which
