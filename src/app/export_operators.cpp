@@ -17,6 +17,8 @@ OperatorParameters parameters(const OperatorsOptions& options, double scale) {
     fail("--epsilon: expected the flexibility behind S with --operators, or --sparse-only to leave S, P and B out");
   result.epsilon = one_value(parse_epsilon(options.epsilon), scale, "--epsilon NUMBER[W]", options.epsilon);
   result.eta = one_value(parse_eta(options.eta), scale, "--eta", options.eta);
+  check_bounds(options.relaxation, Field{.description = "", .minimum = 0, .minimum_excluded = true}, "--relaxation");
+  result.relaxation = options.relaxation;
   return result;
 }
 
@@ -42,6 +44,7 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
               "flexibility of the linear law, 1/kg, or times the mean of W_nn (0.1W); 0 is the rigid limit");
   command.preset("--eta NUMBER[W]", options.eta,
                  "flexibility Stage 2 sees, 1/kg, or times the mean of W_nn (10W); inf is the generic algorithm");
+  command.preset("--relaxation", options.relaxation, "omega of B = I - omega P^-1 S");
   command.preset("--contacts", options.contacts, "contacts of Stage 1: all, active, or unilateral; as of nscdd sweep")
       .words = all_names<ContactSet>();
   declare_threads(command, options.threads);
@@ -49,7 +52,8 @@ Option& declare_operators(Command& command, OperatorsOptions& options) {
   for (std::size_t k = first; k < command.options.size(); ++k) {
     Option& option = command.options[k];
     option.needs = &operators;
-    if (option.names == "--epsilon" || option.names == "--eta") option.excludes = &sparse;
+    if (option.names == "--epsilon" || option.names == "--eta" || option.names == "--relaxation")
+      option.excludes = &sparse;
   }
   return operators;
 }

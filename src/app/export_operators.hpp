@@ -9,6 +9,7 @@ namespace nscdd::app {
 struct OperatorsOptions {
   CaseOptions one;  ///< its name is the first argument of the verb, whatever is exported
   std::string folder, epsilon, eta = "inf", contacts = "all";
+  double relaxation = 1;
   bool sparse_only = false;
   Index threads = 0;
   MemoryLimit memory;

@@ -83,8 +83,10 @@ std::string manifest_head(const OperatorsHead& head, const Provenance& provenanc
         fmt::format("{} = {}  # {}\n", columns[k].heading.name, cell_as_toml(cells[k]), columns[k].heading.description);
   text += fmt::format("dofs_per_grain = {}  # d\n", head.dofs_per_grain);
   if (head.dense)
-    text += fmt::format("epsilon = {}  # 1/kg, of the linear law, behind S\neta = {}  # 1/kg, of Stage 2, behind P\n",
-                        field_text(head.dense->epsilon), field_text(head.dense->eta));
+    text += fmt::format(
+        "epsilon = {}  # 1/kg, of the linear law, behind S\neta = {}  # 1/kg, of Stage 2, behind P\n"
+        "relaxation = {}  # omega of B\n",
+        field_text(head.dense->epsilon), field_text(head.dense->eta), field_text(head.dense->relaxation));
   return text;
 }
 

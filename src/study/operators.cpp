@@ -84,14 +84,15 @@ void require_finite(const Model& model, std::string_view name, const Matrix& mat
          model.name, name);
 }
 
-// I - P^-1 S; none where the monitor ends the work.
-std::optional<Matrix> contraction_matrix(const InterfaceOperator& p, const Matrix& s, const Monitor& monitor) {
+// I - omega P^-1 S; none where the monitor ends the work.
+std::optional<Matrix> contraction_matrix(const InterfaceOperator& p, const Matrix& s, double relaxation,
+                                         const Monitor& monitor) {
   constexpr Index at_a_time = 64;
   const Index n = s.cols();
   Matrix b(n, n);
   for (Index first = 0; first < n; first += at_a_time) {
     const Index columns = std::min(at_a_time, n - first);
-    for_each_in_parallel(columns, [&](Index k) { b.col(first + k) = -p.solve(s.col(first + k)); });
+    for_each_in_parallel(columns, [&](Index k) { b.col(first + k) = -relaxation * p.solve(s.col(first + k)); });
     if (!report(monitor, first + columns, n)) return std::nullopt;
   }
   b.diagonal().array() += 1;
@@ -138,11 +139,14 @@ bool case_operators(const Model& model, const Selection& selection, const Operat
     preconditioner.values = p.dense();
   }
   sink(preconditioner);
-  std::optional<Matrix> b = contraction_matrix(p, s.dense(), monitor);
+  std::optional<Matrix> b = contraction_matrix(p, s.dense(), parameters.relaxation, monitor);
   if (!b) return false;
   require_finite(model, "B", *b);
-  sink({"B", "B = I - P^-1 S", "contraction operator: what an iteration makes of an error of the interface impulses",
-        "1", *std::move(b), false});
+  const std::string formula = parameters.relaxation == 1
+                                  ? "B = I - P^-1 S"
+                                  : fmt::format("B = I - omega P^-1 S, omega = {}", parameters.relaxation);
+  sink({"B", formula, "contraction operator: what an iteration makes of an error of the interface impulses", "1",
+        *std::move(b), false});
   return true;
 }
 

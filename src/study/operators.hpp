@@ -23,6 +23,7 @@ struct CaseOperator {
 struct OperatorParameters {
   double epsilon = 1.0;   ///< of the linear law, 1/kg; 0 is the rigid limit
   double eta = infinity;  ///< of the network that Stage 2 sees, 1/kg
+  double relaxation = 1;  ///< omega of B
   bool dense = true;      ///< S, P and B as well: n_Gamma x n_Gamma, most of it not zero
 };
 
@@ -32,7 +33,7 @@ struct OperatorParameters {
 ///     M_E, H_E, A_E; G_E, the columns of H_E that Stage 1 works with, unless these are all;
 ///     grains_E and contacts_E (of G_E: active_contacts_E), the global numbers behind its rows and columns
 /// Where the interface is not empty, X = X_infinity, the generic one ([ADI12] eq. (17)). With `dense`,
-///     S = X_epsilon on the contacts of Stage 1, P = X_eta on all contacts, and B = I - P^-1 S
+///     S = X_epsilon on the contacts of Stage 1, P = X_eta on all contacts, and B = I - omega P^-1 S
 /// Matrices of subdomains are d n_E and n_Gamma high as in docs/notation.md; P is sparse for eta = infinity, where it
 /// is X. `selection` is that of the model. The monitor follows the columns of B; returns false where it ends the work.
 /// Throws Error for an operator that is not finite in double precision.

@@ -54,6 +54,7 @@ TEST_CASE("export --operators: SciPy finds the radius of the sweep in the files"
   compare("hexagonal --epsilon 1e-2 --eta inf", {"dense", "pencil", "arpack"});
   compare("hexagonal --subdomains 3x2 --epsilon 0.1W --eta 10W", {"dense", "pencil", "arpack"});
   compare("hexagonal --subdomains 2x2 --epsilon 1 --eta 0.01", {"dense", "pencil", "arpack"});  // it diverges
+  compare("hexagonal --epsilon 1e-2 --eta 0.3 --relaxation 0.7", {"dense", "pencil", "arpack"});
 }
 
 TEST_CASE("export --operators: contacts of Stage 1 may be some, in the rigid limit, with unit eigenvalues") {
@@ -110,6 +111,8 @@ TEST_CASE("export --operators: nothing is overwritten in silence, and what is re
   check_refused(session, "export disks4 --operators new", {"--epsilon", "--sparse-only"});
   check_refused(session, "export disks4 --epsilon 0,1 --operators new", {"--epsilon", "one number"});
   check_refused(session, "export disks4 --epsilon 1 --eta 0 --operators new", {"eta", "number > 0"});
+  check_refused(session, "export disks4 --epsilon 1 --relaxation 0 --operators new", {"--relaxation", "> 0"});
+  check_refused(session, "export disks4 --sparse-only --relaxation 0.5 --operators new", {"--relaxation"});
   check_refused(session, "export disks4 --epsilon 1 --sparse-only --operators new", {"--epsilon", "--sparse-only"});
   check_refused(session, "export disks4 --epsilon 1 --vtk v --operators new", {"--vtk"});
   check_refused(session, "export disks4 --epsilon 1 --fclib 1 -o p.hdf5 --operators new", {"several"});

@@ -124,13 +124,15 @@ def check_dense(found, manifest):
     close(found["X"], condensed(found, "H", np.inf), 1e-12)
     close(s, condensed(found, "H" if manifest["contact_set"] == "all" else "G", manifest["epsilon"]), 1e-8)
     close(p, condensed(found, "H", manifest["eta"]), 1e-8)
-    close(b, np.eye(len(b)) - np.linalg.solve(p, s), 1e-8)
+    close(b, np.eye(len(b)) - manifest["relaxation"] * np.linalg.solve(p, s), 1e-8)
     print("dense", float(np.abs(np.linalg.eigvals(b)).max()))
     ends = scipy.linalg.eigh(s, p, eigvals_only=True)
+    ends = manifest["relaxation"] * ends
     print("pencil", largest_modulus(ends[0], ends[-1]))
     if len(b) > 4:
         low, high = (scipy.sparse.linalg.eigsh(s, 1, M=p, which=which, return_eigenvectors=False)[0]
                      for which in ("SA", "LA"))
+        low, high = manifest["relaxation"] * low, manifest["relaxation"] * high
         print("arpack", largest_modulus(low, high))
 
 
