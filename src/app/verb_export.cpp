@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/export_operators.hpp"
+#include "app/export_steps.hpp"
 #include "files/output_file.hpp"
-#include "files/output_folder.hpp"
-#include "formats/datbox_writer.hpp"
 #include "formats/export.hpp"
 #include "formats/siconos_dat.hpp"
-#include "formats/vtkhdf.hpp"
-#include "study/values.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
 namespace nscdd::app {
@@ -16,147 +13,11 @@ namespace fs = std::filesystem;
 
 struct Options {
   OperatorsOptions operators;
-  std::string trajectory, folder, vtkhdf, lmgc90, steps, output;
+  StepsOptions steps;
+  std::string trajectory, output;
   std::optional<Index> step, subdomain;
   bool local = false, force = false;
 };
-
-// Steps first, first + stride, ... up to last; last -1: without end.
-struct StepRange {
-  Index first = 0, last = -1, stride = 1;
-  bool holds(Index step) const { return step >= first && (last < 0 || step <= last) && (step - first) % stride == 0; }
-};
-
-// "A", "A:B" or "A:B:K"; all steps where nothing is asked for.
-StepRange parse_step_range(const std::string& text) {
-  if (text.empty()) return {};
-  std::vector<Index> numbers;
-  for (const std::string_view number : split(text, ':')) numbers.push_back(parse_integer(number, "--steps"));
-  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
-  if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
-    fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
-  return range;
-}
-
-// Ascending numbers as ranges: "0:100:10, 105".
-std::string step_ranges_text(const std::vector<Index>& steps) {
-  std::string text;
-  for (std::size_t i = 0; i < steps.size();) {
-    // A range reaches as far as neighbours are equally far apart. Two steps are not a range yet.
-    std::size_t last = i;
-    while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
-    if (last < i + 2) last = i;
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", steps[i]);
-    if (last > i) text += fmt::format(":{}", steps[last]);
-    if (last > i && steps[i + 1] - steps[i] > 1) text += fmt::format(":{}", steps[i + 1] - steps[i]);
-    i = last + 1;
-  }
-  return text;
-}
-
-// The kept steps that are asked for.
-std::vector<Index> chosen(const Options& options, const StepRange& range) {
-  const std::vector<Index> kept = trajectory_steps(options.trajectory);
-  std::vector<Index> steps;
-  std::ranges::copy_if(kept, std::back_inserter(steps), [&](Index step) { return range.holds(step); });
-  if (steps.empty())
-    fail("--steps: expected a range with some of the steps that {} keeps ({}), met none", options.trajectory,
-         step_ranges_text(kept));
-  return steps;
-}
-
-// Pictures of the kept steps in the range.
-int export_vtk(const Options& options) {
-  const StepRange range = parse_step_range(options.steps);
-  const GranularSystem system = read_trajectory_header(options.trajectory).system;
-  const std::vector<Index> steps = chosen(options, range);
-  make_folder(options.folder, options.force);
-  const fs::path folder(options.folder);
-  std::vector<VtkFile> files;
-  Interruption interruption;
-  {
-    const std::string label = "export " + fs::path(options.trajectory).filename().string();
-    const Monitor monitor = interruption.watch(label, 0, "step");
-    for (const Index step : steps) {
-      const TrajectoryStep shown = read_trajectory_step(options.trajectory, step);
-      files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", step)});
-      write_file((folder / files.back().path).string(), vtp_text(system, shown), options.force);
-      if (!report(monitor, count(files), count(steps))) break;
-    }
-  }
-  const fs::path collection = folder / (fs::path(options.trajectory).stem().string() + ".pvd");
-  write_file(collection.string(), pvd_text(files), options.force);
-  if (files.size() < steps.size()) {
-    note("{}: interrupted after {} of {} steps, which {} lists", options.folder, files.size(), steps.size(),
-         collection.string());
-    return interrupted_exit_code;
-  }
-  fmt::print("{}: {} steps ({}), {} disks\n", collection.string(), files.size(), step_ranges_text(steps),
-             system.disks());
-  return 0;
-}
-
-// The same pictures in one file, which is there once all of them are in it.
-int export_vtkhdf(const Options& options) {
-  require_no_input({options.vtkhdf}, {options.trajectory});
-  require_vtkhdf_name(options.vtkhdf);
-  const StepRange range = parse_step_range(options.steps);
-  const GranularSystem system = read_trajectory_header(options.trajectory).system;
-  const std::vector<Index> steps = chosen(options, range);
-  VtkhdfFile file(options.vtkhdf, options.force);
-  Interruption interruption;
-  {
-    const std::string label = "export " + fs::path(options.trajectory).filename().string();
-    const Monitor monitor = interruption.watch(label, 0, "step");
-    Index done = 0;
-    for (const Index step : steps) {
-      file.append(picture_of(system, read_trajectory_step(options.trajectory, step)));
-      if (!report(monitor, ++done, count(steps))) break;
-    }
-  }
-  if (interruption.stopped()) {
-    note("{}: interrupted; nothing was written", options.vtkhdf);
-    return interrupted_exit_code;
-  }
-  file.finish();
-  fmt::print("{}: {} steps ({}), {} disks\n", options.vtkhdf, steps.size(), step_ranges_text(steps), system.disks());
-  return 0;
-}
-
-// The files of LMGC90 for the kept steps in the range.
-int export_lmgc90(const Options& options) {
-  const StepRange range = parse_step_range(options.steps);
-  const TrajectoryHeader header = read_trajectory_header(options.trajectory);
-  const std::vector<Index> steps = chosen(options, range);
-  const Index first = trajectory_steps(options.trajectory).front();
-  const DatboxWriter writer(
-      rebuilt_simulation(options.trajectory, header, read_trajectory_step(options.trajectory, first).state));
-  make_folder(options.lmgc90, options.force);
-  const auto write = [&](const std::string& name, const std::string& text) {
-    write_file((fs::path(options.lmgc90) / name).string(), text, options.force);
-  };
-  write("BODIES.OUT", writer.bodies());
-  write("BULK_BEHAV.OUT", writer.bulk());
-  Interruption interruption;
-  Index done = 0;
-  {
-    const std::string label = "export " + fs::path(options.trajectory).filename().string();
-    const Monitor monitor = interruption.watch(label, 0, "step");
-    for (const Index step : steps) {
-      const TrajectoryStep shown = read_trajectory_step(options.trajectory, step);
-      write(fmt::format("DOF.OUT.{}", step), writer.dof(shown));
-      write(fmt::format("Vloc_Rloc.OUT.{}", step), writer.vloc_rloc(shown));
-      if (!report(monitor, ++done, count(steps))) break;
-    }
-  }
-  if (interruption.stopped()) {
-    note("{}: interrupted after {} of {} steps", options.lmgc90, done, steps.size());
-    return interrupted_exit_code;
-  }
-  fmt::print("{}: {} steps ({}), {} disks\n", options.lmgc90, steps.size(), step_ranges_text(steps),
-             header.system.disks());
-  return 0;
-}
 
 // The step before the one asked for. If it is not kept, names the steps whose contact problems can be set up:
 // those that follow a kept state.
@@ -254,22 +115,21 @@ int export_fclib(const Options& options, const Context& context) {
 }
 
 int run(const Options& options, const Context& context) {
-  const auto asked =
-      std::ranges::count_if(std::array{options.folder, options.vtkhdf, options.lmgc90, options.operators.folder},
-                            [](const std::string& name) { return !name.empty(); }) +
-      (options.step ? 1 : 0);
+  const auto asked = std::ranges::count_if(std::array{options.steps.vtk, options.steps.vtkhdf, options.steps.lmgc90,
+                                                      options.operators.folder},
+                                           [](const std::string& name) { return !name.empty(); }) +
+                     (options.step ? 1 : 0);
   if (asked != 1)
     fail(
         "export: expected one of --vtk FOLDER, --vtkhdf FILE, --lmgc90 FOLDER, --fclib STEP and --operators FOLDER, "
         "met {}",
         asked == 0 ? "none" : "several");
-  if (!options.steps.empty() && (options.step || !options.operators.folder.empty()))
+  if (!options.steps.range.empty() && (options.step || !options.operators.folder.empty()))
     fail("--steps: expected --vtk, --vtkhdf or --lmgc90 with it, met {}", options.step ? "--fclib" : "--operators");
   if (!options.operators.folder.empty()) return export_operators(options.operators, options.force, context);
   if (options.step && options.output.empty()) fail("--fclib: expected -o FILE.hdf5 (or FILE.dat) with it, met none");
   if (options.step) return export_fclib(options, context);
-  if (!options.lmgc90.empty()) return export_lmgc90(options);
-  return options.vtkhdf.empty() ? export_vtk(options) : export_vtkhdf(options);
+  return export_steps(options.steps, options.trajectory, options.force);
 }
 
 }  // namespace
@@ -278,13 +138,15 @@ Action declare_export(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("CASE", options->operators.one.name,
                    "trajectory of nscdd simulate, .h5 or .hdf5; of --operators what nscdd sweep takes");
-  const Option* vtk = &command.add("--vtk FOLDER", options->folder,
+  const Option* vtk = &command.add("--vtk FOLDER", options->steps.vtk,
                                    "write the kept steps there for ParaView: .vtp files, a .pvd collection");
-  command.add("--vtkhdf FILE", options->vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf").excludes =
-      vtk;
-  command.add("--lmgc90 FOLDER", options->lmgc90, "write the kept steps there as DOF.OUT.k and Vloc_Rloc.OUT.k")
+  command.add("--vtkhdf FILE", options->steps.vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf")
       .excludes = vtk;
-  command.add("--steps A[:B[:K]]", options->steps, "of all these: steps A, A + K, ... up to B that are kept");
+  command
+      .add("--lmgc90 FOLDER", options->steps.lmgc90,
+           "write a folder of LMGC90: the first step as DATBOX, all as OUTBOX/DOF.OUT.k and Vloc_Rloc.OUT.k")
+      .excludes = vtk;
+  command.add("--steps A[:B[:K]]", options->steps.range, "of all these: steps A, A + K, ... up to B that are kept");
   Option* fclib =
       &command.add("--fclib", options->step, "write the contact problem of that step, from 1, as HDF5 of FCLIB");
   fclib->excludes = vtk;
@@ -303,7 +165,7 @@ Examples:
   nscdd simulate shear-1k --steps 5 --subdomains 2x1 --algorithm generic -o run.h5
   nscdd export run.h5 --vtk pictures --steps 0:5
   nscdd export run.h5 --vtkhdf run.vtkhdf
-  nscdd export run.h5 --lmgc90 OUTBOX
+  nscdd export run.h5 --lmgc90 lmgc90
   nscdd export run.h5 --fclib 5 -o problem.hdf5
   nscdd export run.h5 --fclib 5 --subdomain 1 --local -o part.hdf5
   nscdd solve problem.hdf5 --tolerance 1e-6

@@ -23,10 +23,11 @@ struct DatboxContactor {
   DatboxPlace place;
 };
 
-/// Prescribed velocity of a degree of freedom: [constant + amplitude cos(omega t + phase)] min(1, initial + rate t).
+/// Prescribed velocity of a degree of freedom: [constant + amplitude cos(omega t + phase)] min(1, initial + rate t), or
+/// by a table of times and velocities (evolution), linear in between and on beyond its ends.
 struct DatboxDrive {
   double constant = 0, amplitude = 0, omega = 0, phase = 0, initial = 0, rate = 0;
-  bool table = false;  ///< by a file (evolution), which is not read
+  std::vector<std::array<double, 2>> table;  ///< at least two rows, times ascending; empty: by the formula
   DatboxPlace place;
 };
 
@@ -73,6 +74,7 @@ struct Datbox {
 /// The text of each file; empty for one that is not there.
 struct DatboxTexts {
   std::string bodies, bulk, tact, driven, initial;
+  std::function<std::string(const std::string& name)> table{};  ///< the text of a table that DRV_DOF.DAT names
 };
 
 /// Reads the files as LMGC90 does, by columns. `folder` stands before the names of files in errors. Throws Error for

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a DATBOX describes, in the terms of this program.
-#include "core/fail.hpp"
-#include "formats/datbox.hpp"
+#include "formats/datbox_laws.hpp"
 
 #include <filesystem>
 #include <numbers>
@@ -9,11 +8,6 @@
 
 namespace nscdd {
 namespace {
-
-template <class... Arguments>
-[[noreturn]] void refuse(const DatboxPlace& place, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  fail("{}:{}: {}", place.file, place.line, fmt::format(format, std::forward<Arguments>(arguments)...));
-}
 
 // A full disk has the radius of gyration R / sqrt(2). Some files have it to three digits.
 void require_full_disk(const DatboxBody& body) {
@@ -49,38 +43,66 @@ void for_each_disk(const Datbox& datbox, DatboxDisks which, Visit visit) {
       if (!contactor.plank && (which == DatboxDisks::all || !body.driven())) visit(body, contactor, number++);
 }
 
-// [CT + AMP cos(PHI)] min(1, RAMPI + RAMP t) at the time t of the run. A motion is linear between its times.
-struct Ramp {
-  double full = 0, initial = 1, rate = 0;
+// The velocity of a degree of freedom in the time of the run, linear between its points and constant beyond them.
+struct Course {
+  std::vector<std::array<double, 2>> points;  // s, and m/s or rad/s
 
-  double at(double t) const { return full * std::min(1.0, initial + rate * t); }
-  /// When it is at its full height; 0 if it is so from the beginning.
-  double end() const { return rate > 0 && initial < 1 ? (1 - initial) / rate : 0; }
+  double at(double t) const {
+    if (t <= points.front()[0]) return points.front()[1];
+    for (std::size_t k = 1; k < points.size(); ++k)
+      if (t <= points[k][0]) {
+        const auto [from, to] = std::pair(points[k - 1], points[k]);
+        return std::lerp(from[1], to[1], (t - from[0]) / (to[0] - from[0]));
+      }
+    return points.back()[1];
+  }
 };
 
-Ramp ramp_of(const DatboxDrive& drive, double start) {
-  if (drive.table) refuse(drive.place, "expected a formula, met a table (evolution): motions by tables are not read");
+// [CT + AMP cos(PHI)] min(1, RAMPI + RAMP t).
+Course formula_of(const DatboxDrive& drive, double start) {
   if (drive.amplitude != 0 && drive.omega != 0)
     refuse(drive.place, "expected AMP or OMEGA 0, met {} and {}: motions are linear in time here", drive.amplitude,
            drive.omega);
   if (drive.rate < 0) refuse(drive.place, "RAMP: expected 0 or more, met {}", drive.rate);
-  return {drive.constant + drive.amplitude * std::cos(drive.phase), drive.initial + drive.rate * start, drive.rate};
+  const double full = drive.constant + drive.amplitude * std::cos(drive.phase);
+  const double initial = std::min(1.0, drive.initial + drive.rate * start);
+  Course course{{{0, full * initial}}};
+  if (full != 0 && drive.rate > 0 && initial < 1) course.points.push_back({(1 - initial) / drive.rate, full});
+  return course;
+}
+
+// A table goes on in a straight line before its first row and behind its last one, which is far enough here.
+Course table_of(const DatboxDrive& drive, double start) {
+  constexpr double far = 1e6;  // times the span of the table
+  const auto& rows = drive.table;
+  const double span = rows.back()[0] - rows.front()[0];
+  const auto beyond = [](const std::array<double, 2>& a, const std::array<double, 2>& b, double t) {
+    return std::array<double, 2>{t, a[1] + (b[1] - a[1]) * ((t - a[0]) / (b[0] - a[0]))};
+  };
+  Course course{rows};
+  if (rows[0][1] != rows[1][1])
+    course.points.insert(course.points.begin(), beyond(rows[0], rows[1], rows[0][0] - far * span));
+  if (rows.back()[1] != rows[rows.size() - 2][1])
+    course.points.push_back(beyond(rows[rows.size() - 2], rows.back(), rows.back()[0] + far * span));
+  for (auto& point : course.points) point[0] -= start;
+  return course;
 }
 
 Motion motion_of(const DatboxBody& body, double start) {
-  std::array<Ramp, 3> ramps;
-  std::set<double> times{0};
+  std::array<Course, 3> courses;
+  std::set<double> times;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!body.drives[k])
       refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 and 3, met one without {}",
              k + 1);
-    ramps[k] = ramp_of(*body.drives[k], start);
-    if (ramps[k].full != 0) times.insert(ramps[k].end());
+    const DatboxDrive& drive = *body.drives[k];
+    courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
+    for (const auto& point : courses[k].points) times.insert(point[0]);
   }
   Motion motion{.centre = {body.position[0], body.position[1]}, .time = {}, .velocity = {}};
   for (const double t : times) {
     motion.time.push_back(t);
-    motion.velocity.push_back({ramps[0].at(t), ramps[1].at(t), ramps[2].at(t)});
+    motion.velocity.push_back({courses[0].at(t), courses[1].at(t), courses[2].at(t)});
   }
   return motion;
 }
@@ -90,10 +112,15 @@ void set_wall(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) 
   const DatboxContactor& plank = body.contactors[0];
   const std::array<double, 2> along{std::cos(body.position[2]), std::sin(body.position[2])};
   Index above = 0, below = 0;
-  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index) {
-    const double height =
-        along[0] * (other.position[1] - body.position[1]) - along[1] * (other.position[0] - body.position[0]);
+  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
+    const double x = other.position[0] - body.position[0], y = other.position[1] - body.position[1];
+    const double height = along[0] * y - along[1] * x, place = along[0] * x + along[1] * y;
     ++(height > 0 ? above : below);
+    if (std::abs(place) > plank.length)
+      refuse(body.place,
+             "expected a plank JONCx with all free disks between its ends, met disk {} at {} m from its middle, and "
+             "ax1 = {}: walls have no ends here, and would hold what the plank does not",
+             number, std::abs(place), plank.length);
   });
   if (above > 0 && below > 0)
     refuse(body.place,
@@ -134,94 +161,6 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
     if (!body.plank()) grains += count(body.contactors);
   }
   return boundaries;
-}
-
-// Who may touch whom: the colours of free disks, and the contactors and colours of what is driven.
-using Colour = std::pair<std::string, std::string>;  // DISKx or JONCx, and its colour
-struct Colours {
-  std::map<Colour, Index> free;  // with the number of disks
-  std::set<Colour> driven;
-};
-
-Colours colours_of(const Datbox& datbox) {
-  Colours colours;
-  for (const DatboxBody& body : datbox.bodies)
-    for (const DatboxContactor& one : body.contactors) {
-      const Colour colour{one.plank ? "JONCx" : "DISKx", one.colour};
-      if (body.driven())
-        colours.driven.insert(colour);
-      else
-        ++colours.free[colour];
-    }
-  return colours;
-}
-
-const DatboxSight& sight_of(const Datbox& datbox, const Colour& a, const Colour& b) {
-  for (const DatboxSight& sight : datbox.sights) {
-    const Colour candidate{sight.contactors[0], sight.colours[0]}, antagonist{sight.contactors[1], sight.colours[1]};
-    if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return sight;
-  }
-  fail(
-      "{}/TACT_BEHAV.DAT: expected a $seety for {} {} and {} {}, met none: all free disks touch each other and what is "
-      "driven here",
-      datbox.folder, a.first, a.second, b.first, b.second);
-}
-
-const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {
-  const auto found = datbox.laws.find(sight.law);
-  if (found == datbox.laws.end()) refuse(sight.place, "expected a law that is described, met '{}'", sight.law);
-  const DatboxLaw& law = found->second;
-  if (law.kind != "IQS_CLB" && law.kind != "RST_CLB")
-    refuse(law.place, "expected law IQS_CLB or RST_CLB, met {}: others are not modelled", law.kind);
-  if (law.kind == "RST_CLB" && !(law.restitution > 0))
-    refuse(law.place, "rstn: expected a restitution above 0, or law IQS_CLB, met {}", law.restitution);
-  return law;
-}
-
-// All contacts of one kind have one law here, and all contacts one restitution.
-class Laws {
- public:
-  void add(const DatboxSight& sight, const DatboxLaw& law, bool driven) {
-    const DatboxLaw*& same = driven ? driven_ : free_;
-    if (same == nullptr) same = &law;
-    if (same->friction != law.friction)
-      refuse(sight.place, "expected one friction between {}, {} as before, met {}",
-             driven ? "free disks and driven bodies" : "free disks", same->friction, law.friction);
-    const DatboxLaw& any = free_ != nullptr ? *free_ : *driven_;
-    if (any.restitution != law.restitution || any.tangential_restitution != law.tangential_restitution)
-      refuse(sight.place, "expected one restitution for all contacts, {} and {} as before, met {} and {}",
-             any.restitution, any.tangential_restitution, law.restitution, law.tangential_restitution);
-    alert_ = std::max(alert_, sight.alert);
-  }
-  Interaction interaction() const {
-    const DatboxLaw none, &free = free_ != nullptr ? *free_ : driven_ != nullptr ? *driven_ : none;
-    Interaction result;
-    result.friction = free.friction;
-    if (driven_ != nullptr && driven_->friction != free.friction) result.boundary_friction = driven_->friction;
-    result.restitution = free.restitution;
-    result.tangential_restitution = free.tangential_restitution;
-    return result;
-  }
-  double alert() const { return alert_; }
-
- private:
-  const DatboxLaw *free_ = nullptr, *driven_ = nullptr;
-  double alert_ = 0;
-};
-
-Laws laws_of(const Datbox& datbox) {
-  const Colours colours = colours_of(datbox);
-  Laws laws;
-  const auto add = [&](const Colour& a, const Colour& b, bool driven) {
-    const DatboxSight& sight = sight_of(datbox, a, b);
-    laws.add(sight, law_of(datbox, sight), driven);
-  };
-  for (auto a = colours.free.begin(); a != colours.free.end(); ++a) {
-    for (auto b = a; b != colours.free.end(); ++b)
-      if (a != b || a->second > 1) add(a->first, b->first, false);
-    for (const Colour& driven : colours.driven) add(a->first, driven, true);
-  }
-  return laws;
 }
 
 double smallest_radius(const Packing& packing) { return *std::ranges::min_element(packing.radius); }
@@ -286,10 +225,10 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   const Packing packing = datbox_packing(datbox, DatboxDisks::all);
   Dynamics dynamics;
   dynamics.boundaries = boundaries_of(datbox);
-  const Laws laws = laws_of(datbox);
-  dynamics.interaction = laws.interaction();
+  const DatboxContactLaw contact = contact_law_of(datbox);
+  dynamics.interaction = contact.interaction;
   dynamics.time.gravity = datbox.gravity;
-  dynamics.time.alert = std::min(10.0, laws.alert() / smallest_radius(packing));
+  dynamics.time.alert = std::min(10.0, contact.alert / smallest_radius(packing));
   if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as IQS_CLB has it
   return dynamics;
 }

@@ -115,7 +115,33 @@ DatboxBody& numbered_body(FixedColumns& lines, std::vector<DatboxBody>& bodies) 
   return bodies[at(number - 1)];
 }
 
-void read_drives(FixedColumns lines, std::vector<DatboxBody>& bodies) {
+// "evolution NAME": a file beside DRV_DOF.DAT, of a time and a velocity in each line, in words.
+void read_table(const FixedColumns& lines, const DatboxTexts& texts, const std::string& folder, DatboxDrive& drive) {
+  const std::string name(lines.text(25, 64));
+  if (name.empty() || std::filesystem::path(name).filename() != name || name == "." || name == "..")
+    lines.refuse("evolution: expected the name of a file beside DRV_DOF.DAT in columns 25 to 64", "'" + name + "'");
+  if (!texts.table) lines.refuse("evolution: expected a file", "'" + name + "', which cannot be read here");
+  const std::string text = texts.table(name);
+  const DatboxPlace file{(std::filesystem::path(folder) / name).string(), 0};
+  FixedColumns rows(text, file.file);
+  constexpr std::size_t whole = 1'000'000;
+  while (rows.next()) {
+    std::array<double, 2> row{};
+    std::string_view rest = rows.text(1, whole);
+    for (double& value : row) {
+      const auto end = std::min(rest.find_first_of(" \t,"), rest.size());
+      value = rows.number_in(rest.substr(0, end), "a time and a velocity");
+      rest.remove_prefix(std::min(rest.find_first_not_of(" \t,", end), rest.size()));
+    }
+    if (!drive.table.empty() && !(row[0] > drive.table.back()[0]))
+      rows.refuse("expected times that ascend", fmt::format("{}", row[0]));
+    drive.table.push_back(row);
+  }
+  if (drive.table.size() < 2) fail("{}: expected at least two rows, met {}", file.file, drive.table.size());
+}
+
+void read_drives(FixedColumns lines, std::vector<DatboxBody>& bodies, const DatboxTexts& texts,
+                 const std::string& folder) {
   while (lines.find("$bdyty")) {
     DatboxBody& body = numbered_body(lines, bodies);
     while (lines.next() && lines.key() != "$$$$$$") {
@@ -130,8 +156,10 @@ void read_drives(FixedColumns lines, std::vector<DatboxBody>& bodies) {
       if (dof < 1 || dof > 3) lines.refuse("expected a degree of freedom 1, 2 or 3", std::to_string(dof));
       DatboxDrive& drive = body.drives[at(dof - 1)].emplace();
       drive.place = lines.place();
-      drive.table = lines.text(15, 23) == "evolution";
-      if (drive.table) continue;
+      if (lines.text(15, 23) == "evolution") {
+        read_table(lines, texts, folder, drive);
+        continue;
+      }
       for (const auto& [value, column, name] : {std::tuple(&DatboxDrive::constant, 15, "CT"),
                                                 {&DatboxDrive::amplitude, 30, "AMP"},
                                                 {&DatboxDrive::omega, 45, "OMEGA"},
@@ -220,7 +248,7 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
   datbox.folder = folder;
   for (FixedColumns bodies = lines(texts.bodies, "BODIES.DAT"); bodies.find("$bdyty");)
     datbox.bodies.push_back(read_body(bodies));
-  read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox.bodies);
+  read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox.bodies, texts, folder);
   read_initial(lines(texts.initial, "DOF.INI"), datbox);
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
   read_tact(lines(texts.tact, "TACT_BEHAV.DAT"), datbox);
@@ -251,7 +279,8 @@ Datbox read_datbox(const std::string& path) {
     return required || std::filesystem::exists(file, ignored) ? read_text(file.string()) : std::string();
   };
   return parse_datbox({text("BODIES.DAT", true), text("BULK_BEHAV.DAT", true), text("TACT_BEHAV.DAT", false),
-                       text("DRV_DOF.DAT", false), text("DOF.INI", false)},
+                       text("DRV_DOF.DAT", false), text("DOF.INI", false),
+                       [&](const std::string& name) { return text(name.c_str(), true); }},
                       folder.string());
 }
 

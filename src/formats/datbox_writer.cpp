@@ -2,43 +2,38 @@
 #include "formats/datbox_writer.hpp"
 
 #include "core/fail.hpp"
+#include "formats/datbox_text.hpp"
 
 #include <numbers>
 
 namespace nscdd {
+
+bool turns(const Motion& motion) {
+  return std::ranges::any_of(motion.velocity, [](const RigidVelocity& v) { return v.spin != 0; });
+}
+
 namespace {
-
-using Named = std::initializer_list<std::pair<const char*, double>>;
-
-// D14.7 of Fortran: 0.1234567D+01, with its sign or a blank before it.
-std::string number(double value) {
-  std::string text = fmt::format("{:.6e}", std::abs(value));  // 1.234567e+00
-  const int exponent = value == 0 ? 0 : std::stoi(text.substr(text.find('e') + 1)) + 1;
-  const std::string digits = text.substr(0, 1) + text.substr(2, 6);
-  return fmt::format("{}0.{}{}{}{:02d}", std::signbit(value) && value != 0 ? '-' : ' ', digits,
-                     std::abs(exponent) < 100 ? "D" : "", exponent < 0 ? '-' : '+', std::abs(exponent));
-}
-
-std::string named(Named values) {
-  std::string text;
-  for (const auto& [name, value] : values) text += fmt::format("  {:5}{}", name, number(value));
-  return text;
-}
 
 constexpr const char* ruler = "!-----------------------------------------------------------------------\n";
 const std::string indent(27, ' ');
 
 std::string head(const char* title, const GranularState& state) {
-  return fmt::format("\n! {}\n\n$steps{:9}{:14}time={}\n\n{}", title, state.step, "", number(state.time), ruler);
+  return fmt::format("\n! {}\n\n$steps{:9}{:14}time={}\n\n{}", title, state.step, "", datbox_number(state.time), ruler);
 }
 
-// The colour of a contactor: G of free grains, B of boundaries.
-constexpr const char *grains = "GRAIN", *boundaries = "BOUND", *grain_bulk = "GRAIN", *law = "CLB__";
+constexpr const char *grains = datbox_grains, *boundaries = datbox_boundaries, *grain_bulk = datbox_grains;
 
 const char* status_name(LocalVector impulse, ContactStatus status) {
   if (status == ContactStatus::open) return "noctc";
   if (status == ContactStatus::stick) return "stick";
   return impulse.t > 0 ? "slifw" : "slibw";  // LMGC90's tangential impulse has the other sign
+}
+
+// How far the point that a wall turns about lies behind it, m.
+double depth_of_centre(const GranularSystem& system, std::size_t wall) {
+  const Wall& one = system.walls[wall];
+  const std::array<double, 2>& centre = system.boundaries[at(one.boundary)].motion.centre;
+  return (one.point[0] - centre[0]) * one.normal[0] + (one.point[1] - centre[1]) * one.normal[1];
 }
 
 }  // namespace
@@ -62,22 +57,32 @@ DatboxWriter::DatboxWriter(const Simulation& first) : first_(first) {
     area += std::numbers::pi * system.radius[i] * system.radius[i];
   }
   wall_of_.assign(system.boundaries.size(), -1);
+  thickness_.assign(system.boundaries.size(), largest);
   for (std::size_t w = 0; w < system.walls.size(); ++w) {
     places_.push_back({body_of_boundary(system.walls[w].boundary), 1});
-    wall_of_[at(system.walls[w].boundary)] = static_cast<Index>(w);
+    const Index boundary = system.walls[w].boundary;
+    wall_of_[at(boundary)] = static_cast<Index>(w);
+    if (turns(system.boundaries[at(boundary)].motion)) thickness_[at(boundary)] = depth_of_centre(system, w);
   }
   density_ = mass / area;
-  thickness_ = largest;
+  margin_ = largest;
   length_ = 2 * (highest - lowest) + largest;  // walls have no ends: a plank reaches beyond all that is there
 }
 
-// A plank lies behind the face that is the wall.
+// A plank lies behind the face that is the wall. The node of a body is the point that it turns about: a plank that
+// turns is so thick that its middle lies there. (The node of several disks must not be 0: LMGC90 would work out another
+// one.)
 std::array<double, 3> DatboxWriter::position(Index boundary, const Pose& pose) const {
   const Index number = wall_of_[at(boundary)];
-  if (number < 0) return {pose.x, pose.y, pose.angle};
-  const Wall wall = moved(first_.system.walls[at(number)], first_.system.boundaries[at(boundary)].motion, pose);
-  return {wall.point[0] - thickness_ * wall.normal[0], wall.point[1] - thickness_ * wall.normal[1],
-          std::atan2(-wall.normal[0], wall.normal[1])};
+  if (number < 0) {
+    constexpr double almost_none = 1e-30;
+    return {pose.x, pose.y, pose.x == 0 && pose.y == 0 && pose.angle == 0 ? almost_none : pose.angle};
+  }
+  const Motion& motion = first_.system.boundaries[at(boundary)].motion;
+  const Wall wall = moved(first_.system.walls[at(number)], motion, pose);
+  const double thickness = thickness_[at(boundary)], angle = std::atan2(-wall.normal[0], wall.normal[1]);
+  if (turns(motion)) return {pose.x, pose.y, angle};
+  return {wall.point[0] - thickness * wall.normal[0], wall.point[1] - thickness * wall.normal[1], angle};
 }
 
 std::string DatboxWriter::bodies() const {
@@ -87,27 +92,30 @@ std::string DatboxWriter::bodies() const {
   const auto begin = [&](Index body, double average, double gyration, const std::array<double, 3>& place) {
     text +=
         fmt::format("$bdyty\n RBDY2{:7}\n$blmty\n PLAIN      1  behav  {}{}\n$nodty\n NO3xx      1{:14}{}\n$tacty\n",
-                    body, grain_bulk, named({{"avrd=", average}, {"gyrd=", gyration}}), "",
-                    named({{"coo1=", place[0]}, {"coo2=", place[1]}, {"coo3=", place[2]}}));
+                    body, grain_bulk, datbox_named({{"avrd=", average}, {"gyrd=", gyration}}), "",
+                    datbox_named({{"coo1=", place[0]}, {"coo2=", place[1]}, {"coo3=", place[2]}}));
   };
   for (std::size_t i = 0; i < state.x.size(); ++i) {
     if (!system.free(static_cast<Index>(i))) continue;
     const double radius = system.radius[i];
     begin(places_[i].body, std::sqrt(system.mass[i] / (density_ * std::numbers::pi)), radius / std::numbers::sqrt2,
           {state.x[i], state.y[i], 0});
-    text += fmt::format(" DISKx      1  color  {}{}\n$$$$$$\n\n", grains, named({{"byrd=", radius}}));
+    text += fmt::format(" DISKx      1  color  {}{}\n$$$$$$\n\n", grains, datbox_named({{"byrd=", radius}}));
   }
   for (Index b = 0; b < count(system.boundaries); ++b) {
     const std::array<double, 3> place = position(b, state.poses[at(b)]);
-    begin(body_of_boundary(b), thickness_, thickness_, place);
+    const double thickness = thickness_[at(b)], c = std::cos(place[2]), sine = std::sin(place[2]);
+    begin(body_of_boundary(b), margin_, margin_, place);
     if (wall_of_[at(b)] >= 0)
-      text +=
-          fmt::format(" JONCx      1  color  {}{}\n", boundaries, named({{"ax1 =", length_}, {"ax2 =", thickness_}}));
-    for (std::size_t i = 0; i < state.x.size(); ++i)
-      if (system.driven_by[i] == b)
-        text += fmt::format(" DISKb  {:5}  color  {}{}\n{}{}\n", places_[i].contactor, boundaries,
-                            named({{"byrd=", system.radius[i]}}), indent,
-                            named({{"coo1=", state.x[i] - place[0]}, {"coo2=", state.y[i] - place[1]}}));
+      text += fmt::format(" JONCx      1  color  {}{}\n", boundaries,
+                          datbox_named({{"ax1 =", length_}, {"ax2 =", thickness}}));
+    for (std::size_t i = 0; i < state.x.size(); ++i) {
+      if (system.driven_by[i] != b) continue;
+      const double x = state.x[i] - place[0], y = state.y[i] - place[1];  // in the axes of the body
+      text += fmt::format(" DISKb  {:5}  color  {}{}\n{}{}\n", places_[i].contactor, boundaries,
+                          datbox_named({{"byrd=", system.radius[i]}}), indent,
+                          datbox_named({{"coo1=", c * x + sine * y}, {"coo2=", c * y - sine * x}}));
+    }
     text += "$$$$$$\n\n";
   }
   return text;
@@ -116,8 +124,8 @@ std::string DatboxWriter::bodies() const {
 std::string DatboxWriter::bulk() const {
   const auto& [x, y] = first_.dynamics.time.gravity;
   return fmt::format("! File BEHAVIOUR\n\n$gravy\n{:17}{}\n\n$behav  lawty\n {}  {:30}{}\n", "",
-                     named({{"grv1=", x}, {"grv2=", y}, {"grv3=", 0}}), grain_bulk, "RIGID",
-                     named({{"Umas=", density_}}));
+                     datbox_named({{"grv1=", x}, {"grv2=", y}, {"grv3=", 0}}), grain_bulk, "RIGID",
+                     datbox_named({{"Umas=", density_}}));
 }
 
 std::string DatboxWriter::dof(const TrajectoryStep& step) const {
@@ -126,8 +134,8 @@ std::string DatboxWriter::dof(const TrajectoryStep& step) const {
   std::string text = head("DOF", state);
   const auto add = [&](Index body, const std::array<double, 3>& x, const std::array<double, 3>& v) {
     text += fmt::format("$bdyty\n RBDY2  {:7}\n$nodty\n NO3xx      1{:14}{}\n{}{}\n$$$$$$\n\n", body, "",
-                        named({{"X(1)=", x[0]}, {"X(2)=", x[1]}, {"X(3)=", x[2]}}), indent,
-                        named({{"V(1)=", v[0]}, {"V(2)=", v[1]}, {"V(3)=", v[2]}}));
+                        datbox_named({{"X(1)=", x[0]}, {"X(2)=", x[1]}, {"X(3)=", x[2]}}), indent,
+                        datbox_named({{"V(1)=", v[0]}, {"V(2)=", v[1]}, {"V(3)=", v[2]}}));
   };
   for (std::size_t i = 0; i < state.x.size(); ++i)
     if (system.free(static_cast<Index>(i)))
@@ -162,17 +170,19 @@ std::string DatboxWriter::contact(const TrajectoryStep& step, const TrajectoryCo
   const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
   const double h = first_.dynamics.time.step;
   const Place &a = places_[at(g.a)], &b = places_[at(g.b)];
+  const bool of_boundary = wall || !system.free(g.a) || !system.free(g.b);
   return fmt::format(
       "$icdan  {}  {:7}\n cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus   iadj\n"
       " RBDY2  {:5}  DISKx  {:5}  {}  RBDY2  {:5}  {}  {:5}  {}  {:5}\n{}{}\n{}{}\n{}{}\n{}{}\n{}{}\n\n",
-      wall ? "DKJCx" : "DKDKx", number, a.body, a.contactor, law, b.body, wall ? "JONCx" : "DISKx", b.contactor,
+      wall ? "DKJCx" : "DKDKx", number, a.body, a.contactor,
+      of_boundary ? datbox_law_of_boundaries : datbox_law_of_grains, b.body, wall ? "JONCx" : "DISKx", b.contactor,
       status_name(c.impulse, c.status), b.body, indent,
-      named({{"rlt/H", -c.impulse.t / h}, {"rln/H", c.impulse.n / h}, {"rls/H", 0}}), indent,
-      named({{"vlt =", -v.t}, {"vln =", v.n}, {"vls =", 0}}), indent, named({{"gapTT", g.gap}}), indent,
-      named({{"n(1)=", -g.normal[0]}, {"n(2)=", -g.normal[1]}, {"n(3)=", 0}}), indent,
-      named({{"coo1=", g.point[0] - distance * g.normal[0]},
-             {"coo2=", g.point[1] - distance * g.normal[1]},
-             {"coo3=", 0}}));
+      datbox_named({{"rlt/H", -c.impulse.t / h}, {"rln/H", c.impulse.n / h}, {"rls/H", 0}}), indent,
+      datbox_named({{"vlt =", -v.t}, {"vln =", v.n}, {"vls =", 0}}), indent, datbox_named({{"gapTT", g.gap}}), indent,
+      datbox_named({{"n(1)=", -g.normal[0]}, {"n(2)=", -g.normal[1]}, {"n(3)=", 0}}), indent,
+      datbox_named({{"coo1=", g.point[0] - distance * g.normal[0]},
+                    {"coo2=", g.point[1] - distance * g.normal[1]},
+                    {"coo3=", 0}}));
 }
 
 std::string DatboxWriter::vloc_rloc(const TrajectoryStep& step) const {

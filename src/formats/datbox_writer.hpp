@@ -3,10 +3,14 @@
 
 #include "formats/trajectory.hpp"
 
-/// Steps of a run as LMGC90 writes them into its folder OUTBOX. Bodies are the free disks (one disk DISKx each), then
-/// the boundaries: disks as one body of disks DISKb, a wall as a plank JONCx. Numbers have seven digits (D14.7).
 namespace nscdd {
 
+/// Whether something driven by the motion turns at any time.
+bool turns(const Motion& motion);
+
+/// Steps of a run as LMGC90 has them: what it writes into its folder OUTBOX, and as DATBOX what it would begin with
+/// from the first of them. Bodies are the free disks (one disk DISKx each), then the boundaries: disks as one body of
+/// disks DISKb, a wall as a plank JONCx. Numbers have seven digits (D14.7).
 class DatboxWriter {
  public:
   /// `first`: the simulation in its first state, which displacements count from.
@@ -21,6 +25,17 @@ class DatboxWriter {
   /// are forces (N), on the candidate. Velocities of the contact are those at the end of the step.
   std::string vloc_rloc(const TrajectoryStep& step) const;
 
+  /// Why the files that follow would be those of another case; empty where they are not: a law that LMGC90 does not
+  /// have by the names read here, disks of a boundary that turns while they do not, a wall that turns about a point
+  /// that is not behind it.
+  std::string without_datbox() const;
+  std::string tact() const;  ///< TACT_BEHAV.DAT: one law between grains, one at boundaries, and who sees whom
+  /// DRV_DOF.DAT: velocities of the boundaries by formula where they are constant, else by a table (evolution).
+  std::string driven() const;
+  /// These tables, by the names of their files. Behind its last row LMGC90 goes on in a straight line, so that the last
+  /// two rows have one velocity.
+  std::vector<std::pair<std::string, std::string>> tables() const;
+
  private:
   /// The body, from 1, and its contactor, from 1, that a disk or wall belongs to.
   struct Place {
@@ -31,10 +46,11 @@ class DatboxWriter {
   std::string contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
 
   Simulation first_;
-  std::vector<Place> places_;          // of the disks, then of the walls
-  std::vector<Index> wall_of_;         // of each boundary, -1 for one of disks
-  double density_ = 1;                 // kg/m^2
-  double length_ = 1, thickness_ = 1;  // m, of planks
+  std::vector<Place> places_;       // of the disks, then of the walls
+  std::vector<Index> wall_of_;      // of each boundary, -1 for one of disks
+  std::vector<double> thickness_;   // m, of each boundary: half of that of its plank
+  double density_ = 1;              // kg/m^2
+  double length_ = 1, margin_ = 1;  // m, of planks
 };
 
 }  // namespace nscdd

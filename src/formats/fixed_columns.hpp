@@ -5,6 +5,7 @@
 #include "formats/datbox.hpp"
 
 #include <charconv>
+#include <optional>
 
 namespace nscdd {
 
@@ -54,18 +55,17 @@ class FixedColumns {
     if (field.empty() && blank) return 0;
     const bool cut =
         !field.empty() && line_.size() >= first + 14 && line_[first + 12] != ' ' && line_[first + 13] != ' ';
-    std::string copy(field);
-    for (char& c : copy)
-      if (c == 'D' || c == 'd') c = 'E';
-    const char* begin = copy.data() + (!copy.empty() && copy[0] == '+' ? 1 : 0);
-    double value = 0;
-    const auto [end, status] = std::from_chars(begin, copy.data() + copy.size(), value);
-    constexpr double largest = 1e100;
-    if (cut || copy.empty() || status != std::errc() || end != copy.data() + copy.size() ||
-        !(std::abs(value) <= largest))
+    const std::optional<double> value = cut ? std::nullopt : fortran_number(field);
+    if (!value)
       refuse(fmt::format("{}: expected a number in columns {} to {}", what, first, first + 13),
              cut ? fmt::format("'{}' and more behind it", field) : fmt::format("'{}'", field));
-    return value;
+    return *value;
+  }
+  /// A word that is a number, wherever it stands.
+  double number_in(std::string_view word, std::string_view what) const {
+    const std::optional<double> value = fortran_number(word);
+    if (!value) refuse(fmt::format("expected {}", what), fmt::format("'{}'", word));
+    return *value;
   }
   Index integer(std::size_t first, std::size_t last, std::string_view what) const {
     const std::string_view field = text(first, last);
@@ -83,6 +83,24 @@ class FixedColumns {
   }
 
  private:
+  // With D or E before the exponent, or nothing where that has three digits. None for a text that is no number, and for
+  // numbers beyond all measure.
+  static std::optional<double> fortran_number(std::string_view field) {
+    std::string copy(field);
+    for (char& c : copy)
+      if (c == 'D' || c == 'd') c = 'E';
+    const auto sign = copy.find_last_of("+-");
+    if (sign != std::string::npos && sign > 0 && copy[sign - 1] >= '.' && copy[sign - 1] <= '9') copy.insert(sign, "E");
+    const char* begin = copy.data() + (!copy.empty() && copy[0] == '+' ? 1 : 0);
+    double value = 0;
+    const auto [end, status] = std::from_chars(begin, copy.data() + copy.size(), value);
+    constexpr double largest = 1e100;
+    if (copy.empty() || end != copy.data() + copy.size()) return std::nullopt;
+    if (status == std::errc::result_out_of_range && copy.find("E-") != std::string::npos) return 0;  // next to nothing
+    if (status != std::errc() || !(std::abs(value) <= largest)) return std::nullopt;
+    return value;
+  }
+
   std::string_view rest_, line_;
   std::string name_;
   Index number_ = 0;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A DATBOX of LMGC90: read as a packing and as a case that moves, equal to the case that it was written from.
+#include "formats/datbox.hpp"
+
 #include "../support/moving_case.hpp"
 #include "formats/trajectory.hpp"
 #include "session.hpp"
@@ -148,11 +150,77 @@ TEST_CASE("export --lmgc90: places, velocities and forces obey Newton's law by t
   answer(session, "simulate box.toml -o run.h5");
   CHECK(contains(answer(session, "export run.h5 --lmgc90 out --steps 10:15"), "out: 6 steps (10:15)"));
   const std::string command = "/usr/bin/python3 '" + (source_folder() / "tests/cli/check_outbox.py").string() + "' '" +
-                              path_of(session, "run.h5") + "' '" + path_of(session, "out") + "' 12";
+                              path_of(session, "run.h5") + "' '" + path_of(session, "out/OUTBOX") + "' 12";
   CHECK(std::system(command.c_str()) == 0);
   check_refused(session, "export run.h5 --lmgc90 out", {"out", "--force"});
   check_refused(session, "export run.h5 --lmgc90 new --vtk pictures", {"--lmgc90"});
   check_refused(session, "export run.h5 --lmgc90 new --vtkhdf new.vtkhdf", {"expected one of", "several"});
+}
+
+TEST_CASE("export --lmgc90: the folder reads back to the case that it was written from") {
+  const Session session;
+  std::string text = box_case();
+  SUBCASE("a wall that is pushed in, and a side of disks that turns") {}
+  SUBCASE("restitution") { text = replaced(text, "friction = 0.3", "friction = 0.3\nrestitution = 0.4"); }
+  session.file("box.toml", text);
+  answer(session, "simulate box.toml -o run.h5");
+  answer(session, "export run.h5 --lmgc90 out");
+  for (const std::string file :
+       {"BODIES.DAT", "BULK_BEHAV.DAT", "TACT_BEHAV.DAT", "DRV_DOF.DAT", "DOF.INI", "Vloc_Rloc.INI"})
+    CHECK(session.has("out/DATBOX/" + file));
+  CHECK(contains(session.read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_"));
+  const std::string restitution = contains(text, "restitution") ? " --set dynamics.penetration_correction=0" : "";
+  answer(session, "simulate out --steps 15 -o back.h5" + restitution);
+  const GranularSystem before = read_trajectory_header(path_of(session, "run.h5")).system,
+                       after = read_trajectory_header(path_of(session, "back.h5")).system;
+  REQUIRE(after.boundaries.size() == before.boundaries.size());
+  REQUIRE(after.walls.size() == before.walls.size());
+  for (const double t : {0.0, 0.01, 0.02, 0.5})
+    for (std::size_t b = 0; b < before.boundaries.size(); ++b) {
+      const RigidVelocity p = before.boundaries[b].motion.at(t), q = after.boundaries[b].motion.at(t);
+      CHECK(p.x == doctest::Approx(q.x).epsilon(1e-6));
+      CHECK(p.y == doctest::Approx(q.y).epsilon(1e-6));
+      CHECK(p.spin == doctest::Approx(q.spin).epsilon(1e-6));
+    }
+  for (const Index step : {1, 5, 15}) {
+    CAPTURE(step);
+    const auto [places, velocities] = difference(session, "run.h5", "back.h5", step);
+    CHECK(places < 5e-6);
+    CHECK(velocities < 1e-3);
+  }
+  // Once more from what was read: the same folder, to the digits of its numbers.
+  answer(session, "export back.h5 --lmgc90 again");
+  CHECK(session.read("again/DATBOX/BODIES.DAT") == session.read("out/DATBOX/BODIES.DAT"));
+  CHECK(session.read("again/DATBOX/TACT_BEHAV.DAT") == session.read("out/DATBOX/TACT_BEHAV.DAT"));
+  // A later step: grains and boundaries where they then are.
+  answer(session, "export run.h5 --lmgc90 later --steps 15");
+  CHECK(contains(session.read("later/DATBOX/DOF.INI"), "$steps       15"));
+  CHECK(read_packing(path_of(session, "later")).size() == 60);
+  const GranularState end = read_trajectory_step(path_of(session, "run.h5"), 15).state;
+  const Packing later = datbox_packing(read_datbox(path_of(session, "later")), DatboxDisks::all);
+  REQUIRE(later.size() == static_cast<Index>(end.x.size()));
+  CHECK(std::ranges::any_of(end.poses, [](const Pose& pose) { return std::abs(pose.angle) > 1e-4; }));
+  for (std::size_t i = 0; i < end.x.size(); ++i) {  // those of the side that has turned, too
+    CHECK(std::abs(later.x[i] - end.x[i]) < 2e-6);
+    CHECK(std::abs(later.y[i] - end.y[i]) < 2e-6);
+  }
+}
+
+TEST_CASE("export --lmgc90: no DATBOX is written of what would be another case, and the user is told") {
+  const Session session;
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    session.file("box.toml", text);
+    answer(session, "simulate box.toml --steps 1 -o run.h5 --force");
+    const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --force"));
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.standard_error, "no DATBOX is written: " + part));
+    CHECK_FALSE(session.has("out/DATBOX/BODIES.DAT"));
+    CHECK(session.has("out/OUTBOX/DOF.OUT.1"));
+  };
+  refused(replaced(box_case(), "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
+          "interaction.law: expected coulomb or frictionless, met cohesive");
+  refused(replaced(box_case(), "[[0, 0, 0, 0], [0.02, -0.05, 0, 0]]", "[[0, 0, 0, 0], [0.02, -0.05, 0, 0.1]]"),
+          "boundary '");
 }
 
 TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {

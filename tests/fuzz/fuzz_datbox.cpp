@@ -13,7 +13,7 @@ namespace {
 using namespace nscdd;
 using fuzzing::require;
 
-// The files one behind the other, parted by the character %.
+// The files one behind the other, parted by the character %; the last one is every table that they name.
 DatboxTexts parted(std::string_view text) {
   DatboxTexts texts;
   for (std::string* file : {&texts.bodies, &texts.bulk, &texts.tact, &texts.driven, &texts.initial}) {
@@ -21,6 +21,7 @@ DatboxTexts parted(std::string_view text) {
     *file = text.substr(0, end);
     text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
   }
+  texts.table = [table = std::string(text)](const std::string&) { return table; };
   return texts;
 }
 

@@ -40,7 +40,7 @@ $blmty
 $nodty
  NO3xx      1                coo1= 0.0000000D+00  coo2=-5.0000000E-01  coo3= 5.2359878E-01
 $tacty
- JONCx      1  color  WALLx  ax1 = 2.0000000E+00  ax2 = 5.0000000E-01
+ JONCx      1  color  WALLx  ax1 = 3.0000000E+00  ax2 = 5.0000000E-01
 $$$$$$
 
 $bdyty
@@ -148,10 +148,10 @@ TEST_CASE("DATBOX: laws, gravity, walls and motions") {
   CHECK(wall.name == "body 2");
   // Above the plank: half a thickness along its normal (-sin 30, cos 30) from (0, -0.5), with the disk on the left.
   const double c = std::sqrt(3.0) / 2, s = 0.5;
-  CHECK(wall.from[0] == doctest::Approx(-0.5 * s - 2 * c).epsilon(1e-6));
-  CHECK(wall.from[1] == doctest::Approx(-0.5 + 0.5 * c - 2 * s).epsilon(1e-6));
-  CHECK(wall.to[0] == doctest::Approx(-0.5 * s + 2 * c).epsilon(1e-6));
-  CHECK(wall.to[1] == doctest::Approx(-0.5 + 0.5 * c + 2 * s).epsilon(1e-6));
+  CHECK(wall.from[0] == doctest::Approx(-0.5 * s - 3 * c).epsilon(1e-6));
+  CHECK(wall.from[1] == doctest::Approx(-0.5 + 0.5 * c - 3 * s).epsilon(1e-6));
+  CHECK(wall.to[0] == doctest::Approx(-0.5 * s + 3 * c).epsilon(1e-6));
+  CHECK(wall.to[1] == doctest::Approx(-0.5 + 0.5 * c + 3 * s).epsilon(1e-6));
   // 3 m/s times min(1, 1/4 + t/2), from t = 0.5 s on: full after 1 s.
   CHECK(wall.motion.time == std::vector<double>{0, 1});
   CHECK(wall.motion.velocity[0].y == 1.5);
@@ -165,13 +165,69 @@ TEST_CASE("DATBOX: laws, gravity, walls and motions") {
   CHECK(pair.motion.velocity[0].spin == -0.075);
 }
 
+TEST_CASE("DATBOX: a velocity by a table is linear between its rows, and on beyond them as LMGC90 has it") {
+  DatboxTexts texts = small();
+  const std::string formula =
+      " vlocy      2  0.3000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.2500000D+00"
+      "  0.5000000D+00";
+  texts.driven = replaced(texts.driven, formula, " vlocy      2 evolution lift.dat");
+  const auto with_table = [&](const std::string& table) {
+    DatboxTexts with = texts;
+    with.table = [table](const std::string& name) {
+      CHECK(name == "lift.dat");
+      return table;
+    };
+    return datbox_dynamics(read(with)).boundaries[0].motion;
+  };
+  // DOF.INI begins at 0.5 s, which is 0 here.
+  const Motion motion = with_table("! rise, rest\n0 0\r\n 1.5d0\t3\n\n2.0 3.0D+000 remark\n");
+  CHECK(motion.at(0).y == doctest::Approx(1));
+  CHECK(motion.at(0.5).y == doctest::Approx(2));
+  CHECK(motion.at(1).y == 3);
+  CHECK(motion.at(100).y == 3);
+  CHECK(motion.at(0).x == 0);
+  const Motion on = with_table("1 2\n2 4\n");
+  CHECK(on.at(0).y == doctest::Approx(1));
+  CHECK(on.at(9.5).y == doctest::Approx(20));
+  for (const auto& [table, words] : {std::pair("", "expected at least two rows, met 0"),
+                                     {"1 2\n", "expected at least two rows, met 1"},
+                                     {"1 2\n1 3\n", "lift.dat:2: expected times that ascend, met 1"},
+                                     {"1 2\n2\n", "lift.dat:2: expected a time and a velocity, met ''"},
+                                     {"1 2\n2 up\n", "lift.dat:2: expected a time and a velocity, met 'up'"}})
+    CHECK_THROWS_WITH_AS(with_table(table), doctest::Contains(words), Error);
+  for (const std::string name : {"../secret", "/etc/passwd", "..", ""}) {
+    DatboxTexts other = small();
+    other.driven = replaced(other.driven, formula, " vlocy      2 evolution " + name);
+    other.table = [](const std::string&) { return std::string("0 0\n1 1\n"); };
+    CHECK_THROWS_WITH_AS(read(other), doctest::Contains("expected the name of a file beside DRV_DOF.DAT"), Error);
+  }
+}
+
+TEST_CASE("DATBOX: an exponent of three digits stands without its letter, as Fortran writes it") {
+  DatboxTexts texts = small();
+  texts.initial = replaced(texts.initial, "V(1)= 0.7000000D+01", "V(1)= 0.7000000-120");
+  CHECK(read(texts).bodies[0].velocity[0] == doctest::Approx(7e-121).epsilon(1e-7));
+  texts.initial = replaced(texts.initial, "V(1)= 0.7000000-120", "V(1)= 0.7000000-999");
+  CHECK(read(texts).bodies[0].velocity[0] == 0);
+  texts.initial = replaced(texts.initial, "V(1)= 0.7000000-999", "V(1)= 0.7000000+200");
+  CHECK_THROWS_WITH_AS(read(texts), doctest::Contains("V(1): expected a number"), Error);
+}
+
+TEST_CASE("DATBOX: a disk beyond the ends of a plank would be held by what is not there") {
+  DatboxTexts texts = small();
+  texts.bodies = replaced(texts.bodies, "ax1 = 3.0000000E+00", "ax1 = 2.0000000E+00");
+  CHECK_THROWS_WITH_AS(datbox_dynamics(read(texts)), doctest::Contains("BODIES.DAT:14: expected a plank JONCx with"),
+                       Error);
+  CHECK(datbox_packing(read(texts), DatboxDisks::free).size() == 1);  // the linear study has no walls
+}
+
 TEST_CASE("DATBOX: a plank above the disks is a wall from above") {
   DatboxTexts texts = small();
   texts.bodies =
       replaced(texts.bodies, "coo2=-5.0000000E-01  coo3= 5.2359878E-01", "coo2= 5.0000000E+00  coo3= 0.0000000E+00");
   const Dynamics dynamics = datbox_dynamics(read(texts));
-  CHECK(dynamics.boundaries[0].from == std::array<double, 2>{2, 4.5});
-  CHECK(dynamics.boundaries[0].to == std::array<double, 2>{-2, 4.5});
+  CHECK(dynamics.boundaries[0].from == std::array<double, 2>{3, 4.5});
+  CHECK(dynamics.boundaries[0].to == std::array<double, 2>{-3, 4.5});
 }
 
 TEST_CASE("DATBOX: contacts are found in spite of seven digits") {
@@ -231,7 +287,7 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(with(driven, "vlocy      2", "force      2"), "box/DRV_DOF.DAT:7: expected velocities");
   refused(with(driven, "vlocy      2", "vlocy      4"), "DRV_DOF.DAT:7: expected a degree of freedom 1, 2 or 3");
   refused(with(driven, " vlocy      2  0.3000000D+01", " vlocy      2 evolution n.dat"),
-          "DRV_DOF.DAT:7: expected a formula");
+          "DRV_DOF.DAT:7: evolution: expected the name of a file beside DRV_DOF.DAT");
   refused(with(driven, "0.2000000D+01  0.0000000D+00", "0.2000000D+01  0.1000000D+01"), "DRV_DOF.DAT:15: expected AMP");
   refused(with(driven, "0.2500000D+00  0.5000000D+00", "0.2500000D+00 -0.5000000D+00"), "DRV_DOF.DAT:7: RAMP");
   refused(with(driven, " vlocy      3 -0.75", "!vlocy      3 -0.75"), "BODIES.DAT:24: expected a body that is free");

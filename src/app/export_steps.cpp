@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "app/export_steps.hpp"
+
+#include "files/output_file.hpp"
+#include "files/output_folder.hpp"
+#include "formats/datbox_writer.hpp"
+#include "formats/export.hpp"
+#include "formats/vtkhdf.hpp"
+#include "study/values.hpp"
+
+namespace nscdd::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Steps first, first + stride, ... up to last; last -1: without end.
+struct StepRange {
+  Index first = 0, last = -1, stride = 1;
+  bool holds(Index step) const { return step >= first && (last < 0 || step <= last) && (step - first) % stride == 0; }
+};
+
+StepRange parse_step_range(const std::string& text) {
+  if (text.empty()) return {};
+  std::vector<Index> numbers;
+  for (const std::string_view number : split(text, ':')) numbers.push_back(parse_integer(number, "--steps"));
+  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
+  if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
+    fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
+  return range;
+}
+
+// The kept steps that are asked for.
+struct Chosen {
+  std::string trajectory;
+  TrajectoryHeader header;
+  std::vector<Index> steps;
+  bool force = false;
+
+  std::string summary(Index done) const {
+    return fmt::format("{} steps ({}), {} disks", done, step_ranges_text(steps), header.system.disks());
+  }
+};
+
+Chosen chosen(const std::string& trajectory, const StepRange& range, bool force) {
+  Chosen all{trajectory, read_trajectory_header(trajectory), {}, force};
+  const std::vector<Index> kept = trajectory_steps(trajectory);
+  std::ranges::copy_if(kept, std::back_inserter(all.steps), [&](Index step) { return range.holds(step); });
+  if (all.steps.empty())
+    fail("--steps: expected a range with some of the steps that {} keeps ({}), met none", trajectory,
+         step_ranges_text(kept));
+  return all;
+}
+
+// Hands over the steps one by one, until there are no more or the user interrupts. Returns how many it handed over.
+Index hand_over(const Chosen& chosen, const std::function<void(Index, const TrajectoryStep&)>& take) {
+  Interruption interruption;
+  const Monitor monitor = interruption.watch("export " + fs::path(chosen.trajectory).filename().string(), 0, "step");
+  Index done = 0;
+  for (const Index step : chosen.steps) {
+    take(step, read_trajectory_step(chosen.trajectory, step));
+    if (!report(monitor, ++done, count(chosen.steps))) break;
+  }
+  return done;
+}
+
+// Pictures of the steps, and a collection that lists those that are there.
+int export_vtk(const Chosen& chosen, const fs::path& folder) {
+  make_folder(folder.string(), chosen.force);
+  std::vector<VtkFile> files;
+  const Index done = hand_over(chosen, [&](Index step, const TrajectoryStep& shown) {
+    files.push_back({shown.state.time, fmt::format("step-{:06}.vtp", step)});
+    write_file((folder / files.back().path).string(), vtp_text(chosen.header.system, shown), chosen.force);
+  });
+  const std::string collection = (folder / (fs::path(chosen.trajectory).stem().string() + ".pvd")).string();
+  write_file(collection, pvd_text(files), chosen.force);
+  if (done < count(chosen.steps)) {
+    note("{}: interrupted after {} of {} steps, which {} lists", folder.string(), done, chosen.steps.size(),
+         collection);
+    return interrupted_exit_code;
+  }
+  fmt::print("{}: {}\n", collection, chosen.summary(done));
+  return 0;
+}
+
+// The same pictures in one file, which is there once all of them are in it.
+int export_vtkhdf(const Chosen& chosen, const std::string& path) {
+  VtkhdfFile file(path, chosen.force);
+  const Index done = hand_over(
+      chosen, [&](Index, const TrajectoryStep& shown) { file.append(picture_of(chosen.header.system, shown)); });
+  if (done < count(chosen.steps)) {
+    note("{}: interrupted; nothing was written", path);
+    return interrupted_exit_code;
+  }
+  file.finish();
+  fmt::print("{}: {}\n", path, chosen.summary(done));
+  return 0;
+}
+
+using Write = std::function<void(const std::string& name, const std::string& text)>;
+
+// What LMGC90 begins with, and this program too: the first of the steps.
+void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const Write& write) {
+  write("BODIES.DAT", writer.bodies());
+  write("BULK_BEHAV.DAT", writer.bulk());
+  write("TACT_BEHAV.DAT", writer.tact());
+  write("DRV_DOF.DAT", writer.driven());
+  for (const auto& [name, text] : writer.tables()) write(name, text);
+  write("DOF.INI", writer.dof(first));
+  write("Vloc_Rloc.INI", writer.vloc_rloc(first));
+}
+
+int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
+  const TrajectoryStep first = read_trajectory_step(chosen.trajectory, chosen.steps.front());
+  const DatboxWriter writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
+  make_folder(folder.string(), chosen.force);
+  const auto into = [&](const char* name) -> Write {
+    make_folder((folder / name).string(), chosen.force);
+    return [path = folder / name, force = chosen.force](const std::string& file, const std::string& text) {
+      write_file((path / file).string(), text, force);
+    };
+  };
+  const std::string reason = writer.without_datbox();
+  if (reason.empty())
+    write_datbox(writer, first, into("DATBOX"));
+  else
+    note("{}: no DATBOX is written: {}", folder.string(), reason);
+  const Write write = into("OUTBOX");
+  write("BODIES.OUT", writer.bodies());
+  write("BULK_BEHAV.OUT", writer.bulk());
+  const Index done = hand_over(chosen, [&](Index step, const TrajectoryStep& shown) {
+    write(fmt::format("DOF.OUT.{}", step), writer.dof(shown));
+    write(fmt::format("Vloc_Rloc.OUT.{}", step), writer.vloc_rloc(shown));
+  });
+  if (done < count(chosen.steps)) {
+    note("{}: interrupted after {} of {} steps", folder.string(), done, chosen.steps.size());
+    return interrupted_exit_code;
+  }
+  fmt::print("{}: {}\n", folder.string(), chosen.summary(done));
+  return 0;
+}
+
+}  // namespace
+
+std::string step_ranges_text(const std::vector<Index>& steps) {
+  std::string text;
+  for (std::size_t i = 0; i < steps.size();) {
+    // A range reaches as far as neighbours are equally far apart. Two steps are not a range yet.
+    std::size_t last = i;
+    while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
+    if (last < i + 2) last = i;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", steps[i]);
+    if (last > i) text += fmt::format(":{}", steps[last]);
+    if (last > i && steps[i + 1] - steps[i] > 1) text += fmt::format(":{}", steps[i + 1] - steps[i]);
+    i = last + 1;
+  }
+  return text;
+}
+
+int export_steps(const StepsOptions& options, const std::string& trajectory, bool force) {
+  if (!options.vtkhdf.empty()) {
+    require_no_input({options.vtkhdf}, {trajectory});
+    require_vtkhdf_name(options.vtkhdf);
+  }
+  const Chosen steps = chosen(trajectory, parse_step_range(options.range), force);
+  if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);
+  return options.vtkhdf.empty() ? export_vtk(steps, options.vtk) : export_vtkhdf(steps, options.vtkhdf);
+}
+
+}  // namespace nscdd::app

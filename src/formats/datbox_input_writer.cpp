@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a DATBOX has beside bodies and their state: laws and motions.
+#include "core/fail.hpp"
+#include "formats/datbox_text.hpp"
+#include "formats/datbox_writer.hpp"
+
+namespace nscdd {
+namespace {
+
+// The velocity of one degree of freedom at the times of a motion.
+std::vector<double> component(const Motion& motion, std::size_t dof) {
+  std::vector<double> values;
+  for (const RigidVelocity& v : motion.velocity) values.push_back(dof == 0 ? v.x : dof == 1 ? v.y : v.spin);
+  if (values.empty()) values.push_back(0);
+  return values;
+}
+
+bool is_constant(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
+}
+
+std::string table_name(Index body, std::size_t dof) { return fmt::format("velocity_{}_{}.dat", body, dof + 1); }
+
+std::string law_text(const char* name, const Interaction& interaction, double friction) {
+  if (interaction.restitution > 0)
+    return fmt::format(
+        "$behav  lawty\n {}  {:30}{}\n{:38}{}\n\n", name, "RST_CLB",
+        datbox_named({{"rstn=", interaction.restitution}, {"rstt=", interaction.tangential_restitution}}), "",
+        datbox_named({{"fric=", friction}}));
+  return fmt::format("$behav  lawty\n {}  {:30}{}\n\n", name, "IQS_CLB", datbox_named({{"fric=", friction}}));
+}
+
+}  // namespace
+
+std::string datbox_number(double value) {
+  std::string text = fmt::format("{:.6e}", std::abs(value));  // 1.234567e+00
+  const int exponent = value == 0 ? 0 : std::stoi(text.substr(text.find('e') + 1)) + 1;
+  const std::string digits = text.substr(0, 1) + text.substr(2, 6);
+  return fmt::format("{}0.{}{}{}{:02d}", std::signbit(value) && value != 0 ? '-' : ' ', digits,
+                     std::abs(exponent) < 100 ? "D" : "", exponent < 0 ? '-' : '+', std::abs(exponent));
+}
+
+std::string datbox_named(std::initializer_list<std::pair<const char*, double>> values) {
+  std::string text;
+  for (const auto& [name, value] : values) text += fmt::format("  {:5}{}", name, datbox_number(value));
+  return text;
+}
+
+std::string DatboxWriter::without_datbox() const {
+  const Interaction& interaction = first_.dynamics.interaction;
+  if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
+    return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
+  if (interaction.restitution == 0 && interaction.tangential_restitution != 0)
+    return "interaction.tangential_restitution: expected 0 without normal restitution, as IQS_CLB has it";
+  for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b) {
+    const Boundary& boundary = first_.system.boundaries[b];
+    if (!turns(boundary.motion)) continue;
+    if (wall_of_[b] >= 0 && !(thickness_[b] > 0))
+      return fmt::format("boundary '{}': expected a wall that turns about a point behind it, as a plank does",
+                         boundary.name);
+    if (wall_of_[b] < 0 && boundary.orientation == Orientation::fixed)
+      return fmt::format("boundary '{}': expected disks that turn with their boundary, as a rigid body does",
+                         boundary.name);
+  }
+  return {};
+}
+
+std::string DatboxWriter::tact() const {
+  const Interaction& interaction = first_.dynamics.interaction;
+  const bool frictionless = to_string(interaction.law) == Frictionless::name;
+  const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
+  std::string text = "! File TACT_BEHAV\n\n";
+  text += law_text(datbox_law_of_grains, interaction, frictionless ? 0 : interaction.friction);
+  text += law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
+  for (const auto& [law, contactor, colour] : {std::tuple(datbox_law_of_grains, "DISKx", datbox_grains),
+                                               std::tuple(datbox_law_of_boundaries, "DISKx", datbox_boundaries),
+                                               std::tuple(datbox_law_of_boundaries, "JONCx", datbox_boundaries)})
+    text += fmt::format(
+        "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n RBDY2  DISKx  {}  {}  RBDY2  {}  {}"
+        "      {}\n\n",
+        datbox_grains, law, contactor, colour, datbox_number(alert));
+  return text;
+}
+
+std::string DatboxWriter::driven() const {
+  std::string text = "! File DRV_DOF\n\n";
+  for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b) {
+    const Index body = body_of_boundary(static_cast<Index>(b));
+    text += fmt::format(
+        "$bdyty\n RBDY2  {:7}\n$nodty\n NO3xx      1\n"
+        "$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]\n",
+        body);
+    for (std::size_t dof = 0; dof < 3; ++dof) {
+      const std::vector<double> values = component(first_.system.boundaries[b].motion, dof);
+      text += fmt::format(" vlocy  {:5}", dof + 1);
+      if (is_constant(values))
+        for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
+      else
+        text += " evolution " + table_name(body, dof);
+      text += "\n";
+    }
+    text += "$$$$$$\n\n";
+  }
+  return text;
+}
+
+std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b)
+    for (std::size_t dof = 0; dof < 3; ++dof) {
+      const Motion& motion = first_.system.boundaries[b].motion;
+      const std::vector<double> values = component(motion, dof);
+      if (is_constant(values)) continue;
+      std::string text;
+      const auto add = [&](double time, double value) { text += fmt::format("{:.17g} {:.17g}\n", time, value); };
+      const double reach = 1 + motion.time.back() - motion.time.front();  // s, of the constant ends
+      add(motion.time.front() - reach, values.front());
+      for (std::size_t k = 0; k < values.size(); ++k) add(motion.time[k], values[k]);
+      add(motion.time.back() + reach, values.back());
+      all.emplace_back(table_name(body_of_boundary(static_cast<Index>(b)), dof), text);
+    }
+  return all;
+}
+
+}  // namespace nscdd
