@@ -34,9 +34,8 @@ void print_report(const OperatorsOptions& options, const Model& model, const Ope
 }  // namespace
 
 Option& declare_operators(Command& command, OperatorsOptions& options) {
-  Option& operators =
-      command.add("--operators FOLDER", options.folder,
-                  "write M, H, W, those of the subdomains, S, P and B there, as Matrix Market and HDF5");
+  Option& operators = command.add("--operators FOLDER", options.folder,
+                                  "write M, H, W, S, P, B and more there, as Matrix Market and HDF5");
   const std::size_t first = command.options.size();
   options.one.declare_options(command);
   Option& sparse = command.add("--sparse-only", options.sparse_only, "leave the dense S, P and B out");

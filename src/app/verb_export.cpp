@@ -143,8 +143,7 @@ Action declare_export(Command& command) {
   command.add("--vtkhdf FILE", options->steps.vtkhdf, "write the kept steps for ParaView into one file, .vtkhdf")
       .excludes = vtk;
   command
-      .add("--lmgc90 FOLDER", options->steps.lmgc90,
-           "write a folder of LMGC90: the first step as DATBOX, all as OUTBOX/DOF.OUT.k and Vloc_Rloc.OUT.k")
+      .add("--lmgc90 FOLDER", options->steps.lmgc90, "write folders of LMGC90: DATBOX of the first step, OUTBOX of all")
       .excludes = vtk;
   command.add("--steps A[:B[:K]]", options->steps.range, "of all these: steps A, A + K, ... up to B that are kept");
   Option* fclib =

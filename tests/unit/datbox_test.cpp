@@ -287,7 +287,7 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(with(driven, "vlocy      2", "force      2"), "box/DRV_DOF.DAT:7: expected velocities");
   refused(with(driven, "vlocy      2", "vlocy      4"), "DRV_DOF.DAT:7: expected a degree of freedom 1, 2 or 3");
   refused(with(driven, " vlocy      2  0.3000000D+01", " vlocy      2 evolution n.dat"),
-          "DRV_DOF.DAT:7: evolution: expected the name of a file beside DRV_DOF.DAT");
+          "DRV_DOF.DAT:7: evolution: expected a file, met 'n.dat");
   refused(with(driven, "0.2000000D+01  0.0000000D+00", "0.2000000D+01  0.1000000D+01"), "DRV_DOF.DAT:15: expected AMP");
   refused(with(driven, "0.2500000D+00  0.5000000D+00", "0.2500000D+00 -0.5000000D+00"), "DRV_DOF.DAT:7: RAMP");
   refused(with(driven, " vlocy      3 -0.75", "!vlocy      3 -0.75"), "BODIES.DAT:24: expected a body that is free");
