@@ -1,33 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/export_steps.hpp"
 
+#include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "files/output_folder.hpp"
 #include "formats/datbox_writer.hpp"
 #include "formats/export.hpp"
 #include "formats/vtkhdf.hpp"
-#include "study/values.hpp"
 
 namespace nscdd::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Steps first, first + stride, ... up to last; last -1: without end.
-struct StepRange {
-  Index first = 0, last = -1, stride = 1;
-  bool holds(Index step) const { return step >= first && (last < 0 || step <= last) && (step - first) % stride == 0; }
-};
-
-StepRange parse_step_range(const std::string& text) {
-  if (text.empty()) return {};
-  std::vector<Index> numbers;
-  for (const std::string_view number : split(text, ':')) numbers.push_back(parse_integer(number, "--steps"));
-  const StepRange range{numbers[0], numbers.size() > 1 ? numbers[1] : numbers[0], numbers.size() > 2 ? numbers[2] : 1};
-  if (numbers.size() > 3 || range.first < 0 || range.last < range.first || range.stride < 1)
-    fail("--steps: expected A, A:B or A:B:K with 0 <= A <= B and K >= 1, met '{}'", text);
-  return range;
-}
 
 // The kept steps that are asked for.
 struct Chosen {
@@ -42,13 +26,7 @@ struct Chosen {
 };
 
 Chosen chosen(const std::string& trajectory, const StepRange& range, bool force) {
-  Chosen all{trajectory, read_trajectory_header(trajectory), {}, force};
-  const std::vector<Index> kept = trajectory_steps(trajectory);
-  std::ranges::copy_if(kept, std::back_inserter(all.steps), [&](Index step) { return range.holds(step); });
-  if (all.steps.empty())
-    fail("--steps: expected a range with some of the steps that {} keeps ({}), met none", trajectory,
-         step_ranges_text(kept));
-  return all;
+  return {trajectory, read_trajectory_header(trajectory), chosen_steps(trajectory, range), force};
 }
 
 // Hands over the steps one by one, until there are no more or the user interrupts. Returns how many it handed over.
@@ -140,21 +118,6 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
 }
 
 }  // namespace
-
-std::string step_ranges_text(const std::vector<Index>& steps) {
-  std::string text;
-  for (std::size_t i = 0; i < steps.size();) {
-    // A range reaches as far as neighbours are equally far apart. Two steps are not a range yet.
-    std::size_t last = i;
-    while (last + 1 < steps.size() && steps[last + 1] - steps[last] == steps[i + 1] - steps[i]) ++last;
-    if (last < i + 2) last = i;
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", steps[i]);
-    if (last > i) text += fmt::format(":{}", steps[last]);
-    if (last > i && steps[i + 1] - steps[i] > 1) text += fmt::format(":{}", steps[i + 1] - steps[i]);
-    i = last + 1;
-  }
-  return text;
-}
 
 int export_steps(const StepsOptions& options, const std::string& trajectory, bool force) {
   if (!options.vtkhdf.empty()) {

@@ -11,9 +11,6 @@ struct StepsOptions {
   std::string range;  ///< "A", "A:B" or "A:B:K"; all steps where it is empty
 };
 
-/// Ascending numbers as ranges: "0:100:10, 105".
-std::string step_ranges_text(const std::vector<Index>& steps);
-
 int export_steps(const StepsOptions& options, const std::string& trajectory, bool force);
 
 }  // namespace nscdd::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/export_operators.hpp"
 #include "app/export_steps.hpp"
+#include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "formats/export.hpp"
 #include "formats/siconos_dat.hpp"
