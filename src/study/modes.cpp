@@ -13,30 +13,11 @@ namespace {
 // Components that differ by less, relatively, count as equal: rounding must not choose the sign of a mode.
 constexpr double tie = 1e-6;
 
-// At the best eta both ends are equal and opposite. Rounding must not choose between them, as in a sweep.
-SpectrumSide resolve(SpectrumSide side, const SpectralRadius& spectrum) {
-  if (side != SpectrumSide::slowest) return side;
-  const bool low = std::abs(spectrum.subdominant_min) > std::abs(spectrum.subdominant_max) * (1 + 1e-9);
-  return low ? SpectrumSide::low : SpectrumSide::high;
-}
-
-// V_E = - (M_E + K_E / epsilon)^-1 A_E^T F
-std::vector<Vector> stage_one_velocities(const Decomposition& parts, double epsilon, const Vector& f) {
-  std::vector<Vector> velocities(parts.subdomains.size());
-  for_each_in_parallel(count(velocities), [&](Index e) {
-    const Subdomain& subdomain = parts.subdomains[at(e)];
-    if (subdomain.inertia.size() == 0) return;
-    const EnrichedInertiaFamily family(subdomain, InterfaceFamily::default_dense_limit);
-    velocities[at(e)] = EnrichedInertia(family, epsilon).solve(-parts.interface.distribute(e, f));
-  });
-  return velocities;
-}
-
 // Everything that follows from F.
 void derive(Mode& mode, const Contraction& b) {
   const Vector pf = b.preconditioner.apply(mode.impulses);
   const Decomposition& parts = b.system.parts();
-  mode.velocities = stage_one_velocities(parts, b.system.eta(), mode.impulses);
+  mode.velocities = StageOneAnswers(parts).velocities(b.system.eta(), mode.impulses);
   mode.jumps = parts.interface.exchange(mode.velocities);
   const Vector r = mode.jumps + (1.0 - mode.eigenvalue) / b.relaxation * pf;  // - S F + lambda P F
   mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
@@ -54,12 +35,44 @@ Velocity velocity_of(const Mode& mode, const GrainCopy& copy) {
 
 }  // namespace
 
-Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
+// At the best eta both ends are equal and opposite. Rounding must not choose between them, as in a sweep.
+SpectrumSide slowest_side(const SpectralRadius& spectrum) {
+  const bool low = std::abs(spectrum.subdominant_min) > std::abs(spectrum.subdominant_max) * (1 + 1e-9);
+  return low ? SpectrumSide::low : SpectrumSide::high;
+}
+
+double mode_sign(const Vector& f) {
   const double threshold = (1 - tie) * f.cwiseAbs().maxCoeff();
   Index leading = 0;
   while (std::abs(f[leading]) < threshold) ++leading;
-  const double norm = std::sqrt(f.dot(preconditioner.apply(f)));
-  return f * (std::copysign(1.0, f[leading]) / norm);
+  return std::copysign(1.0, f[leading]);
+}
+
+Vector normalised(const Vector& f, const InterfaceOperator& preconditioner) {
+  return f * (mode_sign(f) / std::sqrt(f.dot(preconditioner.apply(f))));
+}
+
+struct StageOneAnswers::Prepared {
+  EnrichedInertiaFamily family;
+  std::optional<EnrichedInertia> inertia = {};  // for `epsilon`
+  double epsilon = not_a_number;
+};
+
+StageOneAnswers::StageOneAnswers(const Decomposition& parts) : parts_(parts), prepared_(parts.subdomains.size()) {}
+StageOneAnswers::~StageOneAnswers() = default;
+
+std::vector<Vector> StageOneAnswers::velocities(double epsilon, const Vector& f) {
+  std::vector<Vector> velocities(parts_.subdomains.size());
+  for_each_in_parallel(count(velocities), [&](Index e) {
+    const Subdomain& subdomain = parts_.subdomains[at(e)];
+    if (subdomain.inertia.size() == 0) return;
+    auto& prepared = prepared_[at(e)];
+    if (!prepared) prepared.reset(new Prepared{EnrichedInertiaFamily(subdomain, InterfaceFamily::default_dense_limit)});
+    if (prepared->epsilon != epsilon) prepared->inertia.emplace(prepared->family, epsilon);
+    prepared->epsilon = epsilon;
+    velocities[at(e)] = prepared->inertia->solve(-parts_.interface.distribute(e, f));
+  });
+  return velocities;
 }
 
 Mode mode_of(const Contraction& b, const ModeOptions& asked, bool certain) {
@@ -69,7 +82,7 @@ Mode mode_of(const Contraction& b, const ModeOptions& asked, bool certain) {
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
   mode.spectrum = spectral_radius(b, options);
-  mode.side = resolve(asked.side, mode.spectrum);
+  mode.side = asked.side == SpectrumSide::slowest ? slowest_side(mode.spectrum) : asked.side;
   const bool low = mode.side == SpectrumSide::low;
   const Vector& found = low ? mode.spectrum.mode_min : mode.spectrum.mode_max;
   const std::vector<double>& values = low ? mode.spectrum.low : mode.spectrum.high;

@@ -64,6 +64,29 @@ Mode mode_of(const Contraction& b, const ModeOptions& options, bool certain = tr
 /// Throws Error if the contacts cannot be chosen (see choose_contacts).
 Mode interface_mode(const Model& model, const ModeParameters& parameters);
 
+/// The end of larger modulus, unit eigenvalues apart: `low` or `high`.
+SpectrumSide slowest_side(const SpectralRadius& spectrum);
+
+/// 1 or -1, which times F is positive in its largest component, as in Mode. F must not be zero.
+double mode_sign(const Vector& f);
+
+/// The velocities that Stage 1 answers interface impulses with, V_E = - (M_E + K_E / epsilon)^-1 A_E^T F, of many F:
+/// what does not depend on F is set up once for each epsilon, and what does not depend on epsilon either once for all.
+class StageOneAnswers {
+ public:
+  explicit StageOneAnswers(const Decomposition& parts);  ///< which must outlive it
+  ~StageOneAnswers();
+  StageOneAnswers(const StageOneAnswers&) = delete;
+  StageOneAnswers& operator=(const StageOneAnswers&) = delete;
+
+  std::vector<Vector> velocities(double epsilon, const Vector& f);  ///< d n_E each, m/s; f: n_Gamma, kg m/s
+
+ private:
+  struct Prepared;
+  const Decomposition& parts_;
+  std::vector<std::unique_ptr<Prepared>> prepared_;  // of each subdomain
+};
+
 /// F scaled to F^T P F = 1 and its sign fixed, as in Mode. F must not be zero.
 Vector normalised(const Vector& f, const InterfaceOperator& preconditioner);
 

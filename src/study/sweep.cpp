@@ -159,7 +159,10 @@ ContactChoice choose_contacts(const Model& model, ContactSet contacts) {
 }
 
 Selection select(const Model& model, ContactSet contacts) {
-  const ContactChoice choice = choose_contacts(model, contacts);
+  return select(model, contacts, choose_contacts(model, contacts));
+}
+
+Selection select(const Model& model, ContactSet contacts, const ContactChoice& choice) {
   const CaseSummary of_case{.name = model.name,
                             .grains = model.grains(),
                             .contacts = model.contacts(),
@@ -183,7 +186,11 @@ Index sweep(const Model& model, const SweepParameters& parameters, const Sink<Sw
             "relaxation: expected a number with gauss_seidel_sweeps = {}, met 'optimal', which is known for an exact "
             "Stage 1 only",
             *sweeps);
-  const Selection selection = select(model, parameters.contacts);
+  return sweep(model, select(model, parameters.contacts), parameters, sink, monitor, first);
+}
+
+Index sweep(const Model& model, const Selection& selection, const SweepParameters& parameters,
+            const Sink<SweepResult>& sink, const Monitor& monitor, Index first) {
   const double scale = flexibility_scale(model);
   const SpectralOptions& options = parameters.spectral;
   // With the same contacts P and S are of one family and share what does not depend on the flexibility.

@@ -12,4 +12,10 @@ SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double 
 /// that is asked for, the radius under the relaxation, and the dominant eigenvalue.
 void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance);
 
+/// The selection for a choice of contacts that was made before, and the sweep of such a selection: for several works on
+/// one choice, which may take longer than they do. `parameters.contacts` is that of the selection.
+Selection select(const Model& model, ContactSet contacts, const ContactChoice& choice);
+Index sweep(const Model& model, const Selection& selection, const SweepParameters& parameters,
+            const Sink<SweepResult>& sink, const Monitor& monitor = {}, Index first = 0);
+
 }  // namespace nscdd
