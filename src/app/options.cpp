@@ -145,6 +145,10 @@ void SpectralCommandOptions::declare(Command& command, const std::string& defaul
               "contacts of Stage 1: all, active, or unilateral; active: in compression in the linear rigid "
               "problem; unilateral: carrying in the frictionless unilateral problem")
       .words = all_names<ContactSet>();
+  declare_solver(command);
+}
+
+void SpectralCommandOptions::declare_solver(Command& command) {
   command
       .preset("--solver", solver,
               "auto, dense, arpack, shift-invert, or slepc; auto: dense for small interfaces, else shift-invert; "

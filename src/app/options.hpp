@@ -64,6 +64,7 @@ struct SpectralCommandOptions {
   SpectralOptions options;  ///< tolerance, certify and eigenvalues as given
 
   void declare(Command& command, const std::string& default_contacts);  ///< all but certify and eigenvalues
+  void declare_solver(Command& command);                                ///< the same without the contacts
   ContactSet contact_set() const;
   SpectralOptions spectral() const;
 };

@@ -139,7 +139,7 @@ struct Verb {
 };
 
 Declaration declare_sweep, declare_run, declare_network, declare_inspect, declare_optimum, declare_generate,
-    declare_modes, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
+    declare_modes, declare_report, declare_solve, declare_simulate, declare_export, declare_list, declare_manual;
 
 /// What the program prints alone: what the program is for, where to begin, and its verbs.
 std::string short_guide(const std::vector<Verb>& verbs, const Machine& machine);

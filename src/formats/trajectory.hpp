@@ -108,5 +108,10 @@ std::string read_end(const std::string& path);
 
 /// A column of numbers of /summary, one per step from 1.
 std::vector<double> read_summary(const std::string& path, const std::string& column);
+/// The column `status` of /summary: how each step ended.
+std::vector<std::string> read_statuses(const std::string& path);
+
+/// Whether a file is one of HDF5 that has the groups of a trajectory. False for a file that is not there.
+bool holds_trajectory(const std::string& path);
 
 }  // namespace nscdd

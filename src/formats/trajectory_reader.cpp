@@ -156,6 +156,26 @@ std::vector<double> read_summary(const std::string& path, const std::string& col
   return group.numbers<double>(column);
 }
 
+std::vector<std::string> read_statuses(const std::string& path) {
+  const hdf5::File file = open_trajectory(path);
+  const Group group = file.root().group("summary");
+  std::vector<std::string> statuses;
+  if (group.members().empty()) return statuses;
+  for (const Cell& cell : group.cells("status")) statuses.push_back(to_text(cell));
+  return statuses;
+}
+
+bool holds_trajectory(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  try {
+    const hdf5::File file(path, hdf5::Access::read, "");
+    return file.root().has("system") && file.root().has("steps") && file.root().has("summary");
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 void require_fit(const std::string& path, const Simulation& simulation) {
   try {
     check(simulation.system, simulation.state);

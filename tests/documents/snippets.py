@@ -7,8 +7,8 @@ usage: snippets.py FILE.md...
 
 Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
 results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
-run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8), and the
-folder cases/ of the source tree. `import nscdd` finds the package that was built, by $PYTHONPATH.
+run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8), report.html
+(nscdd report disks4), and the folder cases/ of the source tree. `import nscdd` finds the package that was built, by $PYTHONPATH.
 A block that raises is a failure, and so is a call that finds no block in any file. The program is $NSCDD_PROGRAM, the
 source tree $NSCDD_SOURCE.
 """
@@ -25,6 +25,7 @@ PREPARATION = [
     ["simulate", "settle-1k", "--steps", "3", "-o", "run.h5"],
     ["export", "disks8", "--epsilon", "1", "--eta", "0.3", "--operators", "operators"],
     ["export", "run.h5", "--vtkhdf", "run.vtkhdf"],
+    ["report", "disks4", "--epsilon", "0,1", "--eta", "1,inf", "-o", "report.html"],
 ]
 TIME_LIMIT = 120  # seconds per command: against a hang, not a measurement
 

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page of a run: force chains of the steps drawn, indicators over iterations and steps, energies, contacts.
+
+const indicators = [
+  {column: 'natural_map', name: 'natural map', colour: '#0050a0', mark: 'round'},
+  {column: 'zeta', name: 'ζ', colour: '#9a5b00', dash: '7 3', mark: 'square'},
+  {column: 'gluing', name: 'gluing', colour: '#5c2a80', dash: '2 3', mark: 'open'},
+  {column: 'interface_change', name: 'interface change', colour: '#00664c', dash: '9 3 2 3', mark: 'triangle'},
+];
+
+function showRun() {
+  const radius = unpacked(data.disks.radius), mass = unpacked(data.disks.mass), {solver} = data;
+  const summary = Object.fromEntries(data.summary.map((column) => [column.name, column.values]));
+  const iterations = Object.fromEntries(data.iterations.map((column) => [column.name, column.values]));
+  const shown = data.steps.map(opened);
+  const colours = coloursOf(
+      subdomainCount(), radius.length * shown.length,
+      (k) => shown[Math.floor(k / radius.length)].holders[k % radius.length]);
+  const full = fullThickness();
+  const picture = {
+    x: shown[0].x,
+    y: shown[0].y,
+    radius,
+    colours,
+    walls: [],
+    lines: [],
+    arrows: null,
+    holders: (i) => shown[place].holders[i],
+    special: (i) => data.disks.driven_by[i] >= 0
+  };
+  let place = shown.length - 1, timer = 0;
+
+  byId('figures').append(byId('run').content);
+  const scene = createScene(byId('scene'), picture);
+  byId('scene').setAttribute('aria-label', `Picture of ${plural(radius.length, 'disk')} and their force chains`);
+
+  // A step with its arrays, and the subdomains that hold each disk: those of its contacts.
+  function opened(step) {
+    const contacts = Object.fromEntries(Object.entries(step.contacts).map(([key, array]) => [key, unpacked(array)]));
+    const holders = Array.from(radius, () => []);
+    for (let k = 0; k < contacts.a.length; ++k)
+      for (const body of [contacts.a[k], contacts.b[k]]) {
+        const e = solver.decomposes ? contacts.subdomain[k] : 0;
+        if (body < radius.length && !holders[body].includes(e)) holders[body].push(e);
+      }
+    return {
+      step: step.step,
+      time: step.time,
+      x: unpacked(step.x),
+      y: unpacked(step.y),
+      walls: step.walls,
+      contacts,
+      holders
+    };
+  }
+
+  function subdomainCount() {
+    let most = 0;
+    for (const {holders} of shown)
+      for (const held of holders)
+        for (const e of held) most = Math.max(most, e);
+    return most + 1;
+  }
+
+  // The thickest line stands for the impulse that one contact in a hundred exceeds, over all steps drawn.
+  function fullThickness() {
+    const all = shown.flatMap(({contacts}) => Array.from(contacts.normal, Math.abs)).sort((a, b) => a - b);
+    return all.length ? all[Math.floor(0.99 * (all.length - 1))] || 1 : 1;
+  }
+
+  function showChains() {
+    const {contacts: c, x, y, walls} = shown[place];
+    const ends = (k) => [x[c.a[k]], y[c.a[k]], ...(c.b[k] < radius.length ? [x[c.b[k]], y[c.b[k]]] : [
+                           c.point[2 * k], c.point[2 * k + 1]
+                         ])];
+    const size = (k) => Math.abs(c.normal[k]) / full;
+    const numbers = Array.from(c.a.keys()), pulls = (k) => c.normal[k] < 0, slides = (k) => c.status[k] >= 2;
+    Object.assign(picture, {
+      x,
+      y,
+      walls,
+      lines: [
+        ...lineGroups(numbers.filter((k) => !pulls(k) && !slides(k)), ends, size, {colour: ink}),
+        ...lineGroups(numbers.filter((k) => !pulls(k) && slides(k)), ends, size, {colour: '#8a1c00', dash: [6, 3]}),
+        ...lineGroups(numbers.filter(pulls), ends, size, {colour: '#0050a0', dash: [2, 2]}),
+      ]
+    });
+    scene.changed();
+  }
+
+  function describe(i) {
+    const held = shown[place].holders[i], driver = data.disks.driven_by[i];
+    const kind = driver >= 0 ? `disk of boundary ${data.boundaries[driver]}` : `mass ${told(mass[i])} kg`;
+    const where = !solver.decomposes ? '' :
+        held.length === 0            ? ', carries nothing' :
+        held.length === 1            ? `, subdomain ${held[0]}` :
+                                       `, shared by subdomains ${held.join(', ')}`;
+    return `Disk ${i}: ${kind}, radius ${told(radius[i])} m${where}`;
+  }
+
+  const rowOf = (step) => summary.step.indexOf(step);
+  const overSteps = (column, scaled = (v) => v) =>
+      summary.step.map((step, row) => [step, scaled(summary[column][row])]);
+  const has = (column) => summary[column].some((value) => value !== null && value !== 0);
+  const fromZero = (...columns) => [0, 1.05 * Math.max(1, most(columns.flatMap((column) => summary[column])))];
+  const tolerance = solver.criterion === 'none' ? [] : [[solver.tolerance, `tolerance of ${solver.criterion}`]];
+
+  function drawIterations(step) {
+    const rows = (iterations.step ?? []).map((s, row) => (s === step ? row : -1)).filter((row) => row >= 0);
+    byId('iterations').hidden = rows.length === 0;
+    byId('no-iterations').textContent = rows.length ?
+        '' :
+        iterations.step ?
+        'The table of iterations has no row of this step.' :
+        'The iterations were not recorded, or not handed over: nscdd simulate --convergence FILE writes them, and ' +
+            'nscdd report --convergence FILE shows them here.';
+    if (!rows.length) return;
+    const series =
+        indicators.filter(({column}) => rows.some((row) => iterations[column][row] > 0))
+            .map(
+                (one) =>
+                    ({...one, points: rows.map((row) => [iterations.iteration[row], iterations[one.column][row]])}));
+    drawChart(byId('iterations'), {
+      label: `Indicators over the iterations of step ${step}`,
+      x: {kind: 'log', label: 'iteration'},
+      y: {kind: 'log', label: 'indicator'},
+      series,
+      rules: tolerance,
+      rulesLeft: true
+    });
+  }
+
+  function draw() {
+    const {step} = shown[place], x = {kind: 'linear', label: 'step'}, marker = [step];
+    const pick = (value) => go(nearest(value));
+    drawIterations(step);
+    drawChart(byId('criteria'), {
+      label: 'Indicators at the end of each step',
+      x,
+      y: {kind: 'log', label: 'indicator'},
+      series: indicators.filter(({column}) => summary[column].some((v) => v > 0))
+                  .map((one) => ({...one, points: overSteps(one.column)})),
+      marker,
+      pick,
+      rules: tolerance,
+      rulesLeft: true
+    });
+    drawChart(byId('effort'), {
+      label: 'Iterations of each step',
+      x,
+      y: {kind: 'linear', label: 'iterations', range: fromZero('iterations')},
+      series: [{name: 'iterations', points: overSteps('iterations'), colour: '#0050a0', mark: 'round'}],
+      marker,
+      pick
+    });
+    let work = 0, lost = 0;
+    const sumWork = overSteps('boundary_work', (v) => (work += v ?? 0));
+    const sinceFirst = (v) => (v === null ? null : v - summary.potential[0]);
+    const sumLost = overSteps('dissipation', (v) => (lost += v ?? 0));
+    drawChart(byId('energy'), {
+      label: 'Energies over the steps',
+      x,
+      y: {kind: 'linear', label: 'J'},
+      marker,
+      pick,
+      series: [
+        {name: 'kinetic', points: overSteps('kinetic'), colour: '#0050a0', mark: 'round'},
+        ...(has('potential') ? [{
+          name: 'potential, since step 1',
+          points: overSteps('potential', sinceFirst),
+          colour: '#00664c',
+          dash: '9 3 2 3',
+          mark: 'triangle'
+        }] :
+                               []),
+        {name: 'work of boundaries so far', points: sumWork, colour: '#9a5b00', dash: '7 3', mark: 'square'},
+        {name: 'dissipated so far', points: sumLost, colour: '#5c2a80', dash: '2 3', mark: 'open'}
+      ]
+    });
+    drawChart(byId('contacts'), {
+      label: 'Contacts over the steps',
+      x,
+      marker,
+      pick,
+      y: {kind: 'linear', label: 'contacts', range: fromZero('active', 'stick', 'slide')},
+      series: [
+        {name: 'with an impulse', points: overSteps('active'), colour: '#0050a0', mark: 'round'},
+        {name: 'stick', points: overSteps('stick'), colour: '#00664c', dash: '9 3 2 3', mark: 'triangle'},
+        {name: 'slide', points: overSteps('slide'), colour: '#9a5b00', dash: '7 3', mark: 'square'}
+      ]
+    });
+  }
+
+  const nearest = (step) => [...shown.keys()].reduce(
+      (a, b) => (Math.abs(shown[b].step - step) < Math.abs(shown[a].step - step) ? b : a));
+
+  function stepText() {
+    const {step, contacts} = shown[place], row = rowOf(step);
+    if (row < 0) return 'This is the state that the run began with. It has no contacts yet.';
+    const how = {
+      converged: 'its criteria are met',
+      stalled: 'the criterion no longer fell',
+      maximum_reached: 'the iterations allowed were used up'
+    }[data.status[row]] ??
+        data.status[row];
+    return `${plural(summary.iterations[row], 'iteration')}; ${how}. Natural map ${told(summary.natural_map[row], 3)}` +
+        `${summary.gluing[row] ? ', gluing ' + told(summary.gluing[row], 3) : ''}. ` +
+        `${plural(contacts.a.length, 'contact')} of ${summary.contacts[row]} carry an impulse, ${
+               summary.slide[row]} slide. ` +
+        `Largest overlap ${told(summary.overlap_maximum[row], 3)} m.`;
+  }
+
+  function go(next) {
+    place = next;
+    const {step, time} = shown[place], words = `step ${step}, ${told(time)} s`;
+    Object.assign(byId('step'), {max: shown.length - 1, value: place, disabled: shown.length < 2});
+    byId('step').setAttribute('aria-valuetext', words);
+    byId('step-value').textContent = words;
+    byId('step-text').textContent = stepText();
+    const row = rowOf(step);
+    byId('result').classList.toggle('diverges', row >= 0 && data.status[row] !== 'converged');
+    draw();
+    showChains();
+  }
+
+  // Who asks for less motion gets one step a second.
+  function play() {
+    const playing = timer === 0, calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    clearInterval(timer);
+    timer = playing ? setInterval(() => go((place + 1) % shown.length), calm ? 1000 : 250) : 0;
+    byId('play').setAttribute('aria-pressed', playing);
+    byId('play').textContent = playing ? 'Stop' : 'Play';
+  }
+
+  function addLegend() {
+    const stroke = (width, colour, dash) => element(
+        'line',
+        {x1: 1, y1: 9, x2: 34, y2: 9, stroke: colour, 'stroke-width': width, 'stroke-dasharray': dash ?? 'none'});
+    const disk = (fill, width = 1) =>
+        element('circle', {cx: 17, cy: 9, r: 7, fill, stroke: ink, 'stroke-width': width});
+    addSwitch(scene, 'contacts', 'force chains');
+    if (colours.length > 1) addSwitch(scene, 'labels', 'numbers of subdomains');
+    if (colours.length > 1) addSwitch(scene, 'hatching', 'hatching');
+    addToLegend('compression, sticks', stroke(5, ink));
+    addToLegend('compression, slides', stroke(4, '#8a1c00', '6 3'));
+    addToLegend('tension', stroke(4, '#0050a0', '2 2'));
+    addToLegend(colours.length > 1 ? 'disk, coloured and hatched by subdomain' : 'disk', disk(palette[0]));
+    if (colours.length > 1) addToLegend('shared disk: thick rim', disk(palette[0], 3));
+    addToLegend('disk of a boundary, or one that carries nothing', disk('#d8d8d8'));
+  }
+
+  function addFacts() {
+    const list = byId('facts'), driven = data.disks.driven_by.filter((boundary) => boundary >= 0).length;
+    fact(list, 'Disks', `${radius.length - driven} free, ${driven} of boundaries`);
+    fact(list, 'Boundaries', data.boundaries.join(', ') || 'none');
+    fact(
+        list, 'Algorithm',
+        solver.algorithm + (solver.decomposes ? `, ${plural(colours.length, 'subdomain')}` : ', undivided'));
+    fact(
+        list, 'Criterion',
+        solver.criterion === 'none' ? 'none: every step makes all its iterations' :
+                                      `${solver.criterion} to ${told(solver.tolerance)}` +
+                (solver.decomposes ? `, gluing to ` + told(solver.gluing_tolerance) : ''));
+    fact(list, 'Steps', `${summary.step.length}, of ${told(summary.time.at(-1) / summary.step.length)} s`);
+    fact(list, 'How it ended', data.ended);
+    const converged = data.status.filter((status) => status === 'converged').length;
+    fact(list, 'Steps that converged', `${converged} of ${data.status.length}`);
+    fact(list, 'Iterations in all', String(summary.iterations.reduce((sum, n) => sum + n, 0)));
+    byId('left-out').textContent = `Left out: ${
+                                       shown.length < data.kept ?
+                                           `the pictures of ${data.kept - shown.length} ` +
+                                               `of the ${data.kept} steps that the trajectory keeps, ` :
+                                           ''}contacts without an impulse, rotations and velocities. ` +
+        'Coordinates and impulses have seven digits.';
+  }
+
+  byId('picture-title').textContent = 'Force chains';
+  byId('lead').textContent =
+      `A run of ${plural(summary.step.length, 'step')} with ${plural(radius.length, 'disk')}: how ` +
+      'its steps converged, and the impulses that they ended with.';
+  addLegend();
+  addFacts();
+  listen(scene, byId('scene'), describe);
+  byId('step').addEventListener('input', (event) => go(Number(event.target.value)));
+  byId('play').addEventListener('click', play);
+  new ResizeObserver(draw).observe(byId('figures'));
+  go(place);
+  scene.whole();
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "formats/run_report.hpp"
+
+#include "core/fail.hpp"
+#include "core/text.hpp"
+#include "files/csv.hpp"
+
+#include <filesystem>
+
+namespace nscdd {
+namespace {
+
+// What the page has room to show of a step. The units and descriptions are those of the tables.
+const std::vector<std::string> shown_of_summary{"step",
+                                                "time",
+                                                "iterations",
+                                                "zeta",
+                                                "interface_change",
+                                                "gluing",
+                                                "natural_map",
+                                                "quad_dv",
+                                                "mean_dv_over_r",
+                                                "active",
+                                                "stick",
+                                                "slide",
+                                                "contacts",
+                                                "overlap_maximum",
+                                                "kinetic",
+                                                "potential",
+                                                "boundary_work",
+                                                "dissipation",
+                                                "numerical"};
+const std::vector<std::string> shown_of_iterations{"step",   "iteration",   "zeta",    "interface_change",
+                                                   "gluing", "natural_map", "quad_dv", "mean_dv_over_r"};
+
+template <class Result>
+Column heading_of(const std::string& name, const ResultColumns<Result>& columns) {
+  const auto found =
+      std::ranges::find_if(columns, [&](const ResultColumn<Result>& column) { return column.heading.name == name; });
+  return found->heading;
+}
+
+DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
+  DrawnStep result{step.state.step, step.state.time, step.state.x, step.state.y, {}, {}};
+  for (const Wall& wall : run.system.walls)
+    result.walls.push_back(
+        moved(wall, run.system.boundaries[at(wall.boundary)].motion, step.state.poses[at(wall.boundary)]));
+  for (const TrajectoryContact& c : step.contacts)
+    if (c.impulse.n != 0 || c.impulse.t != 0)
+      result.contacts.push_back({c.geometry.a, c.geometry.b, c.geometry.point, c.impulse, c.status, c.subdomain});
+  return result;
+}
+
+// The name that the case of the run had: the trajectory keeps only the text of the case.
+std::string name_of_case(const std::string& path, const TrajectoryHeader& header) {
+  constexpr std::string_view mark = "# case ";
+  for (const auto& [key, text] : header.provenance)
+    if (key == "cases" && text.starts_with(mark)) return text.substr(mark.size(), text.find('\n') - mark.size());
+  return std::filesystem::path(path).stem().string();
+}
+
+// Bytes that a step takes on the page: two numbers of four bytes for a disk, and 19 bytes for a contact that carries,
+// written as letters of six bits.
+double bytes_of(const TrajectoryStep& step) {
+  const auto carrying = std::ranges::count_if(
+      step.contacts, [](const TrajectoryContact& c) { return c.impulse.n != 0 || c.impulse.t != 0; });
+  return 4.0 / 3 * (8.0 * static_cast<double>(step.state.x.size()) + 19.0 * static_cast<double>(carrying)) + 200;
+}
+
+}  // namespace
+
+std::vector<Series> read_iterations(const std::string& path, Index steps) {
+  const CsvText csv = parse_csv(read_text(path), path);
+  std::vector<Series> all;
+  for (const std::string& name : shown_of_iterations) {
+    const auto found = std::ranges::find(csv.columns, name);
+    if (found == csv.columns.end())
+      fail("{}: expected a table of nscdd simulate --convergence with a column {}, met none", path, name);
+    Series series{heading_of(name, iteration_columns()), {}};
+    const auto column = static_cast<std::size_t>(found - csv.columns.begin());
+    for (std::size_t row = 0; row < csv.rows.size(); ++row)
+      series.values.push_back(
+          parse_number(csv.rows[row][column], fmt::format("{}:{}: {}", path, csv.lines[row], name)));
+    all.push_back(std::move(series));
+  }
+  for (std::size_t row = 0; row < csv.rows.size(); ++row)
+    if (const double step = all.front().values[row]; !(step >= 1 && step <= static_cast<double>(steps)))
+      fail("{}:{}: step: expected one of the {} steps of the run, met {}", path, csv.lines[row], steps, step);
+  return all;
+}
+
+std::vector<Index> steps_to_draw(const std::string& path, const std::vector<Index>& steps, double bytes) {
+  if (steps.size() < 2) return steps;
+  const double largest = std::max(bytes_of(read_trajectory_step(path, steps[steps.size() / 2])),
+                                  bytes_of(read_trajectory_step(path, steps.back())));
+  const auto room = static_cast<Index>(bytes / largest);
+  const Index number = std::clamp<Index>(room, 2, count(steps));
+  std::vector<Index> chosen;
+  for (Index i = 0; i < number; ++i) chosen.push_back(steps[at(i * (count(steps) - 1) / (number - 1))]);
+  return chosen;
+}
+
+std::optional<RunReport> report_run(const std::string& path, const std::vector<Index>& steps, const Monitor& monitor) {
+  RunReport report;
+  report.header = read_trajectory_header(path);
+  report.ended = read_end(path);
+  report.status = read_statuses(path);
+  if (report.status.empty()) fail("{}: expected a run that has taken a step, met none", path);
+  report.name = name_of_case(path, report.header);
+  report.kept = count(trajectory_steps(path));
+  for (const std::string& name : shown_of_summary)
+    report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
+  std::optional<Simulation> run;
+  for (const Index number : steps) {
+    TrajectoryStep step = read_trajectory_step(path, number);
+    // Walls move with the boundaries of the case.
+    if (!run) run = rebuilt_simulation(path, report.header, step.state);
+    report.solver = run->dynamics.solver;
+    report.steps.push_back(drawn(*run, step));
+    if (!nscdd::report(monitor, count(report.steps), count(steps))) return std::nullopt;
+  }
+  return report;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// nscdd report: the data of its pages against the tables of other verbs, refusals, and that a page stands alone.
+// What a browser makes of the pages is tested in tests/report/.
+#include "../support/moving_case.hpp"
+#include "formats/run_report.hpp"
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+using namespace nscdd::testing;
+
+namespace {
+
+using Json = nlohmann::json;
+
+Json data_of(const std::string& page) {
+  const std::string open = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t start = page.find(open) + open.size();
+  return Json::parse(page.substr(start, page.find("</script>", start) - start));
+}
+
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+const Json& column(const Json& table, const std::string& name) {
+  for (const Json& one : table)
+    if (one["name"] == name) return one["values"];
+  throw std::runtime_error("no column " + name);
+}
+
+}  // namespace
+
+TEST_CASE("report: radii, ends and residuals are those of the sweep, the best eta that of the optimum") {
+  const Session session;
+  // the lattice has self-stresses across the interface: rho(B_0) = 1, and another radius without them
+  for (const std::string& name : Texts{"disks8", "hexagonal --set loads.compression=1,0.2"}) {
+    CAPTURE(name);
+    answer(session, "report " + name + " --epsilon 0,0.1,1 --eta inf,0.3,2 -o page.html --force --certify");
+    const Json data = data_of(session.read("page.html"));
+    CHECK(data["epsilon"] == Json({0, 0.1, 1}));
+    CHECK(data["eta"] == Json({0.3, 2, "inf"}));
+    REQUIRE(data["grids"].size() == 2);
+    for (const Json& grid : data["grids"]) {
+      const std::string contacts = grid["contacts"];
+      CAPTURE(contacts);
+      const CsvTable sweep =
+          table(session, "sweep " + name + " --epsilon 0,0.1,1 --eta 0.3,2,inf --certify --contacts " + contacts);
+      REQUIRE(grid["points"].size() == sweep.rows.size());
+      for (std::size_t row = 0; row < sweep.rows.size(); ++row) {
+        const Json& point = grid["points"][row];
+        CHECK(point["radius"] == sweep.number(row, "spectral_radius"));
+        CHECK(point["subdominant"] == sweep.number(row, "subdominant_radius"));
+        CHECK(point["residual"] == sweep.number(row, "residual"));
+        CHECK(point["unit"] == sweep.number(row, "unit_multiplicity"));
+        CHECK(point["certified"]["high"][0] == sweep.number(row, "high_from"));
+        CHECK(point["certified"]["low"][1] == sweep.number(row, "low_to"));
+      }
+      const CsvTable best = table(session, "optimum " + name + " --epsilon 0,0.1,1 --contacts " + contacts);
+      for (std::size_t row = 0; row < 3; ++row) {
+        CHECK(grid["best"][row]["status"] == best.text(row, "status"));
+        if (best.text(row, "status") == "interior") CHECK(grid["best"][row]["eta"] == best.number(row, "best_eta"));
+      }
+    }
+  }
+}
+
+TEST_CASE("report: equal commands give equal bytes, and a page asks for nothing outside of itself") {
+  const Session first, second;
+  const std::string line = "report disks12 --epsilon 0,1 --eta 1,inf -o page.html";
+  CHECK(contains(answer(first, line), "page.html: 12 grains, 8 radii"));
+  answer(second, line);
+  const std::string page = first.read("page.html");
+  CHECK((page == second.read("page.html")));
+  CHECK(content_of(first.folder.path()).size() == 1);
+  for (const std::string& asking : Texts{"src=", "@import", "url(", "fetch(", "XMLHttpRequest", "import(", "<link"}) {
+    CAPTURE(asking);
+    CHECK(!contains(page, asking));
+  }
+  CHECK(times(page, "://") == times(page, "http://www.w3.org/2000/svg"));  // a name, not an address that is asked
+  CHECK(contains(page, "nscdd report disks12 --epsilon 0,1 --eta 1,inf -o page.html"));
+}
+
+TEST_CASE("report: names with signs of HTML do not leave their places") {
+  const Session session;
+  session.file("<b>&.csv", row_of_three());
+  session.file("evil.toml",
+               "title = \"</script><script>alert(1)</script><!--\"\n[packing]\nfile = \"<b>&.csv\"\n[partition]\ngrid "
+               "= [2, 1]\n");
+  const std::vector<std::string> sweep{"--epsilon", "1", "--eta", "inf", "--subdomains", "2x1"};
+  for (const std::string& name : Texts{"evil.toml", "<b>&.csv"}) {
+    std::vector<std::string> line{"report", name, "-o", "page.html", "--force"};
+    line.insert(line.end(), sweep.begin(), sweep.end());
+    CHECK(session.run(line).exit_code == 0);  // three in a row have no grain to share, which is said
+    const std::string page = session.read("page.html");
+    CHECK(times(page, "</script>") == 2);
+    CHECK(times(page, "<script") == 2);
+    CHECK(!contains(page, "<b>"));
+    CHECK(!contains(page, "<!--\""));
+    CHECK(data_of(page)["origin"]["name"] == (name == "evil.toml" ? "evil" : "<b>&"));
+  }
+  CHECK(contains(session.read("page.html"), "<title>&lt;b&gt;&amp;: nscdd report</title>"));
+}
+
+TEST_CASE("report: an empty interface is said and shown") {
+  const Session session;
+  const Outcome outcome = session.run(words("report disks4 --subdomains 1x1 --epsilon 1 --eta inf -o page.html"));
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.standard_error, "the interface is empty"));
+  CHECK(data_of(session.read("page.html"))["grids"][0]["points"][0]["radius"] == 0);
+}
+
+TEST_CASE("report: usage that makes no sense, of a packing") {
+  const Session session;
+  session.file("mine.csv", row_of_three());
+  session.file("page.html", "precious");
+  check_refused(session, "report disks4", {"-o"});
+  check_refused(session, "report disks5 -o new.html", {"disks5", "disks4"});
+  check_refused(session, "report disks4 -o page.html", {"page.html", "exists already", "--force"});
+  check_refused(session, "report disks4 -o page.pdf", {"page.pdf", ".html"});
+  check_refused(session, "report disks4 -o nowhere/page.html", {"nowhere"});
+  check_refused(session, "report disks4 -o new.html --steps 1:2", {"--steps", "trajectory"});
+  check_refused(session, "report disks4 -o new.html --convergence mine.csv", {"--convergence", "trajectory"});
+  check_refused(session, "report disks4 -o new.html --epsilon -1", {"epsilon", ">= 0"});
+  check_refused(session, "report disks4 -o new.html --contacts some", {"--contacts", "unilateral", "some"});
+  check_refused(session, "report mine.csv -o new.html --contacts active", {"prescribed"});
+  check_refused(session, "report hexagonal -o new.html --memory-limit 1e-9", {"--memory-limit"});
+  check_refused(session, "report hexagonal -o new.html --set packing.columns=600 --set packing.rows=600",
+                {"300000 grains", "360000"});
+}
+
+TEST_CASE("report: a run, its steps, its summary and its table of iterations") {
+  const Session session;
+  session.file("box.toml", moving_case());
+  answer(session, "simulate box.toml --steps 6 --save-every 2 --convergence box.csv -o box.h5");
+  CHECK(contains(answer(session, "report box.h5 --convergence box.csv -o box.html"), "4 of 7 steps drawn"));
+  const Json data = data_of(session.read("box.html"));
+  const CsvTable iterations = read_table(session.read("box.csv"));
+  CHECK(data["status"].size() == 6);
+  CHECK(column(data["summary"], "step") == Json({1, 2, 3, 4, 5, 6}));
+  REQUIRE(column(data["iterations"], "zeta").size() == iterations.rows.size());
+  for (std::size_t row = 0; row < iterations.rows.size(); ++row) {
+    const double zeta = iterations.number(row, "zeta");
+    CHECK(std::abs(column(data["iterations"], "zeta")[row].get<double>() - zeta) <= 1e-6 * zeta);
+    CHECK(column(data["iterations"], "iteration")[row] == iterations.number(row, "iteration"));
+  }
+  std::vector<int> drawn;
+  for (const Json& step : data["steps"]) drawn.push_back(step["step"]);
+  CHECK(drawn == std::vector<int>{0, 2, 4, 6});
+  // The right wall turns about its foot.
+  CHECK((data["steps"][0]["walls"] == Json::parse("[[3, 0, -1, 0]]")));
+  CHECK(data["steps"][3]["walls"][0][3] > 0.001);
+  CHECK(data["steps"][3]["walls"][0][0] == 3);
+  // Where there is no room for all, both ends stay.
+  using Steps = std::vector<nscdd::Index>;
+  const std::string path = session.folder / "box.h5";
+  CHECK(nscdd::steps_to_draw(path, {0, 2, 4, 6}, 1) == Steps{0, 6});
+  CHECK(nscdd::steps_to_draw(path, {0, 2, 4, 6}, 1e9) == Steps{0, 2, 4, 6});
+  CHECK(nscdd::steps_to_draw(path, {4}, 1) == Steps{4});
+  answer(session, "report box.h5 --steps 4:6:2 -o some.html");
+  const Json some = data_of(session.read("some.html"));
+  CHECK(some["steps"].size() == 2);
+  CHECK((some["steps"][1] == data["steps"][3]));
+  CHECK(some["kept"] == 4);
+  const std::string before = session.read("some.html");
+  std::filesystem::remove(session.folder / "some.html");
+  answer(session, "report box.h5 --steps 4:6:2 -o some.html");
+  CHECK((session.read("some.html") == before));
+}
+
+TEST_CASE("report: usage that makes no sense, of a run") {
+  const Session session;
+  session.file("box.toml", moving_case());
+  session.file("other.csv", "step,iteration\n1,1\n");
+  answer(session, "simulate box.toml --steps 0 -o none.h5");
+  check_refused(session, "report none.h5 -o new.html", {"none.h5", "has taken a step"});
+  answer(session, "simulate box.toml --steps 2 --convergence box.csv -o box.h5");
+  check_refused(session, "report box.h5 -o new.html --epsilon 1", {"--epsilon", "packing"});
+  check_refused(session, "report box.h5 -o new.html --subdomains 2x1", {"--subdomains", "packing"});
+  check_refused(session, "report box.h5 -o new.html --steps 7", {"--steps", "0:2"});
+  check_refused(session, "report box.h5 -o new.html --steps 2:1", {"--steps", "A:B:K"});
+  check_refused(session, "report box.h5 -o new.html --convergence other.csv", {"other.csv", "zeta"});
+  check_refused(session, "report box.h5 -o new.html --convergence missing.csv", {"missing.csv"});
+  session.file("long.csv", replaced(session.read("box.csv"), "\n2,", "\n3,"));
+  check_refused(session, "report box.h5 -o new.html --convergence long.csv", {"long.csv:", "2 steps", "met 3"});
+}
