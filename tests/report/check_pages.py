@@ -1,0 +1,394 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Opens the pages of `nscdd report` in Debian's chromium and uses them as people do: with sliders, keyboard and mouse,
+on a narrow screen, without colour vision. Numbers shown are compared with those that other verbs print.
+
+The program is $NSCDD_PROGRAM, the source tree $NSCDD_SOURCE.
+"""
+import csv
+import io
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+
+import colours
+
+EPSILON, ETA = "0,0.1,1,10", "0.3,1,3,10,inf"
+FAILED = []
+
+
+def check(holds, what):
+    print(("ok      " if holds else "FAILED  ") + what)
+    if not holds:
+        FAILED.append(what)
+
+
+def nscdd(folder, *arguments):
+    environment = dict(os.environ, NSCDD_DATA=os.environ["NSCDD_SOURCE"])
+    return subprocess.run([os.environ["NSCDD_PROGRAM"], *arguments], cwd=folder, env=environment, check=True,
+                          capture_output=True, text=True, timeout=240).stdout
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def open_browser():
+    options = Options()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
+
+
+class Page:
+    """One page in the browser."""
+
+    def __init__(self, browser, path, width=1280, height=900):
+        self.browser = browser
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 800})
+        browser.get("file://" + path)
+        self.settle()
+
+    def js(self, code, *arguments):
+        return self.browser.execute_script(code, *arguments)
+
+    def settle(self):
+        """Waits until what was asked for is drawn."""
+        self.browser.execute_async_script(
+            "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));")
+
+    def by_id(self, name):
+        return self.browser.find_element("id", name)
+
+    def text(self, name):
+        return self.by_id(name).text
+
+    def keys(self, *keys):
+        """To whatever has the focus."""
+        ActionChains(self.browser, duration=0).send_keys(*keys).perform()
+        self.settle()
+
+    def focused(self):
+        return self.js("return document.activeElement.id")
+
+    def pixels(self):
+        """What the canvas shows: a number that changes with any pixel, the part that is drawn on, and how often the
+        commonest colours occur there, {(r, g, b, alpha): times}."""
+        picture, drawn, counted = self.js("""
+            const scene = document.getElementById("scene"), copy = document.createElement("canvas");
+            [copy.width, copy.height] = [scene.width, scene.height];
+            const context = copy.getContext("2d", { willReadFrequently: true });
+            context.drawImage(scene, 0, 0);
+            const pixels = new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer);
+            const colours = new Map();
+            let hash = 2166136261, drawn = 0;
+            for (const pixel of pixels) {
+              hash = Math.imul(hash ^ pixel, 16777619);
+              if (!(pixel >>> 24)) continue;
+              drawn += 1;
+              colours.set(pixel, (colours.get(pixel) ?? 0) + 1);
+            }
+            const commonest = [...colours].sort((a, b) => b[1] - a[1]).slice(0, 20);
+            return [hash, drawn / pixels.length, commonest];""")
+        colours_seen = {tuple(int(pixel) >> shift & 255 for shift in (0, 8, 16, 24)): n for pixel, n in counted}
+        return picture, drawn, colours_seen
+
+    def picture(self):
+        return self.pixels()[0]
+
+    def switch(self, layer, on):
+        box = self.by_id("layer-" + layer)
+        if box.is_selected() != on:
+            box.click()
+        self.settle()
+
+    def quiet(self, name):
+        entries = self.browser.get_log("browser")
+        check(not entries, f"{name}: no message on the console {entries or ''}")
+        check(self.js("return performance.getEntriesByType('resource').length") == 0, f"{name}: nothing is loaded")
+
+
+def number(text):
+    """The number that a page shows, such as 5.12·10⁻³."""
+    plain = text.replace("−", "-").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
+    match = re.fullmatch(r"(?:(-?[\d.]+)·)?10(-?\d+)", plain)
+    return float(match.group(1) or 1) * 10.0 ** int(match.group(2)) if match and "10" in text and any(
+        c in text for c in "⁻⁰¹²³⁴⁵⁶⁷⁸⁹") else float(plain)
+
+
+def check_renders(page, name):
+    _, inked, seen = page.pixels()
+    check(inked > 0.2, f"{name}: the canvas shows something ({inked:.0%} of it)")
+    check(len(seen) > 5, f"{name}: in several colours")
+    check(page.js("return document.querySelectorAll('.chart path').length") >= 2, f"{name}: there are curves")
+    check("undefined" not in page.js("return document.body.innerText") and
+          "NaN" not in page.js("return document.body.innerText"), f"{name}: no number is missing in a text")
+
+
+def check_sliders(page, sweep):
+    """Every point of the grid, by the keys of the sliders."""
+    count = {"epsilon": len(EPSILON.split(",")), "eta": len(ETA.split(","))}
+    wrong, markers = [], set()
+    for e in range(count["epsilon"]):
+        page.by_id("epsilon").send_keys(Keys.HOME if e == 0 else Keys.ARROW_RIGHT)
+        for h in range(count["eta"]):
+            page.by_id("eta").send_keys(Keys.HOME if h == 0 else Keys.ARROW_RIGHT)
+            row = sweep[e * count["eta"] + h]
+            shown, expected = number(page.text("rho")), float(row["subdominant_radius"])
+            if abs(shown - expected) > 1e-6 * expected + 1e-13:
+                wrong.append((row["epsilon"], row["eta"], shown, expected))
+            place = page.js("const m = document.querySelector('#along-eta .marker');"
+                            "return m.getAttribute('cx') + ' ' + m.getAttribute('cy')")
+            markers.add((e, h, place))
+            rate = expected
+            if 1e-14 < rate < 1 and f"{-1 / np.log10(rate):.3g}" not in page.text("meaning"):
+                wrong.append((row["epsilon"], row["eta"], page.text("meaning")))
+    check(not wrong, f"sliders: ρ is that of nscdd sweep at all {len(sweep)} points {wrong or ''}")
+    places = {place.split()[0] for _, _, place in markers}
+    check(len(places) == count["eta"], "sliders: the point on the curve moves along η")
+    check(len({place for _, _, place in markers}) > 2 * count["eta"], "sliders: and up and down with ε")
+    check(page.by_id("eta").get_attribute("aria-valuetext").startswith("∞"), "sliders: they say their value")
+
+
+def use_focused(page):
+    """Uses what has the focus by its keys."""
+    name = page.focused()
+    if name in ("epsilon", "eta"):
+        before = page.text(name + "-value")
+        page.keys(Keys.HOME)
+        first = page.text(name + "-value")
+        page.keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
+        check(len({first, page.text(name + "-value")}) == 2 and before, f"keyboard: arrow keys move {name}")
+    if name == "layer-contacts":
+        before = page.picture()
+        page.keys(Keys.SPACE)
+        check(page.picture() != before, "keyboard: the blank switches contacts off")
+        page.keys(Keys.SPACE)
+    if name == "scene":
+        width = page.js("return getComputedStyle(document.activeElement).outlineWidth")
+        check(width == "3px", f"keyboard: the focus is seen ({width})")
+        before = page.picture()
+        page.keys("+")
+        check(page.picture() != before, "keyboard: + zooms")
+        page.keys(Keys.ARROW_LEFT, "0")
+        check(page.picture() == before, "keyboard: 0 shows the whole again")
+        page.keys("n")
+        check(page.text("grain").startswith("Grain 0: mass 1 kg"), f"keyboard: N names a grain: {page.text('grain')}")
+        page.keys(Keys.ESCAPE)
+
+
+def tab_through(page, use):
+    """The names of all that Tab reaches, in their order."""
+    page.js("document.activeElement.blur(); window.scrollTo(0, 0)")
+    reached = []
+    for _ in range(40):
+        page.keys(Keys.TAB)
+        if page.focused() in reached and page.focused():
+            break
+        reached.append(page.focused())
+        use(page)
+    return reached
+
+
+def check_keyboard(page):
+    """Tab alone reaches everything that can be used, and keys use it."""
+    wanted = {"scene", "zoom-in", "zoom-out", "whole", "layer-contacts", "layer-labels", "layer-hatching", "layer-mode",
+              "amplitude", "epsilon", "eta", "go-best"}
+    missing = wanted - set(tab_through(page, use_focused))
+    check(not missing, f"keyboard: Tab reaches all controls {missing or ''}")
+
+
+def check_mouse(page):
+    scene = page.by_id("scene")
+    found = ""
+    for dx in range(-150, 151, 25):
+        ActionChains(page.browser, duration=0).move_to_element_with_offset(scene, dx, 10).perform()
+        hint = page.by_id("hint")
+        found = hint.text if hint.is_displayed() else found
+    check(found.startswith("Grain ") and "subdomain" in found, f"mouse: a grain says what it is: {found}")
+    before = page.picture()
+    ActionChains(page.browser, duration=0).move_to_element(scene).click_and_hold().move_by_offset(30, 10).release().perform()
+    page.settle()
+    check(page.picture() != before, "mouse: dragging moves the picture")
+    page.by_id("whole").click()
+    page.settle()
+
+
+def check_modes(page):
+    """Arrows change with the point, and grow with the amplitude."""
+    page.by_id("epsilon").send_keys(Keys.END)
+    page.settle()
+    last = page.picture()
+    page.by_id("epsilon").send_keys(Keys.HOME)
+    page.settle()
+    first = page.picture()
+    check(first != last, "modes: another ε has another mode")
+    page.by_id("amplitude").send_keys(Keys.END)
+    page.settle()
+    check(page.picture() != first, "modes: arrows grow with the amplitude")
+    page.by_id("amplitude").send_keys(*[Keys.ARROW_LEFT] * 10)
+    page.switch("mode", False)
+    without = page.picture()
+    page.switch("mode", True)
+    check(page.picture() != without, "modes: they can be switched off")
+
+
+def check_sets(page, sweep):
+    """The active contacts have other radii, those of the sweep with them."""
+    page.browser.find_element("css selector", "input[value=active]").click()
+    page.by_id("epsilon").send_keys(Keys.HOME)
+    page.by_id("eta").send_keys(Keys.END)
+    expected = float(sweep[len(ETA.split(",")) - 1]["subdominant_radius"])
+    check(abs(number(page.text("rho")) - expected) < 1e-6, "sets: the radius of active contacts is that of the sweep")
+    page.by_id("go-best").click()
+    check(page.text("eta-value") != "∞ 1/kg", "sets: the button goes to a point next to the best η")
+    page.browser.find_element("css selector", "input[value=all]").click()
+
+
+def check_contrast(page, name):
+    """Every text against what lies behind it."""
+    pairs = page.js("""
+      const seen = new Map(), walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+      for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+        const holder = node.parentElement;
+        if (!node.textContent.trim() || !holder.getClientRects().length || holder.closest("script, style")) continue;
+        const style = getComputedStyle(holder), svg = holder instanceof SVGElement;
+        let behind = holder;
+        while (behind && getComputedStyle(behind).backgroundColor === "rgba(0, 0, 0, 0)") behind = behind.parentElement;
+        const ground = behind ? getComputedStyle(behind).backgroundColor : "rgb(255, 255, 255)";
+        seen.set((svg ? style.fill : style.color) + "|" + ground, node.textContent.trim().slice(0, 40));
+      }
+      return [...seen];""")
+    rgb = lambda text: tuple(float(v) for v in re.findall(r"[\d.]+", text)[:3])
+    low = [(words, both) for both, words in pairs if colours.contrast(*map(rgb, both.split("|"))) < 4.5]
+    check(len(pairs) > 3 and not low, f"{name}: contrast of {len(pairs)} kinds of text is at least 4.5 {low or ''}")
+
+
+def check_colours(page):
+    """Neighbouring subdomains have colours that are told apart, whatever the colour vision."""
+    for layer in ("contacts", "labels", "hatching", "mode"):
+        page.switch(layer, False)
+    flat, _, seen = page.pixels()
+    drawn = sum(seen.values())
+    filled = [colour[:3] for colour, n in seen.items() if n > 0.04 * drawn]
+    check(len(filled) == 4, f"colours: four subdomains around a point have four colours, met {filled}")
+    for vision, (distance, _) in colours.closest(filled).items():
+        check(distance > 25, f"colours: told apart with {vision} vision (distance {distance:.0f})")
+    page.switch("hatching", True)
+    page.by_id("zoom-in").click()
+    page.settle()
+    page.by_id("whole").click()
+    page.settle()
+    check(page.picture() != flat, "colours: hatching is a second sign")
+    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/page/data.js"), encoding="utf-8") as stream:
+        listed = re.search(r"const palette = \[(.*?)\];", stream.read()).group(1)
+    palette = [tuple(int(c[i:i + 2], 16) for i in (0, 2, 4)) for c in re.findall(r"#(\w{6})", listed)]
+    for vision, (distance, pair) in colours.closest(palette).items():
+        check(distance > 15, f"colours: all {len(palette)} told apart with {vision} vision ({distance:.0f}, {pair})")
+
+
+def check_narrow(page, name, sliders):
+    """400 pixels wide: one column, nothing beside the screen, controls large enough for a finger."""
+    check(page.js("return document.documentElement.scrollWidth") <= 400, f"{name}: no scrolling sideways at 400 pixels")
+    out = page.js("""return [...document.querySelectorAll("main *, footer *")].filter((e) => !e.closest(".scroll, pre, svg")
+      && e.getBoundingClientRect().right > 400.5).map((e) => e.tagName + "#" + e.id)""")
+    check(not out, f"{name}: nothing reaches beyond the screen {out or ''}")
+    for slider in sliders:
+        box = page.by_id(slider).rect
+        check(box["width"] > 250 and box["height"] >= 24, f"{name}: {slider} can be moved by a finger")
+    check_renders(page, name)
+
+
+def check_run(page, path):
+    with h5py.File(path) as file:
+        iterations, kept = file["summary/iterations"][:], file["steps/step"][:]
+    pictures = []
+    page.by_id("step").send_keys(Keys.HOME)
+    for k, step in enumerate(kept):
+        if k > 0:
+            page.by_id("step").send_keys(Keys.ARROW_RIGHT)
+        page.settle()
+        check(page.text("step-value").startswith(f"step {step},"), f"run: the slider goes to step {step}")
+        if step > 0:
+            check(page.text("step-text").startswith(f"{iterations[step - 1]:,} iteration"),
+                  f"run: step {step} took {iterations[step - 1]} iterations")
+            check(page.js("return document.querySelectorAll('#iterations path').length") >= 4,
+                  "run: its indicators are drawn over the iterations")
+        pictures.append(page.picture())
+    check(all(a != b for a, b in zip(pictures, pictures[1:])), "run: force chains change from step to step")
+    page.switch("contacts", False)
+    check(page.picture() != pictures[-1], "run: force chains can be switched off")
+    page.switch("contacts", True)
+    reached = set(tab_through(page, lambda _: None))
+    check({"scene", "step", "play", "layer-contacts"} <= reached, "run: Tab reaches all controls")
+
+
+def check_print(page):
+    page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    check(not page.by_id("zoom-in").is_displayed() and page.by_id("rho").is_displayed(), "print: values without buttons")
+    page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def check_packing_pages(browser, folder):
+    grid = ["--epsilon", EPSILON, "--eta", ETA]
+    nscdd(folder, "report", "disks12", *grid, "-o", "disks12.html")
+    swept = {contacts: rows(nscdd(folder, "sweep", "disks12", *grid, "--contacts", contacts, "--csv", "-"))
+             for contacts in ("all", "active")}
+    path = os.path.join(folder, "disks12.html")
+    page = Page(browser, path)
+    check_renders(page, "packing")
+    check_sliders(page, swept["all"])
+    check_modes(page)
+    check_keyboard(page)
+    check_mouse(page)
+    check_sets(page, swept["active"])
+    check_contrast(page, "packing")
+    check_print(page)
+    page.quiet("packing")
+    check_narrow(Page(browser, path, 400, 800), "packing", ("epsilon", "eta"))
+    nscdd(folder, "report", "hexagonal", "--subdomains", "2x2", "--epsilon", "1", "--eta", "1,inf", "-o", "hexagonal.html")
+    page = Page(browser, os.path.join(folder, "hexagonal.html"))
+    check_colours(page)
+    page.quiet("lattice")
+
+
+def check_run_pages(browser, folder):
+    nscdd(folder, "simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "2x1", "--steps", "3", "--set",
+          "solver.tolerance=1e-2", "--convergence", "run.csv", "-o", "run.h5")
+    nscdd(folder, "report", "run.h5", "--convergence", "run.csv", "-o", "run.html")
+    path = os.path.join(folder, "run.html")
+    page = Page(browser, path)
+    check_renders(page, "run")
+    check_run(page, os.path.join(folder, "run.h5"))
+    check_contrast(page, "run")
+    page.quiet("run")
+    check_narrow(Page(browser, path, 400, 800), "run", ("step",))
+
+
+def main():
+    browser = open_browser()
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            check_packing_pages(browser, folder)
+            check_run_pages(browser, folder)
+    finally:
+        browser.quit()
+    if FAILED:
+        sys.exit(f"{len(FAILED)} statements do not hold")
+
+
+if __name__ == "__main__":
+    main()
