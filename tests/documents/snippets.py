@@ -1,22 +1,30 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs every ```python block of the Markdown files given, as a reader would who copies it. Checks that the commands in
-```sh and ```console blocks and in code spans have verbs and options that the program knows.
+"""Runs every ```python block and every command of a ```console block of the Markdown files given, as a reader would
+who copies it. Checks that the commands in ```sh and ```console blocks and in code spans have verbs and options that the
+program knows.
 
-usage: snippets.py FILE.md...
+usage: snippets.py [--figures FOLDER] FILE.md...
 
-Each block runs by itself with /usr/bin/python3 in a folder where the results exist that the text speaks of:
+The commands of a document run in order in an empty folder, and must print what it shows (sessions.py). --figures puts
+the pictures that they draw into FOLDER, which is how those of the tutorials in docs/figures/ are made.
+
+A block of Python that is no file of such a session runs by itself with /usr/bin/python3 in a folder where the results
+exist that the text speaks of:
 results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
 run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8), report.html
 (nscdd report disks4), and the folder cases/ of the source tree. `import nscdd` finds the package that was built, by $PYTHONPATH.
 A block that raises is a failure, and so is a call that finds no block in any file. The program is $NSCDD_PROGRAM, the
 source tree $NSCDD_SOURCE.
 """
+import argparse
 import os
 import re
 import subprocess
 import sys
 import tempfile
+
+import sessions
 
 PREPARATION = [
     ["run", "figure-5"],
@@ -30,22 +38,27 @@ PREPARATION = [
 TIME_LIMIT = 120  # seconds per command: against a hang, not a measurement
 
 
-def blocks(text, document, language="python"):
-    """(line number, code) of every fenced block of a language; fences may be indented, as in a list."""
-    found, start, indent, lines = [], None, "", []
+def all_blocks(text, document):
+    """(line number, language, code) of every fenced block; fences may be indented, as in a list."""
+    found, start, indent, language, lines = [], None, "", "", []
     for number, line in enumerate(text.splitlines(), 1):
         if start is None:
-            fence = re.fullmatch(rf"(\s*)```+\s*{language}\b.*", line)
+            fence = re.fullmatch(r"(\s*)```+\s*(\w*).*", line)
             if fence:
-                start, indent, lines = number + 1, fence.group(1), []
+                start, indent, language, lines = number + 1, fence.group(1), fence.group(2), []
         elif re.fullmatch(r"\s*```+\s*", line):
-            found.append((start, "\n".join(lines) + "\n"))
+            found.append((start, language, "\n".join(lines) + "\n"))
             start = None
         else:
             lines.append(line[len(indent):] if line.startswith(indent) else line)
     if start is not None:
-        sys.exit(f"{document}: a {language} block that starts at line {start} has no end")
+        sys.exit(f"{document}: a block that starts at line {start} has no end")
     return found
+
+
+def blocks(text, document, language="python"):
+    """(line number, code) of every fenced block of a language."""
+    return [(line, code) for line, name, code in all_blocks(text, document) if name == language]
 
 
 def prepare(folder):
@@ -103,29 +116,47 @@ def unknown_options(document, text, helps):
                 yield f"{document}: line {line}: the program does not know '{verb} {option}'".rstrip()
 
 
-def main():
-    if len(sys.argv) < 2:
-        sys.exit("usage: snippets.py FILE.md...")
-    for name in ("NSCDD_PROGRAM", "NSCDD_SOURCE"):
-        if name not in os.environ:
-            sys.exit(f"snippets.py: the environment has no {name}")
-    found, unknown, helps = [], [], {}
-    for document in sys.argv[1:]:
-        with open(document, encoding="utf-8") as stream:
-            text = stream.read()
-        found += [(document, line, code) for line, code in blocks(text, document)]
-        unknown += unknown_options(document, text, helps)
-    if unknown:
-        sys.exit("\n".join(unknown))
-    if not helps:
-        sys.exit(f"expected a command of the program in {', '.join(sys.argv[1:])}, met none")
+def run_python(found):
+    """How many of (document, line, code) ran to their end, and how many did not."""
     if not found:
-        sys.exit(f"expected a python block in {', '.join(sys.argv[1:])}, met none")
+        return 0, 0
     with tempfile.TemporaryDirectory() as folder:
         prepare(folder)
         passed = [run_block(folder, *block) for block in found]
-    if not all(passed):
-        sys.exit(f"{passed.count(False)} of {len(passed)} python blocks failed")
+    return passed.count(True), passed.count(False)
+
+
+def run_session(document, text, figures):
+    with tempfile.TemporaryDirectory() as folder:
+        return sessions.run(document, text, all_blocks(text, document), folder, TIME_LIMIT, figures)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--figures", metavar="FOLDER", help="put the pictures that sessions draw there")
+    parser.add_argument("documents", nargs="+", metavar="FILE.md")
+    options = parser.parse_args()
+    for name in ("NSCDD_PROGRAM", "NSCDD_SOURCE"):
+        if name not in os.environ:
+            sys.exit(f"snippets.py: the environment has no {name}")
+    texts, unknown, helps = {}, [], {}
+    for document in options.documents:
+        with open(document, encoding="utf-8") as stream:
+            texts[document] = stream.read()
+        unknown += unknown_options(document, texts[document], helps)
+    if unknown:
+        sys.exit("\n".join(unknown))
+    if not helps:
+        sys.exit(f"expected a command of the program in {', '.join(texts)}, met none")
+    python = [(document, line, code) for document, text in texts.items() for line, code in blocks(text, document)
+              if not sessions.file_name(code)]
+    results = [run_python(python)]
+    results += [run_session(document, text, options.figures) for document, text in texts.items()]
+    passed, failed = (sum(counts) for counts in zip(*results))
+    if failed:
+        sys.exit(f"{failed} of {passed + failed} blocks of Python and commands failed")
+    if not passed:
+        sys.exit(f"expected a python block or a command in {', '.join(texts)}, met none")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A document as a session: its commands are run in order, and what they print is compared with what it shows.
+
+  - A block of console has commands, each behind "$ ", and below each what it prints. A line that ends with a backslash
+    goes on in the next one. Where a command shows no output it must print nothing.
+  - A block of any language whose first line is a comment with a file name, such as "# radius.py" or "// law.cpp", is a
+    file. It is written before the commands below it.
+  - "…" stands for what is left out: by itself on a line for any lines, within a line for any text. All else must be
+    printed as shown, but for blanks and for numbers: these may differ by 10^-6 of their size, by one unit of the last
+    digit shown, or by 10^-11.
+  - A picture ../figures/tutorial-NAME must be made by the session as NAME.
+"""
+import os
+import re
+import shutil
+import subprocess
+
+PICTURE = re.compile(r"\]\(\.\./figures/tutorial-([\w.-]+)\)")
+# "…" matches any text; so does a number right before it, as far as its digits go.
+TOKEN = re.compile(r"(?P<number>(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w]))|(?P<rest>…)|(?P<blank>\s+)")
+NUMBER = r"([-+]?(?:\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|inf|nan))"
+RELATIVE, ABSOLUTE = 1e-6, 1e-11
+# mpirun as root, and with more processes than cores: what docs/machines.md says.
+PROCESSES = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+             "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
+             "OMPI_MCA_hwloc_base_binding_policy": "none"}
+
+
+def file_name(code):
+    """The name in the first line of a block that is a file, or None."""
+    first = re.match(r"(?:#|//) ([\w/.-]+\.\w+)\n", code)
+    return first.group(1) if first else None
+
+
+def commands_of(line, code):
+    """[line number, command, [lines shown below it]] of a block of console."""
+    found, goes_on = [], False
+    for number, text in enumerate(code.splitlines(), line):
+        if goes_on:
+            found[-1][1] += "\n" + text
+        elif text.startswith("$ "):
+            found.append([number, text[2:], []])
+        elif found:
+            found[-1][2].append(text)
+        else:
+            raise ValueError(f"line {number}: expected a command behind '$ ', met '{text}'")
+        goes_on = (goes_on or text.startswith("$ ")) and text.endswith("\\")
+    return found
+
+
+def last_digit(number):
+    """One unit of the last digit of a number as it is written."""
+    mantissa, _, exponent = number.lower().partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def same_line(shown, printed):
+    pattern, numbers, end = "", [], 0
+    for token in TOKEN.finditer(shown):
+        pattern += re.escape(shown[end:token.start()])
+        end = token.end()
+        if token["number"]:
+            numbers.append(token["number"])
+            pattern += NUMBER
+        else:
+            pattern += r"\s+" if token["blank"] else ".*"
+    met = re.fullmatch(pattern + re.escape(shown[end:]), printed.rstrip())
+    if not met:
+        return False
+    for expected, got in zip(numbers, met.groups()):
+        value = float(expected)
+        allowed = max(RELATIVE * abs(value), ABSOLUTE, 1.001 * last_digit(expected))
+        if expected != got and not abs(value - float(got)) <= allowed:
+            return False
+    return True
+
+
+def same_lines(shown, printed):
+    """Whether the lines printed are those shown; a line "…" stands for any number of them."""
+    if not shown:
+        return not printed
+    if shown[0].strip() == "…":
+        return any(same_lines(shown[1:], printed[k:]) for k in range(len(printed) + 1))
+    return bool(printed) and same_line(shown[0].rstrip(), printed[0]) and same_lines(shown[1:], printed[1:])
+
+
+def script(steps, outputs):
+    """The session as a script of bash: what the command of step k prints goes to OUTPUTS/k, its exit code beside."""
+    text = ""
+    for k, (kind, _, content, _) in enumerate(steps):
+        if kind == "file":
+            text += f'mkdir -p "$(dirname \'{content}\')" && cp "{outputs}/file-{k}" \'{content}\'\n'
+        else:
+            text += f'{{ {content}\n}} >"{outputs}/{k}" 2>&1 </dev/null; echo $? >"{outputs}/{k}.status"\n'
+    return text
+
+
+def steps_of(blocks):
+    """(kind, line, command or file name, lines shown or content) of the files and commands among (line, language, code)
+    of a document."""
+    steps = []
+    for line, language, code in blocks:
+        if language == "console":
+            steps += [("command", *command) for command in commands_of(line, code)]
+        elif file_name(code):
+            steps.append(("file", line, file_name(code), code))
+    return steps
+
+
+def judge(document, step, outputs, k):
+    """Prints how a command went; True where it did what the document shows."""
+    _, line, command, shown = step
+    with open(os.path.join(outputs, str(k)), encoding="utf-8") as stream:
+        printed = stream.read().splitlines()
+    with open(os.path.join(outputs, f"{k}.status"), encoding="utf-8") as stream:
+        status = int(stream.read())
+    well = status == 0 and same_lines(shown, printed)
+    print(f"{document}:{line}: {'ok' if well else 'FAILED'}: {command}")
+    if not well:
+        print(f"exit code {status}; shown:", *shown, "printed:", *printed, sep="\n    ")
+    return well
+
+
+def run(document, text, blocks, folder, time_limit, figures=None):
+    """Runs the session of a document in the empty folder FOLDER. Returns (commands that did what is shown, others).
+    FIGURES: a folder where its pictures are put."""
+    steps = steps_of(blocks)
+    if not any(kind == "command" for kind, *_ in steps):
+        return 0, 0
+    place, outputs = os.path.join(folder, "session"), os.path.join(folder, "outputs")
+    os.makedirs(os.path.join(place, "build"))
+    os.makedirs(outputs)
+    program_folder = os.path.dirname(os.environ["NSCDD_PROGRAM"])
+    os.symlink(program_folder, os.path.join(place, "build", "release"))
+    for k, (kind, _, _, content) in enumerate(steps):
+        if kind == "file":
+            with open(os.path.join(outputs, f"file-{k}"), "w", encoding="utf-8") as stream:
+                stream.write(content)
+    environment = dict(os.environ, **PROCESSES, PATH=f"{program_folder}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg",
+                       LC_ALL="C.UTF-8")
+    subprocess.run(["bash", "-c", script(steps, outputs)], cwd=place, env=environment, check=True, timeout=time_limit)
+    well = [judge(document, step, outputs, k) for k, step in enumerate(steps) if step[0] == "command"]
+    for picture in PICTURE.findall(text):
+        made = os.path.join(place, picture)
+        well.append(os.path.exists(made))
+        if not well[-1]:
+            print(f"{document}: FAILED: the session makes no {picture}")
+        elif figures:
+            shutil.copy(made, os.path.join(figures, f"tutorial-{picture}"))
+    return well.count(True), well.count(False)
