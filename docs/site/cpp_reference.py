@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The reference of the public headers: a directive `headers LAYER`, which has every header of a layer with what it
 declares, in the order of the file, from the XML of Doxygen ($NSCDD_DOXYGEN_XML)."""
+import functools
 import glob
 import os
 import re
@@ -59,6 +60,11 @@ def signature(member):
     return f"{kept} {name}{text_of(member.find('argsstring'))}{initial_value(member)}"
 
 
+@functools.cache
+def headers_of(folder):
+    return Headers(folder)
+
+
 class Headers:
     """What Doxygen found, by header and line."""
 
@@ -73,8 +79,9 @@ class Headers:
                         self.add(member, text_of(compound.find("compoundname")))
         nested = {inner.get("refid") for one in self.compounds.values() for inner in one.findall("innerclass")}
         for key, compound in self.compounds.items():
-            if key not in nested:
-                self.add(compound, text_of(compound.find("compoundname")).rpartition("::")[0])
+            name = text_of(compound.find("compoundname"))
+            if key not in nested and "<" not in name:  # specialisations are no news
+                self.add(compound, name.rpartition("::")[0])
 
     def add(self, element, namespace):
         place = element.find("location")
@@ -93,21 +100,16 @@ class Headers:
 
     def compound(self, compound, indent):
         name = text_of(compound.find("compoundname")).rpartition("::")[2]
-        if "<" in name:
-            return []  # a specialisation
-        own = {text_of(compound.find("compoundname")).rpartition("::")[2]}
         lines = [f"{indent}.. cpp:{compound.get('kind')}:: {template_of(compound)}{name}", ""]
         inner = indent + "   "
         lines += [inner + line for line in plain_text.to_rst(description_of_compound(compound))]
         inside = [(int(member.find("location").get("line")), member) for member in compound.iter("memberdef")
-                  if member.get("prot") == "public" and text_of(member.find("name")) not in own]
+                  if member.get("prot") == "public"]
         for reference in compound.findall("innerclass"):
             if reference.get("prot") == "public" and reference.get("refid") in self.compounds:
                 one = self.compounds[reference.get("refid")]
                 inside.append((int(one.find("location").get("line")), one))
-        constructors = [(int(member.find("location").get("line")), member) for member in compound.iter("memberdef")
-                        if member.get("prot") == "public" and text_of(member.find("name")) in own]
-        for _, element in sorted(inside + constructors, key=lambda pair: pair[0]):
+        for _, element in sorted(inside, key=lambda pair: pair[0]):
             lines += self.compound(element, inner) if element.tag == "compounddef" else self.member(element, inner)
         return lines
 
@@ -131,7 +133,7 @@ class HeadersDirective(SphinxDirective):
 
     def run(self):
         config = self.env.config
-        found = Headers(config.doxygen_xml)
+        found = headers_of(config.doxygen_xml)
         layer = self.arguments[0]
         sections = []
         for path in sorted(glob.glob(os.path.join(config.include_folder, "nscdd", layer, "**", "*.hpp"), recursive=True)):

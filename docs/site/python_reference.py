@@ -1,51 +1,64 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference of the Python package from its docstrings, which are plain text: a directive `package NAME...` with
-these names of the package, each with its members."""
+"""The reference of the Python package from its docstrings, which are plain text: a directive `package`, which has the
+names of the package in its content, each with its members."""
+import importlib
 import re
 
+from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 
 import plain_text
 
 SELF = re.compile(r"\(self: [\w.]+(?:, )?")
+MODULE = re.compile(r"\bnscdd\._core\.|\bnumpy\.(?=ndarray)")
+
+
+def margin_of(line):
+    return len(line) - len(line.lstrip())
+
+
+def even(lines):
+    """The lines with the margin of the second paragraph taken off, where what was added to a docstring has none."""
+    indented = [line for line in lines[1:] if line.strip()]
+    margin = margin_of(indented[0]) if indented else 0
+    return [line[min(margin, margin_of(line)):] for line in lines]
 
 
 def as_plain_text(app, what, name, thing, options, lines):
+    text = "\n".join(even(lines)).strip("\n")
     # The first line of a compiled function is its signature, which autodoc has taken.
-    text = "\n".join(lines).strip("\n")
-    if what in ("method", "function") and re.match(rf"{name.rpartition('.')[2]}\(.*\)( -> .*)?(\n|$)", text):
+    if re.match(rf"{name.rpartition('.')[2]}\(.*\)( -> .*)?(\n|$)", text):
         text = text.partition("\n")[2].strip("\n")
     lines[:] = plain_text.to_rst(text)
 
 
-def without_self(app, what, name, thing, options, signature, result):
-    return signature and SELF.sub("(", signature), result
+def plain_signature(app, what, name, thing, options, signature, result):
+    """Without `self`; that of a compiled class is the first line of its constructor's docstring."""
+    if what == "class" and signature is None:
+        found = re.match(r"__init__(\(.*\)) -> None", thing.__init__.__doc__ or "")
+        signature = found and found.group(1)
+    return signature and MODULE.sub("", SELF.sub("(", signature)), result and MODULE.sub("", result)
 
 
 class PackageDirective(SphinxDirective):
     has_content = True
 
     def run(self):
-        package = __import__(self.config.python_package)
-        lines = []
+        package, lines = importlib.import_module("nscdd"), []
         for name in " ".join(self.content).split():
-            kind = "autoclass" if isinstance(getattr(package, name), type) else "autofunction"
-            if isinstance(getattr(package, name), type) and issubclass(getattr(package, name), Exception):
-                kind = "autoexception"
-            lines += [f".. {kind}:: {package.__name__}.{name}", *(["   :members:"] if kind == "autoclass" else []), ""]
-        return self.parse(lines)
-
-    def parse(self, lines):
-        from docutils import nodes
+            thing = getattr(package, name)
+            kind = "autofunction"
+            if isinstance(thing, type):
+                kind = "autoexception" if issubclass(thing, Exception) else "autoclass"
+            lines += [f".. {kind}:: nscdd.{name}", *(["   :members:"] if kind == "autoclass" else []), ""]
         container = nodes.container()
         self.state.nested_parse(StringList(lines, source=self.env.docname), 0, container)
         return container.children
 
 
 def setup(app):
-    app.add_config_value("python_package", "nscdd", "env")
     app.add_directive("package", PackageDirective)
     app.connect("autodoc-process-docstring", as_plain_text)
-    app.connect("autodoc-process-signature", without_self)
+    app.connect("autodoc-process-signature", plain_signature)
     return {"parallel_read_safe": True}
