@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Formulas of the documents, which are plain text so that they can be read anywhere, as the site sets them: X_η with a
 subscript, M^-1/2 with a superscript, and indented blocks of formulas in a serif face with columns where they have any.
+Beside that, links that are called by the name of a document's file.
 """
 import re
 
@@ -88,6 +89,19 @@ class SetFormulas(SphinxPostTransform):
                 text.parent.replace(text, found)
 
 
+class NameDocuments(SphinxPostTransform):
+    """Links that documents call by a file name, which is right in a tree, have its stem on the site."""
+
+    default_priority = 890
+
+    def run(self, **_):
+        for reference in self.document.findall(nodes.reference):
+            named = re.fullmatch(r"(?:[\w.-]+/)*([\w-]+)\.md", reference.astext())
+            text = next(reference.findall(nodes.Text), None)
+            if named and text is not None:
+                text.parent.replace(text, nodes.Text(named.group(1)))
+
+
 def ancestors(node):
     while node.parent is not None:
         node = node.parent
@@ -96,4 +110,5 @@ def ancestors(node):
 
 def setup(app):
     app.add_post_transform(SetFormulas)
+    app.add_post_transform(NameDocuments)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -20,6 +20,7 @@ PICTURE = re.compile(r"\]\(\.\./figures/tutorial-([\w.-]+)\)")
 TOKEN = re.compile(r"(?P<number>(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w]))|(?P<rest>…)|(?P<blank>\s+)")
 NUMBER = r"([-+]?(?:\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|inf|nan))"
 RELATIVE, ABSOLUTE = 1e-6, 1e-11
+TIME_LIMIT = 500  # seconds for a session: against a hang, not a measurement
 # mpirun as root, and with more processes than cores: what docs/machines.md says.
 PROCESSES = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
              "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
@@ -121,24 +122,34 @@ def judge(document, step, outputs, k):
     return well
 
 
-def run(document, text, blocks, folder, time_limit, figures=None):
+def link_tree(folder, build):
+    """The source tree by links, with the build that is tested as its build/release, where documents have it."""
+    os.makedirs(os.path.join(folder, "build"))
+    os.symlink(build, os.path.join(folder, "build", "release"))
+    for name in os.listdir(os.environ["NSCDD_SOURCE"]):
+        if name != "build":
+            os.symlink(os.path.join(os.environ["NSCDD_SOURCE"], name), os.path.join(folder, name))
+
+
+def run(document, text, blocks, folder, figures=None):
     """Runs the session of a document in the empty folder FOLDER. Returns (commands that did what is shown, others).
     FIGURES: a folder where its pictures are put."""
     steps = steps_of(blocks)
     if not any(kind == "command" for kind, *_ in steps):
         return 0, 0
-    place, outputs = os.path.join(folder, "session"), os.path.join(folder, "outputs")
+    place, outputs, tree = (os.path.join(folder, name) for name in ("session", "outputs", "tree"))
     os.makedirs(os.path.join(place, "build"))
     os.makedirs(outputs)
-    program_folder = os.path.dirname(os.environ["NSCDD_PROGRAM"])
-    os.symlink(program_folder, os.path.join(place, "build", "release"))
+    build = os.path.dirname(os.environ["NSCDD_PROGRAM"])
+    link_tree(tree, build)
+    os.symlink(build, os.path.join(place, "build", "release"))  # the README stands in the tree
     for k, (kind, _, _, content) in enumerate(steps):
         if kind == "file":
             with open(os.path.join(outputs, f"file-{k}"), "w", encoding="utf-8") as stream:
                 stream.write(content)
-    environment = dict(os.environ, **PROCESSES, PATH=f"{program_folder}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg",
-                       LC_ALL="C.UTF-8")
-    subprocess.run(["bash", "-c", script(steps, outputs)], cwd=place, env=environment, check=True, timeout=time_limit)
+    environment = dict(os.environ, **PROCESSES, PATH=f"{build}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg", LC_ALL="C.UTF-8",
+                       NSCDD_SOURCE=tree)
+    subprocess.run(["bash", "-c", script(steps, outputs)], cwd=place, env=environment, check=True, timeout=TIME_LIMIT)
     well = [judge(document, step, outputs, k) for k, step in enumerate(steps) if step[0] == "command"]
     for picture in PICTURE.findall(text):
         made = os.path.join(place, picture)

@@ -128,7 +128,7 @@ def run_python(found):
 
 def run_session(document, text, figures):
     with tempfile.TemporaryDirectory() as folder:
-        return sessions.run(document, text, all_blocks(text, document), folder, TIME_LIMIT, figures)
+        return sessions.run(document, text, all_blocks(text, document), folder, figures)
 
 
 def main():
