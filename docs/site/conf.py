@@ -17,7 +17,8 @@ root_doc = "docs/site/index"
 include_patterns = ["docs/**.md", "docs/site/*.rst", "studies/*/README.md", "benchmarks/README.md", "src/linalg/multifrontal/README.md",
                     "CONTRIBUTING.md", "CHANGELOG.md"]
 exclude_patterns = ["build", "results", ".git"]
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton", "cpp_reference", "python_reference", "formulas"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton", "cpp_reference", "python_reference", "tables",
+              "formulas"]
 
 myst_heading_anchors = 4
 myst_heading_slug_func = anchor_of
@@ -34,6 +35,7 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 html_last_updated_fmt = None
 FONTS = {
     "font-stack": "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', Arial, sans-serif",

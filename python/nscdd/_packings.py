@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from inspect import cleandoc
 
 import numpy as np
 
@@ -23,13 +24,12 @@ def generate(generator: str, *, progress: _arguments.Progress = None, threads: i
     generator or parameter that there is not, or a value out of bounds.
 
     The generators, and their parameters with what they are by default:
-
     """
     return _core.generate(generator, _arguments.settings(parameters), _arguments.progress(progress), threads)
 
 
 if generate.__doc__:  # not with python3 -OO
-    generate.__doc__ += _core.generators_text
+    generate.__doc__ = cleandoc(generate.__doc__) + "\n\n" + _core.generators_text
 
 
 def contacts(packing: Packing, *, tolerance: float = 1e-7, overlap_tolerance: float = 1e-7) -> ContactNetwork:

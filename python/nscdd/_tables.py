@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from inspect import cleandoc
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,7 +50,6 @@ def sweep(parts: Decomposition, epsilon: _arguments.Values, eta: _arguments.Valu
 
     The other arguments are those of `contraction` and `spectral_radius`. `progress` counts rows. A row that did not
     converge has False in its column `converged`. Columns:
-
     """
     options = _core.TableOptions(solver, residual_tolerance, eigenvalues, certify, _arguments.progress(progress),
                                  threads)
@@ -97,14 +97,12 @@ def optimum(parts: Decomposition, epsilon: _arguments.Values = 0.0, *, contacts:
             progress: _arguments.Progress = None, threads: int = 0) -> Table:
     """The best flexibility eta of Stage 2, with and without relaxation: a row for each epsilon. `progress` counts rows.
     How a row came about, its columns `status` and `relaxed_status` say. Columns:
-
     """
     options = _core.TableOptions(solver, residual_tolerance, 1, certify, _arguments.progress(progress), threads)
     return Table(_core.optimum(parts, _arguments.spec(epsilon), contacts, options))
 
 
-if sweep.__doc__ and optimum.__doc__:  # not with python3 -OO
-    sweep.__doc__ += _core.sweep_columns_text
-    optimum.__doc__ += _core.optimum_columns_text
-    if curve.__doc__:
-        curve.__doc__ += _core.curve_columns_text
+if sweep.__doc__ and optimum.__doc__ and curve.__doc__:  # not with python3 -OO
+    sweep.__doc__ = cleandoc(sweep.__doc__) + "\n\n" + _core.sweep_columns_text
+    optimum.__doc__ = cleandoc(optimum.__doc__) + "\n\n" + _core.optimum_columns_text
+    curve.__doc__ = cleandoc(curve.__doc__) + "\n\n" + _core.curve_columns_text
