@@ -10,7 +10,7 @@ from sphinx.transforms.post_transforms import SphinxPostTransform
 
 # One or two letters with an accent, then "_" and what stands below: {E,η}, or letters and figures, with commas between
 # Greek ones. What stands above behind "^" is a number, such as -1/2.
-SUBSCRIPT = re.compile(r"(?<![\w\\/.])(?P<base>[d∂√²]?[A-Za-z\u0370-\u03ff][\u0300-\u036f]?)"
+SUBSCRIPT = re.compile(r"(?<![^\W\d]|[\\.])(?P<base>[d∂√²]?[A-Za-z\u0370-\u03ff][\u0300-\u036f]?)"
                        r"_(?:\{(?P<braced>[^{}]+)\}|(?P<plain>[A-Za-z0-9\u0370-\u03ff]+(?:,[\u0370-\u03ff])*|∞))"
                        r"|\^(?P<power>\{[^{}]+\}|-?\d+(?:/\d+)?)")
 BLOCKS = ("docs/theory", "docs/algorithms", "docs/tutorials/law")

@@ -146,8 +146,8 @@ def main():
         unknown += unknown_options(document, texts[document], helps)
     if unknown:
         sys.exit("\n".join(unknown))
-    if not helps:
-        sys.exit(f"expected a command of the program in {', '.join(texts)}, met none")
+    if not helps and not any(blocks(text, document, "console") for document, text in texts.items()):
+        sys.exit(f"expected a command in {', '.join(texts)}, met none")
     python = [(document, line, code) for document, text in texts.items() for line, code in blocks(text, document)
               if not sessions.file_name(code)]
     results = [run_python(python)]
