@@ -118,7 +118,7 @@ def judge(document, step, outputs, k):
     well = status == 0 and same_lines(shown, printed)
     print(f"{document}:{line}: {'ok' if well else 'FAILED'}: {command}")
     if not well:
-        print(f"exit code {status}; shown:", *shown, "printed:", *printed, sep="\n    ")
+        print(f"exit code {status}; shown:", *shown, "printed:", *printed[:100], sep="\n    ")
     return well
 
 
