@@ -136,7 +136,8 @@ class HeadersDirective(SphinxDirective):
         found = headers_of(config.doxygen_xml)
         layer = self.arguments[0]
         sections = []
-        for path in sorted(glob.glob(os.path.join(config.include_folder, "nscdd", layer, "**", "*.hpp"), recursive=True)):
+        below = os.path.join(config.include_folder, "nscdd", layer, "**", "*.hpp")
+        for path in sorted(glob.glob(below, recursive=True)):
             name = os.path.relpath(path, config.include_folder)
             section = nodes.section(ids=[nodes.make_id(name)])
             section += nodes.title("", "", nodes.literal(text=f"<{name}>"))

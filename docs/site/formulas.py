@@ -32,7 +32,9 @@ def pieces(text):
 
 def is_formula(block):
     """Indented blocks have no language. Matrices drawn with brackets keep their blanks."""
-    return block.get("language", "none") in ("none", "default") and not re.search(r"^\s*\[|[│─└┘┌┐]", block.astext(), re.M)
+    if block.get("language", "none") not in ("none", "default"):
+        return False
+    return not re.search(r"^\s*\[|[│─└┘┌┐]", block.astext(), re.M)
 
 
 def line_of(text):

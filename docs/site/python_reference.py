@@ -25,8 +25,8 @@ def as_plain_text(app, what, name, thing, options, lines):
 
 
 def plain_signature(app, what, name, thing, options, signature, result):
-    """With the annotations as the source has them. Those of compiled functions are in their docstrings, with `self`, and
-    those of a class in the docstring of its constructor."""
+    """With the annotations as the source has them. Those of compiled functions are in their docstrings, with `self`,
+    and those of a class in the docstring of its constructor."""
     if inspect.isfunction(thing):
         written = inspect.signature(thing)
         kept = [one for one in written.parameters.values() if one.name != "self"]

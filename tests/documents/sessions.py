@@ -147,8 +147,8 @@ def run(document, text, blocks, folder, figures=None):
         if kind == "file":
             with open(os.path.join(outputs, f"file-{k}"), "w", encoding="utf-8") as stream:
                 stream.write(content)
-    environment = dict(os.environ, **PROCESSES, PATH=f"{build}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg", LC_ALL="C.UTF-8",
-                       NSCDD_SOURCE=tree)
+    environment = dict(os.environ, **PROCESSES, PATH=f"{build}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg",
+                       LC_ALL="C.UTF-8", NSCDD_SOURCE=tree)
     subprocess.run(["bash", "-c", script(steps, outputs)], cwd=place, env=environment, check=True, timeout=TIME_LIMIT)
     well = [judge(document, step, outputs, k) for k, step in enumerate(steps) if step[0] == "command"]
     for picture in PICTURE.findall(text):

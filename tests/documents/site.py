@@ -19,7 +19,7 @@ import time
 import urllib.parse
 
 LEFT_OUT = {"README.md"}  # the start page of forges; the site has one of its own
-FETCHED = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "video": "src", "use": "href"}
+FETCHED = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "video": "src"}
 STYLE_ADDRESS = re.compile(r"url\(\s*['\"]?([^'\")]+)|@import\s+['\"]([^'\"]+)")
 
 
@@ -36,8 +36,8 @@ class Page(html.parser.HTMLParser):
         given = dict(attributes)
         self.places.update(given[name] for name in ("id", "name") if given.get(name))
         if tag in FETCHED and given.get(FETCHED[tag]):
-            relation = given.get("rel", "")
-            (self.links if relation in ("next", "prev", "index", "search") else self.fetched).append(given[FETCHED[tag]])
+            only_named = given.get("rel", "") in ("next", "prev", "index", "search")
+            (self.links if only_named else self.fetched).append(given[FETCHED[tag]])
         if tag == "a" and given.get("href"):
             self.links.append(given["href"])
         self.style = tag == "style"
