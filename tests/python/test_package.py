@@ -91,7 +91,8 @@ def test_the_wheel_has_what_belongs_in_it(tmp_path):
         files = wheel.namelist()
         metadata = wheel.read(f"nscdd-{nscdd.__version__}.dist-info/METADATA").decode()
         record = wheel.read(f"nscdd-{nscdd.__version__}.dist-info/RECORD").decode().splitlines()
-    assert {"nscdd/__init__.py", "nscdd/py.typed", "nscdd/_core.pyi", "nscdd/libnscdd.so.0"} <= set(files)
+    library = f"nscdd/libnscdd.so.{nscdd.__version__.rpartition('.')[0]}"
+    assert {"nscdd/__init__.py", "nscdd/py.typed", "nscdd/_core.pyi", library} <= set(files)
     assert [line.split(",")[0] for line in record] == files
     assert f"Version: {nscdd.__version__}\n" in metadata and "Requires-Dist: scipy\n" in metadata
 
