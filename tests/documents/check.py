@@ -16,7 +16,8 @@ import re
 import sys
 
 LONGEST = 120
-SOURCES = ("include", "src", "tests", "plots", "benchmarks", "studies", "cases", "tools", "cmake", "python")
+SOURCES = ("include", "src", "tests", "plots", "benchmarks", "studies", "cases", "tools", "cmake", "python",
+           "packaging", "debian")
 ROOTS = SOURCES + ("docs", ".ci")
 
 
