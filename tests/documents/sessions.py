@@ -85,15 +85,12 @@ def same_lines(shown, printed):
     return bool(printed) and same_line(shown[0].rstrip(), printed[0]) and same_lines(shown[1:], printed[1:])
 
 
-def script(steps, outputs):
-    """The session as a script of bash: what the command of step k prints goes to OUTPUTS/k, its exit code beside."""
-    text = ""
-    for k, (kind, _, content, _) in enumerate(steps):
-        if kind == "file":
-            text += f'mkdir -p "$(dirname \'{content}\')" && cp "{outputs}/file-{k}" \'{content}\'\n'
-        else:
-            text += f'{{ {content}\n}} >"{outputs}/{k}" 2>&1 </dev/null; echo $? >"{outputs}/{k}.status"\n'
-    return text
+def script_of(k, step, outputs):
+    """Step k as a line of bash: what its command prints goes to OUTPUTS/k, its exit code beside."""
+    kind, _, content, _ = step
+    if kind == "file":
+        return f'mkdir -p "$(dirname \'{content}\')" && cp "{outputs}/file-{k}" \'{content}\'\n'
+    return f'{{ {content}\n}} >"{outputs}/{k}" 2>&1 </dev/null; echo $? >"{outputs}/{k}.status"\n'
 
 
 def steps_of(blocks):
@@ -149,7 +146,8 @@ def run(document, text, blocks, folder, figures=None):
                 stream.write(content)
     environment = dict(os.environ, **PROCESSES, PATH=f"{build}:/usr/bin:{os.environ['PATH']}", MPLBACKEND="Agg",
                        LC_ALL="C.UTF-8", NSCDD_SOURCE=tree)
-    subprocess.run(["bash", "-c", script(steps, outputs)], cwd=place, env=environment, check=True, timeout=TIME_LIMIT)
+    script = "".join(script_of(k, step, outputs) for k, step in enumerate(steps))
+    subprocess.run(["bash", "-c", script], cwd=place, env=environment, check=True, timeout=TIME_LIMIT)
     well = [judge(document, step, outputs, k) for k, step in enumerate(steps) if step[0] == "command"]
     for picture in PICTURE.findall(text):
         made = os.path.join(place, picture)

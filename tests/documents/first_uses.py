@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Three first uses as a newcomer has them, on a machine with Debian alone: tools/first-uses calls this.
+
+usage: first_uses.py script USE ROOT    writes the session of a use into the root: /root/session, run by bash
+       first_uses.py judge USE ROOT     compares what happened there; adds a row to ROOT/../first-uses.csv
+       first_uses.py table FOLDER       prints FOLDER/first-uses.csv as a table of Markdown
+       first_uses.py uses               their names
+
+The commands are those of the site: the block "sh" of the section of docs/start.md that installs packages, then the
+tutorial of the use, as a session (sessions.py). A use passes where every command ends well and prints what the tutorial
+shows, where its key number is among what is shown, and where its pictures are there and show something.
+"""
+import csv
+import os
+import re
+import shutil
+import sys
+
+import sessions
+import snippets
+
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+INSTALL = "Or install packages"  # the heading in docs/start.md
+# Use: what it leads from and to, its tutorial, and the text on a line of output that has its key number.
+USES = {
+    "grains": ("a CSV of grains to a curve and its best η", "radius.md", "best_eta"),
+    "datbox": ("an LMGC90 DATBOX to a run, its convergence and the reason of its rate", "lmgc90.md", "10,20,"),
+    "arrays": ("NumPy arrays to a radius, a mode and a plot", "python.md", "SpectralRadius(value="),
+}
+COLUMNS = ("first_use", "commands_to_figure", "minutes_to_figure", "minutes_to_install", "commands", "minutes",
+           "key_number")
+
+
+def text_of(name):
+    with open(os.path.join(SOURCE, "docs", name), encoding="utf-8") as stream:
+        return stream.read()
+
+
+def install_commands():
+    """The commands of the section that installs packages, one a line."""
+    section = re.search(rf"^### {INSTALL}$(.*?)(?=^#|\Z)", text_of("start.md"), re.MULTILINE | re.DOTALL)
+    if not section:
+        sys.exit(f"docs/start.md: expected the heading '{INSTALL}'")
+    code = snippets.blocks(section.group(1), "docs/start.md", "sh")[0][1]
+    lines = code.replace("\\\n", " ").splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def steps_of(use):
+    """The session of a use: the commands that install come first, and may print what they like."""
+    install = [("command", 0, command, ["…"]) for command in install_commands()]
+    name = f"tutorials/{USES[use][1]}"
+    return install, install + sessions.steps_of(snippets.all_blocks(text_of(name), name))
+
+
+def write_script(use, root):
+    """Beside what a session writes: the moment at which a command ended, and the pictures that are there then."""
+    install, steps = steps_of(use)
+    folder = os.path.join(root, "root", "session")
+    os.makedirs(folder)
+    text = "mkdir /root/work\ncd /packages\ndate +%s.%N >/root/session/began\n"
+    for k, step in enumerate(steps):
+        if k == len(install):
+            text += "cd /root/work\n"
+        if step[0] == "file":
+            with open(os.path.join(folder, f"file-{k}"), "w", encoding="utf-8") as stream:
+                stream.write(step[3])
+        text += sessions.script_of(k, step, "/root/session")
+        text += f"date +%s.%N >/root/session/{k}.moment; ls *.png >/root/session/{k}.pictures 2>/dev/null\n"
+    with open(os.path.join(folder, "session.sh"), "w", encoding="utf-8") as stream:
+        stream.write(text)
+
+
+def moment(folder, name):
+    with open(os.path.join(folder, name), encoding="utf-8") as stream:
+        return float(stream.read())
+
+
+def shows_something(path):
+    """A picture is there, and is not one colour."""
+    import matplotlib.image
+    return os.path.exists(path) and float(matplotlib.image.imread(path)[..., :3].std()) > 0.02
+
+
+def judge(use, root):
+    title, tutorial, key = USES[use]
+    install, steps = steps_of(use)
+    folder, work = os.path.join(root, "root", "session"), os.path.join(root, "root", "work")
+    commands = [k for k, step in enumerate(steps) if step[0] == "command"]
+    well = [sessions.judge(tutorial, steps[k], folder, k) for k in commands]
+    pictures = sessions.PICTURE.findall(text_of(f"tutorials/{tutorial}"))
+    for picture in pictures:
+        well.append(shows_something(os.path.join(work, picture)))
+        if not well[-1]:
+            print(f"{tutorial}: FAILED: no picture {picture}, or an empty one")
+        else:
+            shutil.copy(os.path.join(work, picture), os.path.join(root, "..", f"{use}-{picture}"))
+    shown = [line for k in commands for line in steps[k][3] if key in line]
+    if not all(well) or not shown or not pictures:
+        sys.exit(f"first use '{use}': {well.count(False)} of {len(well)} checks failed")
+    first = next(k for k in range(len(steps)) if os.path.getsize(os.path.join(folder, f"{k}.pictures")) > 0)
+    began = moment(folder, "began")
+    minutes = [(moment(folder, f"{k}.moment") - began) / 60 for k in (first, len(install) - 1, len(steps) - 1)]
+    row = (title, sum(k <= first for k in commands), f"{minutes[0]:.1f}", f"{minutes[1]:.1f}", len(commands),
+           f"{minutes[2]:.1f}", " ".join(shown[0].split()))
+    table = os.path.join(root, "..", "first-uses.csv")
+    new = not os.path.exists(table)
+    with open(table, "a", encoding="utf-8", newline="") as stream:
+        csv.writer(stream).writerows(([COLUMNS] if new else []) + [row])
+
+
+def print_table(folder):
+    with open(os.path.join(folder, "first-uses.csv"), encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    print("| from … to … | commands to the first figure | minutes | of these to install | commands in all | minutes |")
+    print("|---|---|---|---|---|---|")
+    for row in rows:
+        print("| " + " | ".join(row[name] for name in COLUMNS[:-1]) + " |")
+    print("\n" + "\n".join(f"{row['first_use']}: {row['key_number']}" for row in rows))
+
+
+def main():
+    match sys.argv[1:]:
+        case ["script", use, root] if use in USES:
+            write_script(use, root)
+        case ["judge", use, root] if use in USES:
+            judge(use, root)
+        case ["table", folder]:
+            print_table(folder)
+        case ["uses"]:
+            print("\n".join(USES))
+        case _:
+            sys.exit("usage: first_uses.py script|judge USE ROOT | table FOLDER | uses")
+
+
+if __name__ == "__main__":
+    main()
