@@ -34,13 +34,22 @@ make_base() {
   mv "$base.partial.tar" "$base"
 }
 
-# fresh_root FOLDER PACKAGES: unpacks the bare system into FOLDER (what was there goes) and lets its apt find the
-# packages of a folder beside those of Debian.
+# fresh_root PACKAGES: unpacks the bare system into a temporary folder, named in $fresh, which goes when the tool ends
+# or makes the next one. Its apt finds the packages of the folder PACKAGES beside those of Debian. TMPDIR chooses the
+# disk.
+fresh=""
+remove_root() {
+  [ -z "$fresh" ] || rm -rf --one-file-system "$fresh"
+  fresh=""
+}
+trap remove_root EXIT
 fresh_root() {
-  local folder=$1 packages=$2
+  local packages=$1 folder
   make_base
-  rm -rf --one-file-system "$folder"
-  mkdir -p "$folder"
+  remove_root
+  fresh=$(mktemp --directory "${TMPDIR:-/var/tmp}/nscdd-root.XXXXXX")
+  folder=$fresh
+  chmod 755 "$folder"
   tar --extract --numeric-owner --file "$base" --directory "$folder"
   cp /etc/resolv.conf "$folder/etc/resolv.conf"
   mkdir "$folder/packages"

@@ -3,7 +3,8 @@
 """Three first uses as a newcomer has them, on a machine with Debian alone: tools/first-uses calls this.
 
 usage: first_uses.py script USE ROOT    writes the session of a use into the root: /root/session, run by bash
-       first_uses.py judge USE ROOT     compares what happened there; adds a row to ROOT/../first-uses.csv
+       first_uses.py judge USE ROOT FOLDER    compares what happened there; adds a row to FOLDER/first-uses.csv, and
+                                        copies the pictures to FOLDER
        first_uses.py table FOLDER       prints FOLDER/first-uses.csv as a table of Markdown
        first_uses.py uses               their names
 
@@ -83,7 +84,7 @@ def shows_something(path):
     return os.path.exists(path) and float(matplotlib.image.imread(path)[..., :3].std()) > 0.02
 
 
-def judge(use, root):
+def judge(use, root, out):
     title, tutorial, key = USES[use]
     install, steps = steps_of(use)
     folder, work = os.path.join(root, "root", "session"), os.path.join(root, "root", "work")
@@ -95,7 +96,7 @@ def judge(use, root):
         if not well[-1]:
             print(f"{tutorial}: FAILED: no picture {picture}, or an empty one")
         else:
-            shutil.copy(os.path.join(work, picture), os.path.join(root, "..", f"{use}-{picture}"))
+            shutil.copy(os.path.join(work, picture), os.path.join(out, f"{use}-{picture}"))
     shown = [line for k in commands for line in steps[k][3] if key in line]
     if not all(well) or not shown or not pictures:
         sys.exit(f"first use '{use}': {well.count(False)} of {len(well)} checks failed")
@@ -104,7 +105,7 @@ def judge(use, root):
     minutes = [(moment(folder, f"{k}.moment") - began) / 60 for k in (first, len(install) - 1, len(steps) - 1)]
     row = (title, sum(k <= first for k in commands), f"{minutes[0]:.1f}", f"{minutes[1]:.1f}", len(commands),
            f"{minutes[2]:.1f}", " ".join(shown[0].split()))
-    table = os.path.join(root, "..", "first-uses.csv")
+    table = os.path.join(out, "first-uses.csv")
     new = not os.path.exists(table)
     with open(table, "a", encoding="utf-8", newline="") as stream:
         csv.writer(stream).writerows(([COLUMNS] if new else []) + [row])
@@ -124,14 +125,14 @@ def main():
     match sys.argv[1:]:
         case ["script", use, root] if use in USES:
             write_script(use, root)
-        case ["judge", use, root] if use in USES:
-            judge(use, root)
+        case ["judge", use, root, out] if use in USES:
+            judge(use, root, out)
         case ["table", folder]:
             print_table(folder)
         case ["uses"]:
             print("\n".join(USES))
         case _:
-            sys.exit("usage: first_uses.py script|judge USE ROOT | table FOLDER | uses")
+            sys.exit("usage: first_uses.py script USE ROOT | judge USE ROOT FOLDER | table FOLDER | uses")
 
 
 if __name__ == "__main__":
