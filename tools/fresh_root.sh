@@ -65,6 +65,7 @@ in_root() {
   shift
   local settings=(PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive)
   while IFS= read -r line; do settings+=("$line"); done < <(env | grep '^OPENBLAS_' || true)
-  unshare --mount --pid --fork --kill-child env -i "${settings[@]}" chroot "$folder" /bin/sh -c \
-    'mount -t proc proc /proc && mkdir -p /dev/shm && mount -t tmpfs tmpfs /dev/shm && exec "$@"' sh "$@"
+  unshare --mount --pid --fork --kill-child /bin/sh -c \
+    'mount -t proc proc "$0/proc" && mount -t sysfs -o ro sysfs "$0/sys" && mkdir -p "$0/dev/shm" && mount -t tmpfs tmpfs "$0/dev/shm" && exec "$@"' \
+    "$folder" env -i "${settings[@]}" chroot "$folder" "$@"
 }
