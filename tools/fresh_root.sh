@@ -65,7 +65,8 @@ in_root() {
   shift
   local settings=(PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive)
   while IFS= read -r line; do settings+=("$line"); done < <(env | grep '^OPENBLAS_' || true)
-  unshare --mount --pid --fork --kill-child /bin/sh -c \
-    'mount -t proc proc "$0/proc" && mount -t sysfs -o ro sysfs "$0/sys" && mkdir -p "$0/dev/shm" && mount -t tmpfs tmpfs "$0/dev/shm" && exec "$@"' \
-    "$folder" env -i "${settings[@]}" chroot "$folder" "$@"
+  local mounts='mount -t proc proc "$0/proc" && mount -t sysfs -o ro sysfs "$0/sys"
+    mkdir -p "$0/dev/shm" && mount -t tmpfs tmpfs "$0/dev/shm"'
+  unshare --mount --pid --fork --kill-child /bin/sh -c "set -e; $mounts; exec \"\$@\"" "$folder" \
+    env -i "${settings[@]}" chroot "$folder" "$@"
 }

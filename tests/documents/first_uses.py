@@ -89,7 +89,7 @@ def judge(use, root, out):
     install, steps = steps_of(use)
     folder, work = os.path.join(root, "root", "session"), os.path.join(root, "root", "work")
     commands = [k for k, step in enumerate(steps) if step[0] == "command"]
-    well = [sessions.judge(tutorial, steps[k], folder, k) for k in commands]
+    well = [sessions.judge("start.md" if k < len(install) else tutorial, steps[k], folder, k) for k in commands]
     pictures = sessions.PICTURE.findall(text_of(f"tutorials/{tutorial}"))
     for picture in pictures:
         well.append(shows_something(os.path.join(work, picture)))
