@@ -35,6 +35,7 @@ NAMES = {  # CMake: Spack, Guix, codemeta
     "SuiteSparse": ("suite-sparse", "suitesparse", "SuiteSparse"),
     "TBB": ("intel-oneapi-tbb", "onetbb", "TBB"),
     "fmt": ("fmt", "fmt-9", "fmt"),
+    "nlohmann_json": ("nlohmann-json", "nlohmann-json", "nlohmann-json"),
     "tomlplusplus": ("tomlplusplus", "tomlplusplus", "toml++"),
 }
 # The terms of schema.org and of CodeMeta 3.0 that codemeta.json may have.
