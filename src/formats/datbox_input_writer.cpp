@@ -56,7 +56,7 @@ std::string DatboxWriter::without_datbox() const {
     const Boundary& boundary = first_.system.boundaries[b];
     if (!turns(boundary.motion)) continue;
     if (wall_of_[b] >= 0 && !(thickness_[b] > 0))
-      return fmt::format("boundary '{}': expected a wall that turns about a point behind it, as a plank does",
+      return fmt::format("boundary '{}': expected a wall that turns about a point on it or behind it, as a plank does",
                          boundary.name);
     if (wall_of_[b] < 0 && boundary.orientation == Orientation::fixed)
       return fmt::format("boundary '{}': expected disks that turn with their boundary, as a rigid body does",

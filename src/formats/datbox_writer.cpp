@@ -62,7 +62,10 @@ DatboxWriter::DatboxWriter(const Simulation& first) : first_(first) {
     places_.push_back({body_of_boundary(system.walls[w].boundary), 1});
     const Index boundary = system.walls[w].boundary;
     wall_of_[at(boundary)] = static_cast<Index>(w);
-    if (turns(system.boundaries[at(boundary)].motion)) thickness_[at(boundary)] = depth_of_centre(system, w);
+    if (!turns(system.boundaries[at(boundary)].motion)) continue;
+    // A wall that turns about a point on it is a plank so thin that its seven digits tell no difference.
+    const double thin = 1e-7 * largest, depth = depth_of_centre(system, w);
+    thickness_[at(boundary)] = depth > -thin ? std::max(depth, thin) : 0;
   }
   density_ = mass / area;
   margin_ = largest;

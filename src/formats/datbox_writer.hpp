@@ -27,7 +27,7 @@ class DatboxWriter {
 
   /// Why the files that follow would be those of another case; empty where they are not: a law that LMGC90 does not
   /// have by the names read here, disks of a boundary that turns while they do not, a wall that turns about a point
-  /// that is not behind it.
+  /// in front of it.
   std::string without_datbox() const;
   std::string tact() const;  ///< TACT_BEHAV.DAT: one law between grains, one at boundaries, and who sees whom
   /// DRV_DOF.DAT: velocities of the boundaries by formula where they are constant, else by a table (evolution).
