@@ -24,13 +24,18 @@ Progress = Union[bool, Callable[[int, int], object], None]
 Prescribed = Mapping[int, Sequence[float]]
 
 
+def masked(values: object) -> bool:
+    """Whether parts of an array are masked: what is behind a mask is no number to be used."""
+    return bool(np.ma.is_masked(values))  # type: ignore[no-untyped-call]
+
+
 def spec(values: Values | None) -> str:
     """The SPEC of values: numbers as they read back, None for infinity."""
     if values is None:
         return "inf"
     if isinstance(values, str):
         return values
-    if np.ma.is_masked(values):
+    if masked(values):
         raise Error(f"values: expected numbers, met an array of which parts are masked: {values!r}")
     if isinstance(values, Iterable) and np.shape(values) != ():  # type: ignore[arg-type]
         return ",".join(spec(value) for value in values)
@@ -73,7 +78,7 @@ def subdomains(given: Subdomains) -> str | np.ndarray:
     if isinstance(given, tuple) and len(given) == 2:
         return f"{given[0]}x{given[1]}"
     numbers = np.asarray(given)
-    if numbers.dtype.kind not in "iu" or np.ma.is_masked(given):
+    if numbers.dtype.kind not in "iu" or masked(given):
         raise TypeError("subdomains: expected (columns, rows), a text such as 'metis:4', or an array of integers, "
                         f"met {given!r}")
     return numbers.astype(np.int64)

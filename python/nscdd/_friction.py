@@ -19,9 +19,9 @@ Observer = Optional[Callable[[FrictionSolution], object]]
 def _columns(matrix: Any, name: str) -> scipy.sparse.csc_matrix:
     """Compressed columns with ascending rows, without a copy where the matrix has them already."""
     given = matrix if scipy.sparse.issparse(matrix) else np.asarray(matrix)
-    if given.ndim != 2 or given.dtype.kind not in "biuf" or np.ma.is_masked(matrix):
+    if given.ndim != 2 or given.dtype.kind not in "biuf" or _arguments.masked(matrix):
         raise _core.Error(f"{name}: expected a matrix of real numbers, met {given.dtype} of shape {given.shape}"
-                          f"{', parts of it masked' * bool(np.ma.is_masked(matrix))}")
+                          f"{', parts of it masked' * _arguments.masked(matrix)}")
     columns = scipy.sparse.csc_matrix(given, dtype=float)
     if not columns.has_canonical_format:
         columns = columns.copy()  # summing up must not change the caller's matrix
