@@ -189,12 +189,12 @@ TEST_CASE("DATBOX: a velocity by a table is linear between its rows, and on beyo
   const Motion on = with_table("1 2\n2 4\n");
   CHECK(on.at(0).y == doctest::Approx(1));
   CHECK(on.at(9.5).y == doctest::Approx(20));
-  for (const auto& [table, words] : {std::pair("", "expected at least two rows, met 0"),
-                                     {"1 2\n", "expected at least two rows, met 1"},
-                                     {"1 2\n1 3\n", "lift.dat:2: expected times that ascend, met 1"},
-                                     {"1 2\n2\n", "lift.dat:2: expected a time and a velocity, met ''"},
-                                     {"1 2\n2 up\n", "lift.dat:2: expected a time and a velocity, met 'up'"}})
-    CHECK_THROWS_WITH_AS(with_table(table), doctest::Contains(words), Error);
+  for (const auto& one : {std::pair("", "expected at least two rows, met 0"),
+                          {"1 2\n", "expected at least two rows, met 1"},
+                          {"1 2\n1 3\n", "lift.dat:2: expected times that ascend, met 1"},
+                          {"1 2\n2\n", "lift.dat:2: expected a time and a velocity, met ''"},
+                          {"1 2\n2 up\n", "lift.dat:2: expected a time and a velocity, met 'up'"}})
+    CHECK_THROWS_WITH_AS(with_table(one.first), doctest::Contains(one.second), Error);
   for (const std::string name : {"../secret", "/etc/passwd", "..", ""}) {
     DatboxTexts other = small();
     other.driven = replaced(other.driven, formula, " vlocy      2 evolution " + name);
