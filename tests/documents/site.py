@@ -84,6 +84,11 @@ def wrong_addresses(folder, pages):
                 yield f"{name}: link to {address}: no such file"
             elif where in pages and place not in pages[where].places:
                 yield f"{name}: link to {address}: no such place"
+    fetched = {target(name, address)[0] for name, page in pages.items() for address in page.fetched}
+    for name in sorted(one for one in fetched if one.endswith(".js") and os.path.isfile(os.path.join(folder, one))):
+        with open(os.path.join(folder, name), encoding="utf-8") as stream:
+            if re.search(r"^(import|export)\b", stream.read(), re.M):
+                yield f"{name}: a module, which pages in a folder cannot load"
     for name in files(folder, ".css"):
         with open(os.path.join(folder, name), encoding="utf-8") as stream:
             for address in addresses(stream.read()):
