@@ -15,7 +15,7 @@ with open(os.path.join(ROOT, "CMakeLists.txt"), encoding="utf-8") as file:
 project = "nscdd"
 root_doc = "docs/site/index"
 include_patterns = ["docs/**.md", "docs/site/*.rst", "studies/*/README.md", "benchmarks/README.md",
-                    "src/linalg/multifrontal/README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
+                    "packaging/README.md", "src/linalg/multifrontal/README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
 exclude_patterns = ["build", "results", ".git"]
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton", "cpp_reference", "python_reference", "tables",
               "formulas"]
