@@ -18,7 +18,9 @@ import sys
 import time
 import urllib.parse
 
-LEFT_OUT = {"README.md"}  # the start page of forges; the site has one of its own
+# The start page of forges, for which the site has one of its own, and what forges put into a new issue.
+LEFT_OUT = {"README.md"}
+FORGES = ".github/"
 FETCHED = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "video": "src"}
 STYLE_ADDRESS = re.compile(r"url\(\s*['\"]?([^'\")]+)|@import\s+['\"]([^'\"]+)")
 
@@ -105,7 +107,7 @@ def without_page(source, folder, pages):
         if name.startswith("docs/figures/"):
             if os.path.basename(name) not in shown:
                 yield f"{name}: on no page"
-        elif name.endswith(".md") and name not in LEFT_OUT | {"docs/site/report.md"}:
+        elif name.endswith(".md") and name not in LEFT_OUT | {"docs/site/report.md"} and not name.startswith(FORGES):
             if name[:-3] + ".html" not in pages:
                 yield f"{name}: has no page"
 
