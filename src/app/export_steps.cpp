@@ -76,7 +76,7 @@ int export_vtkhdf(const Chosen& chosen, const std::string& path) {
 
 using Write = std::function<void(const std::string& name, const std::string& text)>;
 
-// What LMGC90 begins with, and this program too: the first of the steps.
+// What LMGC90 begins with: the first of the steps. So does this program, where no disk spins in it.
 void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const Write& write) {
   write("BODIES.DAT", writer.bodies());
   write("BULK_BEHAV.DAT", writer.bulk());
@@ -98,10 +98,14 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
     };
   };
   const std::string reason = writer.without_datbox();
-  if (reason.empty())
+  if (reason.empty()) {
     write_datbox(writer, first, into("DATBOX"));
-  else
+    if (std::ranges::any_of(first.state.spin, [](double spin) { return spin != 0; }))
+      note("{}: disks spin in step {}, which nscdd simulate does not begin with; LMGC90 does",
+           (folder / "DATBOX").string(), first.state.step);
+  } else {
     note("{}: no DATBOX is written: {}", folder.string(), reason);
+  }
   const Write write = into("OUTBOX");
   write("BODIES.OUT", writer.bodies());
   write("BULK_BEHAV.OUT", writer.bulk());

@@ -69,12 +69,32 @@ DatboxWriter::DatboxWriter(const Simulation& first) : first_(first) {
   }
   density_ = mass / area;
   margin_ = largest;
-  length_ = 2 * (highest - lowest) + largest;  // walls have no ends: a plank reaches beyond all that is there
+  lay_planks(highest - lowest);
+}
+
+// Walls have no ends: a plank reaches beyond all disks of the first step by the size of the packing. Where it does not
+// turn its middle lies before that of the disks, wherever the point is that the wall is described by.
+void DatboxWriter::lay_planks(double size) {
+  const GranularState& state = first_.state;
+  half_length_.assign(wall_of_.size(), 0);
+  shift_.assign(wall_of_.size(), 0);
+  for (Index b = 0; b < count(wall_of_); ++b) {
+    if (wall_of_[at(b)] < 0) continue;
+    const auto [x, y, angle] = position(b, state.poses[at(b)]);
+    double low = infinity, high = -infinity;
+    for (std::size_t i = 0; i < state.x.size(); ++i) {
+      const double along = (state.x[i] - x) * std::cos(angle) + (state.y[i] - y) * std::sin(angle);
+      low = std::min(low, along);
+      high = std::max(high, along);
+    }
+    if (!turns(first_.system.boundaries[at(b)].motion)) shift_[at(b)] = (low + high) / 2;
+    half_length_[at(b)] = std::max(std::abs(low - shift_[at(b)]), std::abs(high - shift_[at(b)])) + size + margin_;
+  }
 }
 
 // A plank lies behind the face that is the wall. The node of a body is the point that it turns about: a plank that
-// turns is so thick that its middle lies there. (The node of several disks must not be 0: LMGC90 would work out another
-// one.)
+// turns is so thick that its middle lies there. The others are shifted along the wall, see lay_planks. (The node of
+// several disks must not be 0: LMGC90 would work out another one.)
 std::array<double, 3> DatboxWriter::position(Index boundary, const Pose& pose) const {
   const Index number = wall_of_[at(boundary)];
   if (number < 0) {
@@ -85,7 +105,9 @@ std::array<double, 3> DatboxWriter::position(Index boundary, const Pose& pose) c
   const Wall wall = moved(first_.system.walls[at(number)], motion, pose);
   const double thickness = thickness_[at(boundary)], angle = std::atan2(-wall.normal[0], wall.normal[1]);
   if (turns(motion)) return {pose.x, pose.y, angle};
-  return {wall.point[0] - thickness * wall.normal[0], wall.point[1] - thickness * wall.normal[1], angle};
+  const double shift = shift_[at(boundary)];
+  return {wall.point[0] - thickness * wall.normal[0] + shift * std::cos(angle),
+          wall.point[1] - thickness * wall.normal[1] + shift * std::sin(angle), angle};
 }
 
 std::string DatboxWriter::bodies() const {
@@ -111,7 +133,7 @@ std::string DatboxWriter::bodies() const {
     begin(body_of_boundary(b), margin_, margin_, place);
     if (wall_of_[at(b)] >= 0)
       text += fmt::format(" JONCx      1  color  {}{}\n", boundaries,
-                          datbox_named({{"ax1 =", length_}, {"ax2 =", thickness}}));
+                          datbox_named({{"ax1 =", half_length_[at(b)]}, {"ax2 =", thickness}}));
     for (std::size_t i = 0; i < state.x.size(); ++i) {
       if (system.driven_by[i] != b) continue;
       const double x = state.x[i] - place[0], y = state.y[i] - place[1];  // in the axes of the body

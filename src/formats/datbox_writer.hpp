@@ -41,16 +41,19 @@ class DatboxWriter {
   struct Place {
     Index body = 0, contactor = 1;
   };
+  void lay_planks(double size);
   Index body_of_boundary(Index boundary) const { return first_.system.free_disks() + boundary + 1; }
   std::array<double, 3> position(Index boundary, const Pose& pose) const;
   std::string contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;
 
   Simulation first_;
-  std::vector<Place> places_;       // of the disks, then of the walls
-  std::vector<Index> wall_of_;      // of each boundary, -1 for one of disks
-  std::vector<double> thickness_;   // m, of each boundary: half of that of its plank
-  double density_ = 1;              // kg/m^2
-  double length_ = 1, margin_ = 1;  // m, of planks
+  std::vector<Place> places_;   // of the disks, then of the walls
+  std::vector<Index> wall_of_;  // of each boundary, -1 for one of disks
+  // Of each boundary, m: half the thickness and length of its plank, and how far its middle lies along the wall from
+  // the point of the wall.
+  std::vector<double> thickness_, half_length_, shift_;
+  double density_ = 1;  // kg/m^2
+  double margin_ = 1;   // m, the largest radius
 };
 
 }  // namespace nscdd
