@@ -11,11 +11,17 @@ namespace {
 
 using Shared = std::shared_ptr<FrictionSolution>;
 
-Index integer(const py::dict& options, const char* name) {
+template <class Number>
+Number number(const py::dict& options, const char* name, std::string_view expected) {
   const py::object given = options[name];
-  if (!PyIndex_Check(given.ptr())) fail("{}: expected an integer, met {}", name, std::string(py::repr(given)));
-  return given.cast<Index>();
+  try {
+    if (std::is_floating_point_v<Number> || PyIndex_Check(given.ptr())) return given.cast<Number>();
+  } catch (const py::cast_error&) {  // a text, or an integer beyond 64 bits
+  }
+  fail("{}: expected {}, met {}", name, expected, std::string(py::repr(given)));
 }
+
+Index integer(const py::dict& options, const char* name) { return number<Index>(options, name, "an integer"); }
 
 FrictionSolverOptions options_of(const std::string& solver, double tolerance, const std::string& order,
                                  const py::dict& more) {
@@ -26,7 +32,7 @@ FrictionSolverOptions options_of(const std::string& solver, double tolerance, co
   options.tolerance = tolerance;
   options.maximum_sweeps = integer(more, "maximum_sweeps");
   options.maximum_factorisations = integer(more, "maximum_factorisations");
-  options.relaxation = more["relaxation"].cast<double>();
+  options.relaxation = number<double>(more, "relaxation", "a number");
   options.seed = integer(more, "seed");
   options.check_every = integer(more, "check_every");
   return options;

@@ -213,6 +213,8 @@ def test_errors_of_files(tmp_path):
     (np.ones(2), [-1, 0], 0.1, {}, r"W: expected a matrix of real numbers, met float64 of shape \(2,\)"),
     (np.eye(2), [-1j, 0], 0.1, {}, "q: expected real numbers, met an array of complex128"),
     (np.eye(2), [-1, 0], 0.1, {"maximum_sweeps": 1e5}, "maximum_sweeps: expected an integer, met 100000.0"),
+    (np.eye(2), [-1, 0], 0.1, {"maximum_sweeps": 10**30}, "maximum_sweeps: expected an integer, met 1000000"),
+    (np.eye(2), [-1, 0], 0.1, {"relaxation": "a"}, "relaxation: expected a number, met 'a'"),
     (np.eye(2), [-1, 0], 0.1, {"check_every": 0}, "checks every >= 1 sweep"),
     (np.eye(2), [-1, 0], 0.1, {"guess": [np.nan, 0]}, "guess: expected finite numbers"),
     (np.eye(2), [-1, 0], 0.1, {"threads": -1}, "threads"),
