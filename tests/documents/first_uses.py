@@ -114,7 +114,8 @@ def judge(use, root, out):
 def print_table(folder):
     with open(os.path.join(folder, "first-uses.csv"), encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    print("| from … to … | commands to the first figure | minutes | of these to install | commands in all | minutes |")
+    print("| from … to … | commands to the first figure | minutes | of these to install | commands in all "
+          "| minutes |")
     print("|---|---|---|---|---|---|")
     for row in rows:
         print("| " + " | ".join(row[name] for name in COLUMNS[:-1]) + " |")
