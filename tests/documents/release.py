@@ -83,7 +83,17 @@ def check_version(tree, version):
     tree.expect_all("packaging/guix/nscdd.scm", "version", r'^  \(version "(.*)"\)', version)
     tree.expect_all("packaging/container/Containerfile", "tag", r"nscdd:([\d.]+)", version)
     tree.expect_all("packaging/container/Containerfile", "library", r"libnscdd([\d.]+)_", minor)
-    tree.expect_all("docs/release.md", "tag", r"\bv(\d+\.\d+\.\d+)", version)
+    page = "docs/release.md"
+    tree.expect_all(page, "tag", r"\bv(\d+\.\d+\.\d+)", version)
+    tree.expect_all(page, "project() of CMakeLists.txt", r"project\(nscdd VERSION ([\d.]+)", version)
+    tree.expect_all(page, "heading of CHANGELOG.md", r"/\^## ([\d.]+) /", version)
+    tree.expect_all(page, "archive", r"nscdd-(\d[\d.]*\d)", version)
+    tree.expect_all(page, "library in a package's name", r"libnscdd(?:-mpi)?(\d[\d.]*)", minor)
+    tree.expect_all(page, "find_package", r"find_package\(nscdd ([\d.]+)", minor)
+    page = "packaging/README.md"
+    tree.expect_all(page, "version for Spack", r"nscdd@([\d.]+)", version)
+    tree.expect_all(page, "tag of the image", r"nscdd:([\d.]+)", version)
+    tree.expect_all(page, "library in a package's name", r"libnscdd(?:-mpi)?(\d[\d.]*)", minor)
 
 
 def check_day(tree, version):
