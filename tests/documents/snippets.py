@@ -13,7 +13,8 @@ A block of Python that is no file of such a session runs by itself with /usr/bin
 exist that the text speaks of:
 results/figure-5/ (nscdd run figure-5), sweep.csv and sweep.h5 (nscdd sweep disks4), bed.h5 (nscdd generate deposit),
 run.h5 (three steps of nscdd simulate settle-1k), run.vtkhdf (its export), operators/ (nscdd export disks8), report.html
-(nscdd report disks4), and the folder cases/ of the source tree. `import nscdd` finds the package that was built, by $PYTHONPATH.
+(nscdd report disks4), and the folder cases/ of the source tree. `import nscdd` finds the package that was built, by
+$PYTHONPATH.
 A block that raises is a failure, and so is a call that finds no block in any file. The program is $NSCDD_PROGRAM, the
 source tree $NSCDD_SOURCE.
 """
