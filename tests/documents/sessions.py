@@ -6,8 +6,9 @@
   - A block of any language whose first line is a comment with a file name, such as "# radius.py" or "// law.cpp", is a
     file. It is written before the commands below it.
   - "…" stands for what is left out: by itself on a line for any lines, within a line for any text. All else must be
-    printed as shown, but for blanks and for numbers: these may differ by 10^-6 of their size, by one unit of the last
-    digit shown, or by 10^-11.
+    printed as shown, but for blanks and for numbers. An integer must be the same integer. Other numbers may differ by
+    10^-6 of their size, by one unit of the last digit shown, or by 10^-11. A number below 10^-11 is what rounding
+    leaves, and differs between processors: what is printed may be anything up to a hundred times its size.
   - A picture ../figures/tutorial-NAME must be made by the session as NAME.
 """
 import os
@@ -19,7 +20,8 @@ PICTURE = re.compile(r"\]\(\.\./figures/tutorial-([\w.-]+)\)")
 # "…" matches any text; so does a number right before it, as far as its digits go.
 TOKEN = re.compile(r"(?P<number>(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w]))|(?P<rest>…)|(?P<blank>\s+)")
 NUMBER = r"([-+]?(?:\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|inf|nan))"
-RELATIVE, ABSOLUTE = 1e-6, 1e-11
+INTEGER = re.compile(r"[-+]?\d+")
+RELATIVE, ABSOLUTE, ROUNDING = 1e-6, 1e-11, 100
 TIME_LIMIT = 500  # seconds for a session: against a hang, not a measurement
 # mpirun as root, and with more processes than cores: what docs/machines.md says.
 PROCESSES = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -50,9 +52,20 @@ def commands_of(line, code):
 
 
 def last_digit(number):
-    """One unit of the last digit of a number as it is written."""
+    """One unit of the last digit of a number as it is written; 0 for one without a decimal or an exponent."""
     mantissa, _, exponent = number.lower().partition("e")
-    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    decimals = len(mantissa.partition(".")[2])
+    return 10.0 ** (int(exponent or 0) - decimals) if decimals or exponent else 0.0
+
+
+def same_number(shown, printed):
+    """Whether a number that is printed may stand where another one is shown."""
+    if INTEGER.fullmatch(shown) and INTEGER.fullmatch(printed):
+        return int(shown) == int(printed)
+    value, met = float(shown), float(printed)
+    if abs(value) < ABSOLUTE:
+        return abs(met) <= max(ROUNDING * abs(value), 1.001 * last_digit(shown))
+    return abs(value - met) <= max(RELATIVE * abs(value), ABSOLUTE, 1.001 * last_digit(shown))
 
 
 def same_line(shown, printed):
@@ -66,23 +79,18 @@ def same_line(shown, printed):
         else:
             pattern += r"\s+" if token["blank"] else ".*"
     met = re.fullmatch(pattern + re.escape(shown[end:]), printed.rstrip())
-    if not met:
-        return False
-    for expected, got in zip(numbers, met.groups()):
-        value = float(expected)
-        allowed = max(RELATIVE * abs(value), ABSOLUTE, 1.001 * last_digit(expected))
-        if expected != got and not abs(value - float(got)) <= allowed:
-            return False
-    return True
+    return bool(met) and all(same_number(*pair) for pair in zip(numbers, met.groups()))
 
 
 def same_lines(shown, printed):
     """Whether the lines printed are those shown; a line "…" stands for any number of them."""
-    if not shown:
-        return not printed
-    if shown[0].strip() == "…":
-        return any(same_lines(shown[1:], printed[k:]) for k in range(len(printed) + 1))
-    return bool(printed) and same_line(shown[0].rstrip(), printed[0]) and same_lines(shown[1:], printed[1:])
+    reached = {0}  # how many of the lines printed the lines shown so far can stand for
+    for line in shown:
+        if line.strip() == "…":
+            reached = set(range(min(reached, default=len(printed) + 1), len(printed) + 1))
+        else:
+            reached = {k + 1 for k in reached if k < len(printed) and same_line(line.rstrip(), printed[k])}
+    return len(printed) in reached
 
 
 def script_of(k, step, outputs):
