@@ -10,7 +10,7 @@ usage: first_uses.py script USE ROOT    writes the session of a use into the roo
 
 The commands are those of the site: the block "sh" of the section of docs/start.md that installs packages, then the
 tutorial of the use, as a session (sessions.py). A use passes where every command ends well and prints what the tutorial
-shows, where its key number is among what is shown, and where its pictures are there and show something.
+shows, where its key number is among what was printed, and where its pictures are there and show something.
 """
 import csv
 import os
@@ -78,6 +78,15 @@ def moment(folder, name):
         return float(stream.read())
 
 
+def printed_lines(folder, commands, key):
+    """The lines with the text KEY among what the commands of these numbers printed."""
+    lines = []
+    for k in commands:
+        with open(os.path.join(folder, str(k)), encoding="utf-8") as stream:
+            lines += [line for line in stream.read().splitlines() if key in line]
+    return lines
+
+
 def shows_something(path):
     """A picture is there, and is not one colour."""
     import matplotlib.image
@@ -97,14 +106,14 @@ def judge(use, root, out):
             print(f"{tutorial}: FAILED: no picture {picture}, or an empty one")
         else:
             shutil.copy(os.path.join(work, picture), os.path.join(out, f"{use}-{picture}"))
-    shown = [line for k in commands for line in steps[k][3] if key in line]
-    if not all(well) or not shown or not pictures:
+    numbers = printed_lines(folder, [k for k in commands if any(key in line for line in steps[k][3])], key)
+    if not all(well) or not numbers or not pictures:
         sys.exit(f"first use '{use}': {well.count(False)} of {len(well)} checks failed")
     first = next(k for k in range(len(steps)) if os.path.getsize(os.path.join(folder, f"{k}.pictures")) > 0)
     began = moment(folder, "began")
     minutes = [(moment(folder, f"{k}.moment") - began) / 60 for k in (first, len(install) - 1, len(steps) - 1)]
     row = (title, sum(k <= first for k in commands), f"{minutes[0]:.1f}", f"{minutes[1]:.1f}", len(commands),
-           f"{minutes[2]:.1f}", " ".join(shown[0].split()))
+           f"{minutes[2]:.1f}", " ".join(numbers[0].split()))
     table = os.path.join(out, "first-uses.csv")
     new = not os.path.exists(table)
     with open(table, "a", encoding="utf-8", newline="") as stream:
