@@ -378,12 +378,29 @@ def check_run_pages(browser, folder):
     check_narrow(Page(browser, path, 400, 800), "run", ("step",))
 
 
+def check_criterion(browser, folder):
+    """The criterion of a run has a curve of its own and the line of its tolerance is called after that curve."""
+    for criterion, tolerance, name in (("quad_dv", "1e-2", "Quad/DV"), ("mean_dv_over_r", "1e-3", "mean DV over r"),
+                                       ("zeta", "1e-3", "ζ")):
+        nscdd(folder, "simulate", "settle-1k", "--steps", "2", "--criterion", criterion, "--tolerance", tolerance,
+              "--convergence", f"{criterion}.csv", "-o", f"{criterion}.h5")
+        nscdd(folder, "report", f"{criterion}.h5", "--convergence", f"{criterion}.csv", "-o", f"{criterion}.html")
+        page = Page(browser, os.path.join(folder, f"{criterion}.html"))
+        for chart in ("criteria", "iterations"):
+            keys = page.by_id(chart).find_element("css selector", ".keys").text.split("\n")
+            check(name in keys, f"criterion: {name} is among the curves of {chart}, met {keys}")
+            check(f"tolerance of {name}" in page.text(chart), f"criterion: the rule in {chart} has the name of {name}")
+        check(f"{name} to " in page.text("facts"), f"criterion: the facts call it {name}")
+        page.quiet(f"criterion {name}")
+
+
 def main():
     browser = open_browser()
     try:
         with tempfile.TemporaryDirectory() as folder:
             check_packing_pages(browser, folder)
             check_run_pages(browser, folder)
+            check_criterion(browser, folder)
     finally:
         browser.quit()
     if FAILED:

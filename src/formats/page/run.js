@@ -6,6 +6,8 @@ const indicators = [
   {column: 'zeta', name: 'ζ', colour: '#9a5b00', dash: '7 3', mark: 'square'},
   {column: 'gluing', name: 'gluing', colour: '#5c2a80', dash: '2 3', mark: 'open'},
   {column: 'interface_change', name: 'interface change', colour: '#00664c', dash: '9 3 2 3', mark: 'triangle'},
+  {column: 'quad_dv', name: 'Quad/DV', colour: '#a0246e', dash: '12 3', mark: 'round'},
+  {column: 'mean_dv_over_r', name: 'mean DV over r', colour: '#545454', dash: '4 4', mark: 'square'},
 ];
 
 function showRun() {
@@ -103,7 +105,8 @@ function showRun() {
       summary.step.map((step, row) => [step, scaled(summary[column][row])]);
   const has = (column) => summary[column].some((value) => value !== null && value !== 0);
   const fromZero = (...columns) => [0, 1.05 * Math.max(1, most(columns.flatMap((column) => summary[column])))];
-  const tolerance = solver.criterion === 'none' ? [] : [[solver.tolerance, `tolerance of ${solver.criterion}`]];
+  const criterion = indicators.find(({column}) => column === solver.criterion)?.name;
+  const tolerance = criterion ? [[solver.tolerance, `tolerance of ${criterion}`]] : [];
 
   function drawIterations(step) {
     const rows = (iterations.step ?? []).map((s, row) => (s === step ? row : -1)).filter((row) => row >= 0);
@@ -258,8 +261,8 @@ function showRun() {
         solver.algorithm + (solver.decomposes ? `, ${plural(colours.length, 'subdomain')}` : ', undivided'));
     fact(
         list, 'Criterion',
-        solver.criterion === 'none' ? 'none: every step makes all its iterations' :
-                                      `${solver.criterion} to ${told(solver.tolerance)}` +
+        !criterion ? 'none: every step makes all its iterations' :
+                     `${criterion} to ${told(solver.tolerance)}` +
                 (solver.decomposes ? `, gluing to ` + told(solver.gluing_tolerance) : ''));
     fact(list, 'Steps', `${summary.step.length}, of ${told(summary.time.at(-1) / summary.step.length)} s`);
     fact(list, 'How it ended', data.ended);
