@@ -70,6 +70,7 @@ Json json_of(const RunReport& report) {
             {"tolerance", report.solver.tolerance},
             {"gluing_tolerance", report.solver.gluing_tolerance},
             {"decomposes", decomposes(report.solver.algorithm)}}},
+          {"subdomains", report.subdomains},
           {"disks",
            {{"radius", packed(converted<float>(system.radius))},
             {"mass", packed(converted<float>(system.mass))},

@@ -116,6 +116,7 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
     // Walls move with the boundaries of the case.
     if (!run) run = rebuilt_simulation(path, report.header, step.state);
     report.solver = run->dynamics.solver;
+    if (decomposes(report.solver.algorithm)) report.subdomains = subdomains(run->partitioner);
     report.steps.push_back(drawn(*run, step));
     if (!nscdd::report(monitor, count(report.steps), count(steps))) return std::nullopt;
   }

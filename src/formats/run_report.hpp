@@ -36,6 +36,7 @@ struct RunReport {
   std::string name;  ///< of the case
   std::string ended;
   StepSolver solver;                ///< what the criterion is, and what it had to fall to
+  Index subdomains = 1;             ///< of the partition, those without a contact included
   std::vector<Series> summary;      ///< a value per step, from 1
   std::vector<std::string> status;  ///< how each step ended
   std::vector<Series> iterations;   ///< of the table of iterations: step, iteration, indicators; empty without one

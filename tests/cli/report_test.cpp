@@ -173,6 +173,17 @@ TEST_CASE("report: a run, its steps, its summary and its table of iterations") {
   CHECK((session.read("some.html") == before));
 }
 
+TEST_CASE("report: a run has the subdomains of its partition, though some hold no contact") {
+  const Session session;
+  session.file("box.toml", moving_case());
+  answer(session, "simulate box.toml --steps 1 --subdomains 30x30 -o many.h5");
+  answer(session, "report many.h5 -o many.html");
+  CHECK(data_of(session.read("many.html"))["subdomains"] == 900);
+  answer(session, "simulate box.toml --steps 1 --algorithm nlgs -o whole.h5");
+  answer(session, "report whole.h5 -o whole.html");
+  CHECK(data_of(session.read("whole.html"))["subdomains"] == 1);
+}
+
 TEST_CASE("report: usage that makes no sense, of a run") {
   const Session session;
   session.file("box.toml", moving_case());

@@ -376,6 +376,13 @@ def check_run_pages(browser, folder):
     check_contrast(page, "run")
     page.quiet("run")
     check_narrow(Page(browser, path, 400, 800), "run", ("step",))
+    nscdd(folder, "simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "30x30", "--steps", "1", "-o",
+          "many.h5")
+    nscdd(folder, "report", "many.h5", "-o", "many.html")
+    page = Page(browser, os.path.join(folder, "many.html"))
+    check("900 subdomains" in page.text("facts"), "run: subdomains without a contact are counted")
+    check_renders(page, "run of 900 subdomains")
+    page.quiet("run of 900 subdomains")
 
 
 def check_criterion(browser, folder):

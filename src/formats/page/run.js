@@ -16,7 +16,7 @@ function showRun() {
   const iterations = Object.fromEntries(data.iterations.map((column) => [column.name, column.values]));
   const shown = data.steps.map(opened);
   const colours = coloursOf(
-      subdomainCount(), radius.length * shown.length,
+      data.subdomains, radius.length * shown.length,
       (k) => shown[Math.floor(k / radius.length)].holders[k % radius.length]);
   const full = fullThickness();
   const picture = {
@@ -54,14 +54,6 @@ function showRun() {
       contacts,
       holders
     };
-  }
-
-  function subdomainCount() {
-    let most = 0;
-    for (const {holders} of shown)
-      for (const held of holders)
-        for (const e of held) most = Math.max(most, e);
-    return most + 1;
   }
 
   // The thickest line stands for the impulse that one contact in a hundred exceeds, over all steps drawn.
