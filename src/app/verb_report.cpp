@@ -122,6 +122,7 @@ int report_of_packing(const Options& options, const Context& context) {
 // Options that say something of a packing alone.
 void require_none_of_packing(const Options& options) {
   const CaseOptions& one = options.one;
+  const Options unasked;
   for (const auto& [name, given] : {std::pair("--subdomains", !one.subdomains.empty()),
                                     {"--prescribed", !one.prescribed.empty()},
                                     {"--set", !one.settings.empty()},
@@ -131,8 +132,13 @@ void require_none_of_packing(const Options& options) {
                                     {"--epsilon", !options.epsilon.empty()},
                                     {"--eta", !options.eta.empty()},
                                     {"--contacts", !options.contacts.empty()},
+                                    {"--solver", options.spectral.solver != unasked.spectral.solver},
+                                    {"--residual-tolerance",
+                                     options.spectral.options.tolerance != unasked.spectral.options.tolerance},
                                     {"--certify", options.spectral.options.certify},
-                                    {"--no-optimum", options.no_optimum}})
+                                    {"--no-optimum", options.no_optimum},
+                                    {"--threads", options.threads != unasked.threads},
+                                    {"--memory-limit", options.memory.gibibytes.has_value()}})
     if (given) fail("{}: expected a packing as CASE with it, met the trajectory {}", name, one.name);
 }
 

@@ -192,7 +192,11 @@ TEST_CASE("report: usage that makes no sense, of a run") {
   check_refused(session, "report none.h5 -o new.html", {"none.h5", "has taken a step"});
   answer(session, "simulate box.toml --steps 2 --convergence box.csv -o box.h5");
   check_refused(session, "report box.h5 -o new.html --epsilon 1", {"--epsilon", "packing"});
-  check_refused(session, "report box.h5 -o new.html --subdomains 2x1", {"--subdomains", "packing"});
+  for (const std::string& of_packing :
+       Texts{"--subdomains 2x1", "--prescribed 0:1:0", "--set packing.grains=4", "--density 1", "--tolerance 1e-3",
+             "--overlap-tolerance 1", "--eta 1", "--contacts all", "--solver dense", "--residual-tolerance 1e-5",
+             "--certify", "--no-optimum", "--threads 1", "--memory-limit 1"})
+    check_refused(session, "report box.h5 -o new.html " + of_packing, {words(of_packing).front(), "packing", "box.h5"});
   check_refused(session, "report box.h5 -o new.html --steps 7", {"--steps", "0:2"});
   check_refused(session, "report box.h5 -o new.html --steps 2:1", {"--steps", "A:B:K"});
   check_refused(session, "report box.h5 -o new.html --convergence other.csv", {"other.csv", "zeta"});
