@@ -55,11 +55,14 @@ PackingReportParameters parameters(const Options& options, const Machine& machin
   return result;
 }
 
+void require_drawable(const std::string& name, Index disks, std::string_view what) {
+  if (disks > most_grains)
+    fail("{}: expected at most {} {}, which a page can still show, met {}", name, most_grains, what, disks);
+}
+
 void check(const Model& model, const PackingReportParameters& wanted, const MemoryLimit& memory) {
   require_geometry(model, "report");
-  if (model.grains() > most_grains)
-    fail("{}: expected at most {} grains, which a page can still show, met {}", model.name, most_grains,
-         model.grains());
+  require_drawable(model.name, model.grains(), "grains");
   memory.require(link_need(model, ContactSet::active));
   for (const ContactSet contacts : wanted.contact_sets) {
     SweepParameters sweep = wanted.sweep;
@@ -147,6 +150,7 @@ int report_of_run(const Options& options, const Context& context) {
   const std::string& path = options.one.name;
   require_no_input({options.output}, {path});
   require_writable(options.output, options.force);
+  require_drawable(path, read_trajectory_header(path).system.disks(), "disks");
   const std::vector<Index> asked = chosen_steps(path, parse_step_range(options.steps));
   const std::vector<Index> steps = options.steps.empty() ? steps_to_draw(path, asked, bytes_of_steps) : asked;
   Interruption interruption;
@@ -190,7 +194,7 @@ Action declare_report(Command& command) {
               "prove by inertia counts that no eigenvalue was missed; the page shows the intervals");
   command.add("--no-optimum", options->no_optimum, "leave out the best eta, which takes some 130 spectra per epsilon");
   command.add("--steps A[:B[:K]]", options->steps,
-              "of a run: the kept steps to draw; by default as many as take 8 MB, evenly spread");
+              "of a run: the kept steps to draw; by default as many as take 8 MB, at least 2, evenly spread");
   command.add("--convergence FILE", options->convergence, "of a run: the table of nscdd simulate --convergence");
   declare_threads(command, options->threads);
   options->memory.declare(command);

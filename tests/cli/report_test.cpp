@@ -184,6 +184,15 @@ TEST_CASE("report: a run has the subdomains of its partition, though some hold n
   CHECK(data_of(session.read("whole.html"))["subdomains"] == 1);
 }
 
+TEST_CASE("report: a run of more disks than a page can show is refused") {
+  const Session session;
+  session.file("large.toml",
+               "[packing]\ngenerator = \"hexagonal\"\ncolumns = 601\nrows = 500\n[masses]\ndensity = 2500\n"
+               "[partition]\ngrid = [1, 1]\n[dynamics]\nstep = 0.005\nsteps = 0\n[solver]\nalgorithm = \"nlgs\"\n");
+  answer(session, "simulate large.toml -o large.h5");
+  check_refused(session, "report large.h5 -o new.html", {"large.h5", "300000 disks", "300500"});
+}
+
 TEST_CASE("report: usage that makes no sense, of a run") {
   const Session session;
   session.file("box.toml", moving_case());
