@@ -16,6 +16,19 @@ need_fresh_roots() {
   fi
 }
 
+# need_packages FOLDER: exits with 2 where a package that debian/control names is not in there.
+need_packages() {
+  local missing="" package
+  for package in $(awk '/^Package:/ {print $2}' "$root/debian/control"); do
+    compgen -G "$1/${package}_*.deb" >/dev/null || missing+=" $package"
+  done
+  if [ -n "$missing" ]; then
+    echo "$(basename "$0"): expected packages in ${1#"$root/"}, missing:$missing" >&2
+    echo "  make them: tools/package --build-only" >&2
+    exit 2
+  fi
+}
+
 # The bare system, made once: the packages of Debian itself among the sources of this machine's apt, with its proxies.
 make_base() {
   [ -e "$base" ] && return
