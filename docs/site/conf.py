@@ -49,8 +49,4 @@ html_theme_options = {"light_css_variables": LIGHT, "navigation_with_keys": True
 copybutton_prompt_text = "$ "
 copybutton_line_continuation_character = "\\"
 
-# The interactive page of one packing, where the program that was built makes one.
-if "NSCDD_REPORT" in os.environ:
-    html_extra_path = [os.environ["NSCDD_REPORT"]]
-else:
-    exclude_patterns += ["docs/site/report.md"]
+html_extra_path = [os.environ["NSCDD_REPORT"]]  # the interactive page of one packing
