@@ -126,40 +126,39 @@ int report_of_packing(const Options& options, const Context& context) {
 void require_none_of_packing(const Options& options) {
   const CaseOptions& one = options.one;
   const Options unasked;
-  for (const auto& [name, given] : {std::pair("--subdomains", !one.subdomains.empty()),
-                                    {"--prescribed", !one.prescribed.empty()},
-                                    {"--set", !one.settings.empty()},
-                                    {"--density", one.density.has_value()},
-                                    {"--tolerance", one.tolerance.has_value()},
-                                    {"--overlap-tolerance", one.overlap_tolerance.has_value()},
-                                    {"--epsilon", !options.epsilon.empty()},
-                                    {"--eta", !options.eta.empty()},
-                                    {"--contacts", !options.contacts.empty()},
-                                    {"--solver", options.spectral.solver != unasked.spectral.solver},
-                                    {"--residual-tolerance",
-                                     options.spectral.options.tolerance != unasked.spectral.options.tolerance},
-                                    {"--certify", options.spectral.options.certify},
-                                    {"--no-optimum", options.no_optimum},
-                                    {"--threads", options.threads != unasked.threads},
-                                    {"--memory-limit", options.memory.gibibytes.has_value()}})
+  for (const auto& [name, given] :
+       {std::pair("--subdomains", !one.subdomains.empty()),
+        {"--prescribed", !one.prescribed.empty()},
+        {"--set", !one.settings.empty()},
+        {"--density", one.density.has_value()},
+        {"--tolerance", one.tolerance.has_value()},
+        {"--overlap-tolerance", one.overlap_tolerance.has_value()},
+        {"--epsilon", !options.epsilon.empty()},
+        {"--eta", !options.eta.empty()},
+        {"--contacts", !options.contacts.empty()},
+        {"--solver", options.spectral.solver != unasked.spectral.solver},
+        {"--residual-tolerance", options.spectral.options.tolerance != unasked.spectral.options.tolerance},
+        {"--certify", options.spectral.options.certify},
+        {"--no-optimum", options.no_optimum},
+        {"--threads", options.threads != unasked.threads},
+        {"--memory-limit", options.memory.gibibytes.has_value()}})
     if (given) fail("{}: expected a packing as CASE with it, met the trajectory {}", name, one.name);
 }
 
 int report_of_run(const Options& options, const Context& context) {
   require_none_of_packing(options);
   const std::string& path = options.one.name;
-  require_no_input({options.output}, {path});
+  require_no_input({options.output}, {path, options.convergence});
   require_writable(options.output, options.force);
   require_drawable(path, read_trajectory_header(path).system.disks(), "disks");
+  std::vector<Series> iterations;
+  if (!options.convergence.empty()) iterations = read_iterations(options.convergence, path);
   const std::vector<Index> asked = chosen_steps(path, parse_step_range(options.steps));
   const std::vector<Index> steps = options.steps.empty() ? steps_to_draw(path, asked, bytes_of_steps) : asked;
   Interruption interruption;
   auto report = report_run(path, steps, interruption.watch("report " + fs::path(path).filename().string(), 0, "step"));
   if (!report || interruption.stopped()) return nothing_written(options.output);
-  if (!options.convergence.empty()) {
-    require_no_input({options.output}, {options.convergence});
-    report->iterations = read_iterations(options.convergence, count(report->status));
-  }
+  report->iterations = std::move(iterations);
   write(options.output, run_page(*report, {report->name, context.command_line, report->header.case_text, libraries()}),
         options.force,
         fmt::format("{} of {} steps drawn, {} disks", steps.size(), count(report->status) + 1,

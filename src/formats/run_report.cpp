@@ -6,6 +6,7 @@
 #include "files/csv.hpp"
 
 #include <filesystem>
+#include <map>
 
 namespace nscdd {
 namespace {
@@ -67,9 +68,28 @@ double bytes_of(const TrajectoryStep& step) {
   return 4.0 / 3 * (8.0 * static_cast<double>(step.state.x.size()) + 19.0 * static_cast<double>(carrying)) + 200;
 }
 
+// The last iteration of a step always has a row: that of the summary. Runs that use up the iterations allowed have the
+// same numbers, hence the indicator too. `step`, `iteration` and `zeta`: columns of the table.
+void require_same_run(const std::vector<double>& step, const std::vector<double>& iteration,
+                      const std::vector<double>& zeta, const std::string& path, const std::string& run) {
+  const std::vector<double> taken = read_summary(run, "iterations"), end = read_summary(run, "zeta");
+  std::map<std::size_t, std::size_t> last;  // row of the last iteration of a step
+  for (std::size_t row = 0; row < step.size(); ++row) {
+    const auto [known, first] = last.try_emplace(static_cast<std::size_t>(step[row]), row);
+    if (!first && iteration[row] > iteration[known->second]) known->second = row;
+  }
+  for (const auto& [number, row] : last) {
+    const double expected = end[number - 1], met = zeta[row];
+    if (iteration[row] != taken[number - 1] || std::abs(met - expected) > 1e-9 * std::abs(expected))
+      fail("{}: expected the table of the run {}, whose step {} ended with iteration {} and zeta {}; met {} and {}",
+           path, run, number, taken[number - 1], expected, iteration[row], met);
+  }
+}
+
 }  // namespace
 
-std::vector<Series> read_iterations(const std::string& path, Index steps) {
+std::vector<Series> read_iterations(const std::string& path, const std::string& run) {
+  const Index steps = count(read_statuses(run));
   const CsvText csv = parse_csv(read_text(path), path);
   std::vector<Series> all;
   for (const std::string& name : shown_of_iterations) {
@@ -86,6 +106,7 @@ std::vector<Series> read_iterations(const std::string& path, Index steps) {
   for (std::size_t row = 0; row < csv.rows.size(); ++row)
     if (const double step = all.front().values[row]; !(step >= 1 && step <= static_cast<double>(steps)))
       fail("{}:{}: step: expected one of the {} steps of the run, met {}", path, csv.lines[row], steps, step);
+  require_same_run(all[0].values, all[1].values, all[2].values, path, run);
   return all;
 }
 

@@ -44,9 +44,9 @@ struct RunReport {
   Index kept = 0;                   ///< steps that the trajectory keeps
 };
 
-/// What a table of `nscdd simulate --convergence` says of the steps of a run. Throws Error for a table with other
-/// columns, or of steps that the run does not have.
-std::vector<Series> read_iterations(const std::string& path, Index steps);
+/// What a table of `nscdd simulate --convergence` says of the steps of the trajectory `run`. Throws Error for a table
+/// with other columns, of steps that the run does not have, or of steps that ended elsewhere in another run.
+std::vector<Series> read_iterations(const std::string& path, const std::string& run);
 
 /// Of `steps`, ascending, as many as fit into `bytes` of a page: evenly spread, with the first and the last.
 std::vector<Index> steps_to_draw(const std::string& path, const std::vector<Index>& steps, double bytes);

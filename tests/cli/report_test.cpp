@@ -210,6 +210,18 @@ TEST_CASE("report: usage that makes no sense, of a run") {
   check_refused(session, "report box.h5 -o new.html --steps 2:1", {"--steps", "A:B:K"});
   check_refused(session, "report box.h5 -o new.html --convergence other.csv", {"other.csv", "zeta"});
   check_refused(session, "report box.h5 -o new.html --convergence missing.csv", {"missing.csv"});
+  // A table of a run with fewer iterations, one of as many with another end, and one whose second step lacks its end.
+  answer(session, "simulate box.toml --steps 2 --iterations 30 --convergence loose.csv -o loose.h5");
+  answer(session, "simulate box.toml --steps 2 --set interaction.friction=0.1 --convergence smooth.csv -o smooth.h5");
+  check_refused(session, "report box.h5 -o new.html --convergence smooth.csv", {"smooth.csv", "box.h5", "zeta"});
+  check_refused(session, "report box.h5 -o new.html --convergence loose.csv", {"loose.csv", "box.h5", "step 1"});
+  const std::string all = session.read("box.csv");
+  session.file("cut.csv", all.substr(0, all.rfind("\n2,") + 1));
+  check_refused(session, "report box.h5 -o new.html --convergence cut.csv", {"cut.csv", "box.h5", "step 2"});
+  // The table is read before the steps are looked for, and is no place for the page.
+  check_refused(session, "report box.h5 -o new.html --steps 7 --convergence loose.csv", {"loose.csv"});
+  std::filesystem::copy_file(session.folder / "box.csv", session.folder / "box.html");
+  check_refused(session, "report box.h5 -o box.html --force --convergence box.html", {"box.html", "lost"});
   session.file("long.csv", replaced(session.read("box.csv"), "\n2,", "\n3,"));
   check_refused(session, "report box.h5 -o new.html --convergence long.csv", {"long.csv:", "2 steps", "met 3"});
 }
