@@ -19,6 +19,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.keys import Keys
 
 import colours
@@ -225,6 +226,36 @@ def check_mouse(page):
     check(page.picture() != before, "mouse: dragging moves the picture")
     page.by_id("whole").click()
     page.settle()
+    check_wheel(page, scene)
+
+
+def check_wheel(page, scene):
+    """The wheel zooms in the picture that has the focus, and scrolls the page otherwise."""
+    turn = lambda: (ActionChains(page.browser, duration=0).scroll_from_origin(ScrollOrigin.from_element(scene), 0, 40)
+                    .perform(), page.settle())
+    page.js("document.activeElement.blur()")
+    before = page.picture()
+    turn()
+    check(page.picture() == before, "wheel: the page scrolls past a picture without focus")
+    scene.click()
+    before = page.picture()
+    turn()
+    check(page.picture() != before, "wheel: it zooms in the picture that has the focus")
+    page.keys(Keys.ESCAPE)
+    page.by_id("whole").click()
+    page.settle()
+
+
+def check_ticks(page, name):
+    """Every chart has three numbers or more on its upright axis, all different, and steps are whole numbers."""
+    for chart, texts in page.js("""return [...document.querySelectorAll('.chart')].filter((c) => c.querySelector('svg'))
+        .map((c) => [c.id, [...c.querySelectorAll('svg:first-child > text')].map((t) => [t.textContent,
+          t.getAttribute('text-anchor'), t.getAttribute('x') === '52'])]);"""):
+        upright = [text for text, anchor, at_axis in texts if anchor == "end" and at_axis]
+        check(len(upright) >= 3 and len(set(upright)) == len(upright), f"{name}: ticks of {chart}: {upright}")
+        if any(text == "step" for text, _, _ in texts):
+            flat = [text for text, anchor, _ in texts if anchor == "middle"][:-2]
+            check(flat and all(re.fullmatch(r"\d+", text) for text in flat), f"{name}: steps of {chart}: {flat}")
 
 
 def check_modes(page):
@@ -254,7 +285,7 @@ def check_sets(page, sweep):
     expected = float(sweep[len(ETA.split(",")) - 1]["subdominant_radius"])
     check(abs(number(page.text("rho")) - expected) < 1e-6, "sets: the radius of active contacts is that of the sweep")
     page.by_id("go-best").click()
-    check(page.text("eta-value") != "∞ 1/kg", "sets: the button goes to a point next to the best η")
+    check(page.text("eta-value") != "∞", "sets: the button goes to a point next to the best η")
     page.browser.find_element("css selector", "input[value=all]").click()
 
 
@@ -355,6 +386,7 @@ def check_packing_pages(browser, folder):
     check_keyboard(page)
     check_mouse(page)
     check_sets(page, swept["active"])
+    check_ticks(page, "packing")
     check_contrast(page, "packing")
     check_print(page)
     page.quiet("packing")
@@ -365,6 +397,14 @@ def check_packing_pages(browser, folder):
     page.quiet("lattice")
 
 
+def check_alone(browser, folder):
+    """Where no η is finite there is no point next to the best one."""
+    nscdd(folder, "report", "disks12", "--epsilon", "1", "--eta", "inf", "-o", "generic.html")
+    page = Page(browser, os.path.join(folder, "generic.html"))
+    check("Best η" in page.text("best-text") and not page.by_id("go-best").is_displayed(), "best: no button without η")
+    check("∞ 1/kg" not in page.text("figures"), "best: infinity has no unit")
+
+
 def check_run_pages(browser, folder):
     nscdd(folder, "simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "2x1", "--steps", "3", "--set",
           "solver.tolerance=1e-2", "--convergence", "run.csv", "-o", "run.h5")
@@ -373,6 +413,7 @@ def check_run_pages(browser, folder):
     page = Page(browser, path)
     check_renders(page, "run")
     check_run(page, os.path.join(folder, "run.h5"))
+    check_ticks(page, "run")
     check_contrast(page, "run")
     page.quiet("run")
     check_narrow(Page(browser, path, 400, 800), "run", ("step",))
@@ -382,6 +423,10 @@ def check_run_pages(browser, folder):
     page = Page(browser, os.path.join(folder, "many.html"))
     check("900 subdomains" in page.text("facts"), "run: subdomains without a contact are counted")
     check_renders(page, "run of 900 subdomains")
+    check_ticks(page, "run of one step")
+    check(page.by_id("play").is_enabled(), "run: the first state and one step are played")
+    nscdd(folder, "report", "many.h5", "--steps", "1", "-o", "one.html")
+    check(not Page(browser, os.path.join(folder, "one.html")).by_id("play").is_enabled(), "run: one step is not played")
     page.quiet("run of 900 subdomains")
 
 
@@ -396,7 +441,7 @@ def check_criterion(browser, folder):
         for chart in ("criteria", "iterations"):
             keys = page.by_id(chart).find_element("css selector", ".keys").text.split("\n")
             check(name in keys, f"criterion: {name} is among the curves of {chart}, met {keys}")
-            check(f"tolerance of {name}" in page.text(chart), f"criterion: the rule in {chart} has the name of {name}")
+            check(f"tolerance of {name}" in page.text(chart), f"criterion: the rule in {chart} is called {name}")
         check(f"{name} to " in page.text("facts"), f"criterion: the facts call it {name}")
         page.quiet(f"criterion {name}")
 
@@ -406,6 +451,7 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as folder:
             check_packing_pages(browser, folder)
+            check_alone(browser, folder)
             check_run_pages(browser, folder)
             check_criterion(browser, folder)
     finally:

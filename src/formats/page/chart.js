@@ -1,9 +1,45 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Line charts as SVG. Lines differ in dash and mark as well as in colour.
 
+// Powers of ten some way apart; where there are fewer than three, multiples of them too.
+function logTicks(low, high, length) {
+  const [a, b] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+  const fitting = Math.max(1, Math.ceil((b - a + 1) / (length / 48)));
+  const stride = Math.max(1, Math.min(fitting, Math.floor((b - a) / 2)));
+  const powers = [];
+  for (let n = a; n <= b; n += stride) powers.push([10 ** n, power(n)]);
+  if (powers.length >= 3) return powers;
+  for (const factors of [[1, 2, 5], [1, 2, 3, 4, 5, 6, 7, 8, 9]]) {
+    const ticks = [];
+    for (let n = a - 1; n <= b; ++n)
+      for (const f of factors) {
+        const value = Number(`${f}e${n}`);
+        if (value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9))
+          ticks.push([value, f === 1 ? power(n) : told(value, 1)]);
+      }
+    if (ticks.length >= 3) return ticks;
+  }
+  return [[low, told(low, 2)], [high, told(high, 2)]];
+}
+
+// Multiples of 1, 2 or 5 times a power of ten: at least three, unless there are fewer whole numbers.
+function linearTicks(low, high, length, whole) {
+  const rough = (high - low) / Math.max(2, length / 60), unit = 10 ** Math.floor(Math.log10(rough));
+  const strides = [10, 5, 2, 1, 0.5, 0.2, 0.1].map((f) => f * unit);
+  const first = (s) => Math.ceil(low / s - 1e-9), last = (s) => Math.floor(high / s + 1e-9);
+  const wide = strides.filter((s) => s >= rough * (1 - 1e-9)).at(-1);
+  let stride = strides.find((s) => s <= wide && last(s) - first(s) >= 2) ?? wide;
+  if (whole) stride = Math.max(1, Math.round(stride));
+  const digits = Math.min(12, Math.max(4, Math.ceil(Math.log10(Math.max(-low, high) / stride)) + 1));
+  const ticks = [];
+  for (let n = first(stride); n <= last(stride); ++n)
+    ticks.push([n * stride, told(Number((n * stride).toPrecision(12)), digits)]);
+  return ticks;
+}
+
 // An axis over `values` on `from` ... `to` pixels: linear, or logarithmic with places of their own for 0 and infinity.
-// `range`: its ends; `widen`: to whole decades.
-function axisOf(values, kind, from, to, {range, widen} = {}) {
+// `range`: its ends; `widen`: to whole decades; `whole`: of whole numbers.
+function axisOf(values, kind, from, to, {range, widen, whole} = {}) {
   const finite = values.filter((v) => Number.isFinite(v) && (kind !== 'log' || v > 0));
   let low = range?.[0] ?? least(finite), high = range?.[1] ?? most(finite);
   if (!finite.length) [low, high] = kind === 'log' ? [0.1, 1] : [0, 1];
@@ -21,17 +57,7 @@ function axisOf(values, kind, from, to, {range, widen} = {}) {
   };
   const ticks = [];
   if (zero) ticks.push([0, '0']);
-  if (kind === 'log') {
-    const [a, b] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
-    const stride = Math.max(1, Math.ceil((b - a + 1) / (Math.abs(to - from) / 48)));
-    for (let n = a; n <= b; n += stride) ticks.push([10 ** n, power(n)]);
-    if (b < a) ticks.push([low, told(low, 2)], [high, told(high, 2)]);
-  } else {
-    const rough = (high - low) / Math.max(2, Math.abs(to - from) / 60), unit = 10 ** Math.floor(Math.log10(rough));
-    const stride = [1, 2, 5, 10].map((f) => f * unit).find((s) => s >= rough);
-    for (let n = Math.ceil(low / stride - 1e-9); n * stride <= high * (1 + 1e-12) + 1e-300; ++n)
-      ticks.push([n * stride, told(Number((n * stride).toPrecision(12)), 4)]);
-  }
+  ticks.push(...(kind === 'log' ? logTicks : linearTicks)(low, high, Math.abs(to - from), whole));
   if (infinite) ticks.push([Infinity, '∞']);
   return {place, ticks, low, high};
 }
@@ -42,13 +68,13 @@ function drawMark(kind, x, y, colour) {
   return element('circle', {cx: x, cy: y, r: 3, fill: kind === 'open' ? '#fff' : colour, stroke: colour});
 }
 
-// chart: x: {kind, label}, y: {kind, label, range}, series: [{name, points, dash, colour, mark}], rules: [[y, text]],
-// places: [[x, text]], marker: [x, y] or [x], pick(x): called with the nearest x of all points.
+// chart: x: {kind, label, whole}, y: {kind, label, range}, series: [{name, points, dash, colour, mark}], rules: [[y,
+// text]], places: [[x, text]], marker: [x, y] or [x], pick(x): called with the nearest x of all points.
 function drawChart(holder, chart) {
   const width = Math.max(280, holder.clientWidth), height = Math.min(300, Math.max(200, width * 0.55));
   const [left, right, top, bottom] = [58, 14, 12, 40];
   const all = chart.series.flatMap((s) => s.points), rules = chart.rules ?? [];
-  const x = axisOf(all.map((p) => p[0]), chart.x.kind, left, width - right);
+  const x = axisOf(all.map((p) => p[0]), chart.x.kind, left, width - right, {whole: chart.x.whole});
   const y = axisOf(
       [...all.map((p) => p[1]), ...rules.map((r) => r[0])], chart.y.kind, height - bottom, top,
       {range: chart.y.range, widen: true});

@@ -48,6 +48,14 @@ function told(value, digits = 4) {
   return (short === '1' ? '' : short + '·') + power(Number(exponent));
 }
 
+// A bound for a reader, never rounded into what it encloses: `way` is -1 for a lower and 1 for an upper one.
+function toldBound(value, digits, way) {
+  if (!Number.isFinite(value) || value === 0) return told(value, digits);
+  const near = Number(value.toPrecision(digits));
+  const unit = 10 ** (Math.floor(Math.log10(Math.abs(value))) - digits + 1);
+  return told(way * (near - value) >= 0 ? near : near + way * unit, digits);
+}
+
 // Of lists that are too long for the arguments of a call.
 const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 const most = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);

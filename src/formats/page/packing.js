@@ -21,7 +21,8 @@ function showPacking() {
   // What is smaller than rounding is 0.
   const ratio = (value, digits) => told(value !== null && Math.abs(value) < 1e-14 ? 0 : value, digits);
   const flexibility = (value) => {
-    if (value === 0 || value === Infinity) return told(value) + ' 1/kg';
+    if (value === Infinity) return told(value);
+    if (value === 0) return told(value) + ' 1/kg';
     return `${told(value)} 1/kg (${told(value / scale, 3)} W)`;
   };
 
@@ -110,7 +111,7 @@ function showPacking() {
   }
 
   function certificateOf(point) {
-    const between = ([from, to]) => `[${told(from, 12)}, ${told(to, 12)}]`;
+    const between = ([from, to]) => `[${toldBound(from, 12, -1)}, ${toldBound(to, 12, 1)}]`;
     const ends = point.low === null ? '' : `Spectrum from ${ratio(point.low, 5)} to ${ratio(point.high, 5)}. `;
     const error = counts.interface === 0 ? '' : `An eigenvalue lies within ${told(point.residual, 2)} of each end. `;
     const proof = point.certified ?
@@ -124,7 +125,7 @@ function showPacking() {
     const best = grid().best[state.epsilon];
     byId('best').hidden = !best;
     if (!best) return;
-    byId('go-best').hidden = best.status !== 'interior';
+    byId('go-best').hidden = best.status !== 'interior' || !eta.some(Number.isFinite);
     const words = {
       interior: () => `Best η at this ε: ${flexibility(best.eta)}, where ρ = ${ratio(best.radius, 6)}; the generic ` +
           `algorithm has ${told(best.generic_radius, 6)}. The enriched one converges for ` +

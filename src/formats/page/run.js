@@ -126,7 +126,7 @@ function showRun() {
   }
 
   function draw() {
-    const {step} = shown[place], x = {kind: 'linear', label: 'step'}, marker = [step];
+    const {step} = shown[place], x = {kind: 'linear', label: 'step', whole: true}, marker = [step];
     const pick = (value) => go(nearest(value));
     drawIterations(step);
     drawChart(byId('criteria'), {
@@ -224,6 +224,7 @@ function showRun() {
     clearInterval(timer);
     timer = playing ? setInterval(() => go((place + 1) % shown.length), calm ? 1000 : 250) : 0;
     byId('play').setAttribute('aria-pressed', playing);
+    byId('result').setAttribute('aria-live', playing ? 'off' : 'polite');  // not four texts a second
     byId('play').textContent = playing ? 'Stop' : 'Play';
   }
 
@@ -278,6 +279,7 @@ function showRun() {
   listen(scene, byId('scene'), describe);
   byId('step').addEventListener('input', (event) => go(Number(event.target.value)));
   byId('play').addEventListener('click', play);
+  byId('play').disabled = shown.length < 2;
   new ResizeObserver(draw).observe(byId('figures'));
   go(place);
   scene.whole();

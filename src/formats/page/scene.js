@@ -131,7 +131,7 @@ function createScene(canvas, picture) {
         labels[e].grains += 1;
       }
     }
-    return {single, shared, others, labels: labels.filter((l) => l.grains > 0)};
+    return {single, shared, others, labels: labels.filter((l) => l.grains > 0).sort((a, b) => b.grains - a.grains)};
   }
 
   function circle(path, i) {
@@ -242,10 +242,13 @@ function createScene(canvas, picture) {
     context.font = 'bold 15px system-ui, sans-serif';
     context.textAlign = 'center';
     context.textBaseline = 'middle';
+    const taken = [];  // a label that would cover another one is left out
     for (const {e, x, y, grains} of groups.labels) {
       const [px, py] = scene.toScreen(x / grains, y / grains);
       if (px < 0 || py < 0 || px > width() || py > height()) continue;
       const half = context.measureText(e).width / 2 + 5;
+      if (taken.some((one) => Math.abs(one.px - px) < one.half + half + 2 && Math.abs(one.py - py) < 22)) continue;
+      taken.push({px, py, half});
       context.fillStyle = 'rgba(255,255,255,.9)';
       context.fillRect(px - half, py - 10, 2 * half, 20);
       context.strokeStyle = ink;

@@ -34,9 +34,10 @@ function listen(scene, canvas, describe) {
     const [px, py] = place(event), before = pointers.get(event.pointerId);
     if (!before) return show(scene.grainAt(px, py), px, py);
     const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, p]) => p);
-    if (others.length === 1) {  // two fingers: their distance is the scale
+    if (others.length === 1) {  // two fingers: their distance is the scale, their middle moves
       const [ox, oy] = others[0];
       const factor = Math.hypot(px - ox, py - oy) / Math.max(1, Math.hypot(before[0] - ox, before[1] - oy));
+      scene.move((px - before[0]) / 2, (py - before[1]) / 2);
       scene.zoom(factor, (px + ox) / 2, (py + oy) / 2);
     } else {
       scene.move(px - before[0], py - before[1]);
@@ -50,7 +51,9 @@ function listen(scene, canvas, describe) {
       if (end === 'pointerup' && travelled < 4) choose(scene.grainAt(...place(event)));
     });
   canvas.addEventListener('pointerleave', () => show(-1));
+  // A page that is scrolled past the picture goes on scrolling.
   canvas.addEventListener('wheel', (event) => {
+    if (!event.ctrlKey && document.activeElement !== canvas) return;
     event.preventDefault();
     scene.zoom(Math.exp(-event.deltaY / 400), ...place(event));
   }, {passive: false});
