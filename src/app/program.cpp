@@ -166,10 +166,14 @@ Request parse_command_line(const std::vector<Verb>& verbs, int argc, const char*
   return asked();
 }
 
+// The command line as a shell takes it.
 std::string joined(int argc, char** argv, std::string line) {
   for (int i = 1; i < argc; ++i) {
-    const bool plain = std::strpbrk(argv[i], " \t\"'\\$*?;&|<>()") == nullptr && argv[i][0] != '\0';
-    line += plain ? fmt::format(" {}", argv[i]) : fmt::format(" '{}'", argv[i]);
+    const std::string_view word = argv[i];
+    const bool plain = word.find_first_of(" \t\n\"'`\\$*?;&|<>()[]{}#~!") == word.npos && !word.empty();
+    line += plain ? " " : " '";
+    for (const char letter : word) line += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+    if (!plain) line += "'";
   }
   return line;
 }

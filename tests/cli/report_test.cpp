@@ -225,3 +225,11 @@ TEST_CASE("report: usage that makes no sense, of a run") {
   session.file("long.csv", replaced(session.read("box.csv"), "\n2,", "\n3,"));
   check_refused(session, "report box.h5 -o new.html --convergence long.csv", {"long.csv:", "2 steps", "met 3"});
 }
+
+TEST_CASE("report: the command line on a page is one that a shell takes") {
+  const Session session;
+  session.file("it's.csv", "x,y,radius\n0,0,1\n2,0,1\n4,0,1\n");
+  answer(session, "report it's.csv --subdomains 2x1 --epsilon 1 --eta inf --no-optimum -o page.html");
+  const std::string shown = data_of(session.read("page.html"))["origin"]["command_line"];
+  CHECK(shown.find(R"( 'it'\''s.csv' )") != std::string::npos);
+}
