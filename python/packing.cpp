@@ -66,11 +66,11 @@ py::array_t<Number> column(const std::shared_ptr<ContactNetwork>& network, Numbe
   const Contact& first = network->contacts.empty() ? none : network->contacts.front();
   return strided_view(network, &(first.*member), network->size(), sizeof(Contact));
 }
-py::array_t<double> column(const std::shared_ptr<ContactNetwork>& network, std::array<double, 2> Contact::*member) {
+py::array_t<double> column(const std::shared_ptr<ContactNetwork>& network, std::array<double, 3> Contact::*member) {
   static const Contact none;
   const Contact& first = network->contacts.empty() ? none : network->contacts.front();
   const std::array<py::ssize_t, 2> strides{sizeof(Contact), sizeof(double)};
-  py::array_t<double> array({network->size(), Index{2}}, strides, (first.*member).data(), keeper(network));
+  py::array_t<double> array({network->size(), network->dimension}, strides, (first.*member).data(), keeper(network));
   array.attr("setflags")(py::arg("write") = false);
   return array;
 }
@@ -86,10 +86,10 @@ void bind_network(py::module_& module) {
           "b", [](const Network& n) { return column(n, &Contact::b); }, "second grain")
       .def_property_readonly(
           "normal", [](const Network& n) { return column(n, &Contact::normal); },
-          "unit vectors from the centre of a to the centre of b, contacts x 2")
+          "unit vectors from the centre of a to the centre of b, contacts x 2, in space x 3")
       .def_property_readonly(
           "midpoint", [](const Network& n) { return column(n, &Contact::midpoint); },
-          "middle of the two centres, m, contacts x 2: what grids of subdomains distribute")
+          "middle of the two centres, m, contacts x 2, in space x 3: what grids of subdomains distribute")
       .def_property_readonly(
           "gap", [](const Network& n) { return column(n, &Contact::gap); }, "m, negative for an overlap")
       .def_property_readonly(

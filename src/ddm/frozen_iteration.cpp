@@ -39,7 +39,7 @@ void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>&
     const ContactStatus status = statuses[at(subdomain.numbers[k])];
     if (status == ContactStatus::open) continue;
     const DiskContact c = subdomain.contacts.contact(k, v);
-    LocalVector change = -1.0 * c.inverse_w.solve(relative_velocity(c, v));
+    LocalVector<2> change = -1.0 * c.inverse_w.solve(relative_velocity(c, v));
     if (status != ContactStatus::stick) change.t = sliding_slope(status, c.friction) * change.n;
     apply_impulse(c, change, v);
   }

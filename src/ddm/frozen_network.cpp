@@ -20,11 +20,11 @@ FrozenNetwork frozen_network(const GranularSubdomain& subdomain, const std::vect
   }
   network.root = Vector::Map(root.data(), count(root));
   const Index size = network.root.size();
-  ConnectivityBuilder impulses(size, 2 * statuses.size()), resting(size, 2 * statuses.size());
+  ConnectivityBuilder<2> impulses(size, 2 * statuses.size()), resting(size, 2 * statuses.size());
   for (std::size_t k = 0; k < statuses.size(); ++k) {
     if (statuses[k] == ContactStatus::open) continue;
     const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
-    const auto put = [&](LocalVector impulse, LocalVector rest) {
+    const auto put = [&](LocalVector<2> impulse, LocalVector<2> rest) {
       impulses.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], impulse);
       resting.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], rest);
     };

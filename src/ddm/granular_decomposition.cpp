@@ -262,13 +262,12 @@ ReferenceProblem reference_problem(const StepProblem& problem, Index disks) {
     result.inertia.segment(3 * i, 3) << mass, mass, mass / rim_mass_ratio;
     result.arriving_velocity.segment(3 * i, 3) << v.x, v.y, v.rim;
   }
-  ConnectivityBuilder h(3 * disks, 2 * problem.contacts.size());
+  ConnectivityBuilder<2> h(3 * disks, 2 * problem.contacts.size());
   const auto rows = [&](Index body) {
     return problem.free[at(body)].inverse_mass == 0 ? BodyRows{} : BodyRows{3 * body};
   };
   for (const DiskContact& c : problem.contacts)
-    for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
-      h.add(c.normal, rows(c.a), rows(c.b), direction);
+    for (const LocalVector<2>& direction : contact_directions<2>()) h.add(c.normal, rows(c.a), rows(c.b), direction);
   result.h = h.matrix();
   return result;
 }

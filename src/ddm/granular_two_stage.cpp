@@ -43,7 +43,7 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
 SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
   if (subdomain.contacts.size() == 0) return {};  // another process has them
   const bool compare = solver_.gauss_seidel_sweeps > 1;
-  std::vector<LocalVector> before;
+  std::vector<LocalVector<2>> before;
   if (compare) before = subdomain.contacts.impulses;
   SweepSums sums;
   for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
@@ -51,7 +51,7 @@ SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
   if (!compare) return sums;
   const auto& now = subdomain.contacts.impulses;
   sums.change = std::inner_product(now.begin(), now.end(), before.begin(), 0.0, std::plus<>{},
-                                   [](LocalVector r, LocalVector old) { return squared(r - old); });
+                                   [](LocalVector<2> r, LocalVector<2> old) { return squared(r - old); });
   return sums;
 }
 

@@ -15,7 +15,7 @@ void pack(Index number, const GranularSubdomain& subdomain, std::vector<double>&
   const auto whole = [](auto n) { return static_cast<double>(n); };
   numbers.insert(numbers.end(), {whole(number), whole(subdomain.numbers.size()), whole(subdomain.bodies.size())});
   for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-    const LocalVector r = subdomain.contacts.impulses[k];
+    const LocalVector<2> r = subdomain.contacts.impulses[k];
     numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t});
   }
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
@@ -71,7 +71,7 @@ void take_in(const GranularSubdomain& subdomain, const StepProblem& problem, con
 void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      if (const LocalVector r = subdomain.contacts.impulses[k]; r.n != 0 || r.t != 0)
+      if (const LocalVector<2> r = subdomain.contacts.impulses[k]; r.n != 0 || r.t != 0)
         apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
   // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
@@ -108,9 +108,9 @@ Vector GranularTwoStage::state() const {
 void GranularTwoStage::restart(const Vector& z) {
   for (GranularSubdomain& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
-      LocalVector& r = subdomain.contacts.impulses[k];
+      LocalVector<2>& r = subdomain.contacts.impulses[k];
       const Index first = 2 * subdomain.numbers[k];
-      const LocalVector before = std::exchange(r, {z[first], z[first + 1]});
+      const LocalVector<2> before = std::exchange(r, {z[first], z[first + 1]});
       apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r - before, subdomain.velocities);
     }
   correct(z.tail(parts_.interface_size()) - interface_impulses_);

@@ -33,7 +33,7 @@ Vector LinearSubdomain::strain(const std::vector<DiskVelocity>& velocities) cons
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
     if (statuses_[k] == ContactStatus::open) continue;
     const DiskContact c = contacts_.contact(k, velocities);
-    const LocalVector v = relative_velocity(c, velocities) + c.bias;
+    const LocalVector<2> v = relative_velocity(c, velocities) + c.bias;
     result[column++] = v.n;
     if (statuses_[k] == ContactStatus::stick) result[column++] = v.t;
   }
@@ -72,7 +72,7 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
     if (statuses_[k] == ContactStatus::open) continue;
     const DiskContact c = contacts_.contact(k, base_);
-    LocalVector& r = result.impulses[k];
+    LocalVector<2>& r = result.impulses[k];
     r.n += d[column++];
     // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
     r.t = statuses_[k] == ContactStatus::stick ? r.t + d[column++]
@@ -85,7 +85,7 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
 
 bool LinearSubdomain::admits(const LinearAnswer& answer) const {
   const auto impulse = [&](const DiskContact& c) {
-    const LocalVector stop = stopping_impulse(c, answer.velocities);
+    const LocalVector<2> stop = stopping_impulse(c, answer.velocities);
     return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, c.inverse_w, c.friction); },
                       law_);
   };

@@ -8,7 +8,7 @@ namespace nscdd {
 
 /// What a linear subdomain answers to the impulses of its interface.
 struct LinearAnswer {
-  std::vector<LocalVector> impulses;     ///< of its contacts, N s
+  std::vector<LocalVector<2>> impulses;  ///< of its contacts, N s
   std::vector<DiskVelocity> velocities;  ///< of its bodies
   bool admissible = false;               ///< whether the contact law gives every contact the status it was frozen at
 };

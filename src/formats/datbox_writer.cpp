@@ -23,7 +23,7 @@ std::string head(const char* title, const GranularState& state) {
 
 constexpr const char *grains = datbox_grains, *boundaries = datbox_boundaries, *grain_bulk = datbox_grains;
 
-const char* status_name(LocalVector impulse, ContactStatus status) {
+const char* status_name(LocalVector<2> impulse, ContactStatus status) {
   if (status == ContactStatus::open) return "noctc";
   if (status == ContactStatus::stick) return "stick";
   return impulse.t > 0 ? "slifw" : "slibw";  // LMGC90's tangential impulse has the other sign
@@ -190,7 +190,7 @@ std::string DatboxWriter::contact(const TrajectoryStep& step, const TrajectoryCo
     return {v[0], v[1], 0};
   };
   const std::array<DiskVelocity, 2> bodies{velocity(g.a), velocity(g.b)};
-  const LocalVector v = relative_velocity({.a = 0, .b = 1, .normal = g.normal, .inverse_w = {}}, bodies);
+  const LocalVector<2> v = relative_velocity({.a = 0, .b = 1, .normal = g.normal, .inverse_w = {}}, bodies);
   // The point on the candidate a: from the foot on a wall, or from the middle of two centres.
   const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
   const double h = first_.dynamics.time.step;

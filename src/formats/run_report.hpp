@@ -12,7 +12,7 @@ namespace nscdd {
 struct DrawnContact {
   Index a = 0, b = 0;  ///< a wall has the number disks + its own
   std::array<double, 2> point{};
-  LocalVector impulse;  ///< N s
+  LocalVector<2> impulse;  ///< N s
   ContactStatus status = ContactStatus::open;
   Index subdomain = 0;
 };

@@ -33,7 +33,7 @@ void require_same_contacts(const StepProblem& problem, const TrajectoryStep& aft
 Vector impulses_of(const TrajectoryStep& step, const std::vector<Index>& contacts) {
   Vector r(2 * count(contacts));
   for (Index k = 0; k < count(contacts); ++k) {
-    const LocalVector impulse = step.contacts[at(contacts[at(k)])].impulse;
+    const LocalVector<2> impulse = step.contacts[at(contacts[at(k)])].impulse;
     r.segment(2 * k, 2) << impulse.n, impulse.t;
   }
   return r;

@@ -19,7 +19,7 @@ struct TrajectoryHeader {
 /// A contact as a step left it.
 struct TrajectoryContact {
   StepContact geometry;
-  LocalVector impulse;  ///< N s
+  LocalVector<2> impulse;  ///< N s
   ContactStatus status = ContactStatus::open;
   Index subdomain = 0;
 };

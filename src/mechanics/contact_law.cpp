@@ -17,10 +17,10 @@ ContactStatus status_under(const Law&, const DiskContact& c) {
 
 template <class Law>
 void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
-  const LocalVector r = c.impulse;
-  const LocalVector next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
-  const LocalVector change = c.inverse_w.apply(next - r);
-  const LocalVector here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
+  const LocalVector<2> r = c.impulse;
+  const LocalVector<2> next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
+  const LocalVector<2> change = c.inverse_w.apply(next - r);
+  const LocalVector<2> here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
   sum.impulses += squared(r);
   sum.violation += squared(change);
   sum.work += dot({(next.n + r.n) / 2, (next.t + r.t) / 2}, change);
@@ -29,7 +29,7 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
   if constexpr (!Law::opens) {
     sum.natural_map += squared(next - r);
   } else {
-    const LocalVector velocity = relative_velocity(c, v) + c.bias;
+    const LocalVector<2> velocity = relative_velocity(c, v) + c.bias;
     sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
@@ -58,7 +58,7 @@ ContactLaw contact_law(const Interaction& interaction, double h, double scale) {
   return law;
 }
 
-ContactStatus contact_status(LocalVector impulse, double friction, double tolerance) {
+ContactStatus contact_status(LocalVector<2> impulse, double friction, double tolerance) {
   if (impulse.n <= 0) return ContactStatus::open;
   const double edge = friction * impulse.n;
   if (std::abs(impulse.t) < edge * (1 - tolerance)) return ContactStatus::stick;

@@ -83,22 +83,27 @@ ContactLaw contact_law(const Interaction& interaction, double h, double scale);
 
 /// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact slides if its
 /// impulse is within `tolerance` x friction r_n of the edge of the cone.
-ContactStatus contact_status(LocalVector impulse, double friction, double tolerance = 0);
+ContactStatus contact_status(LocalVector<2> impulse, double friction, double tolerance = 0);
 
-/// Projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }, orthogonal in the plane.
-inline LocalVector project_on_cone(LocalVector impulse, double friction) {
-  const double size = std::abs(impulse.t);
+/// Orthogonal projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }.
+template <int D>
+LocalVector<D> project_on_cone(LocalVector<D> impulse, double friction) {
+  const double size = norm(impulse.t);
   if (friction * size <= -impulse.n) return {};      // inside the polar cone; first, for friction 0
   if (size <= friction * impulse.n) return impulse;  // inside
   const double n = (impulse.n + friction * size) / (1 + friction * friction);  // on the edge (1, friction)
-  return {n, std::copysign(friction * n, impulse.t)};
+  if constexpr (D == 2)
+    return {n, std::copysign(friction * n, impulse.t)};
+  else
+    return {n, (friction * n / size) * impulse.t};
 }
 
 /// Residual of the contact law in the form of De Saxce, the "natural map": r - P_K(r - rho (v + friction |v_t| n)), N
 /// s. For any rho > 0 (kg) it is zero if and only if (v, r) obeys Signorini and Coulomb.
-inline LocalVector natural_map(LocalVector impulse, LocalVector velocity, double friction, double rho) {
-  const LocalVector moved{impulse.n - rho * (velocity.n + friction * std::abs(velocity.t)),
-                          impulse.t - rho * velocity.t};
+template <int D>
+LocalVector<D> natural_map(LocalVector<D> impulse, LocalVector<D> velocity, double friction, double rho) {
+  const LocalVector<D> moved{impulse.n - rho * (velocity.n + friction * norm(velocity.t)),
+                             impulse.t - rho * velocity.t};
   return impulse - project_on_cone(moved, friction);
 }
 

@@ -13,7 +13,7 @@ SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> v
   const std::size_t n = contacts.size();
   for (std::size_t k = 0; k < n; ++k) {
     const ContactRows::Row& c = contacts.rows[k];
-    LocalVector& r = contacts.impulses[k];
+    LocalVector<2>& r = contacts.impulses[k];
     DiskVelocity& a = v[c.a];
     DiskVelocity& b = v[c.b];
     const double dx = b.x - a.x, dy = b.y - a.y;
@@ -22,8 +22,8 @@ SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> v
     if constexpr (tangential_bias) v_t += contacts.bias_t[k];
     const DiagonalDelassus w = disk_delassus(a, b);
     const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
-    const LocalVector stop{r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t};
-    LocalVector next;
+    const LocalVector<2> stop{r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t};
+    LocalVector<2> next;
     if constexpr (Law::pulls)
       next = law_at(law, contacts.pull[k]).impulse(stop, w, frictions[driven]);
     else

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "mechanics/contact_frame.hpp"
 #include "mechanics/contact_law.hpp"
 
 namespace nscdd {
@@ -28,10 +29,10 @@ struct DiskContact {
   std::int32_t a = 0, b = 0;           ///< positions in the array of velocities
   std::array<double, 2> normal{1, 0};  ///< n
   DiagonalDelassus inverse_w;          ///< kg
-  LocalVector bias = {};               ///< m/s, added to v before the law: gap / h, restitution
+  LocalVector<2> bias = {};            ///< m/s, added to v before the law: gap / h, restitution
   double friction = 0;
-  double pull = 0;           ///< largest pulling impulse, N s; 0 unless the law pulls
-  LocalVector impulse = {};  ///< r, N s
+  double pull = 0;              ///< largest pulling impulse, N s; 0 unless the law pulls
+  LocalVector<2> impulse = {};  ///< r, N s
 };
 
 /// Sums over the contacts of one sweep, (N s)^2: |r - r_before|^2 and |r|^2.
@@ -40,16 +41,11 @@ struct SweepSums {
 };
 
 /// Relative velocity of a contact, m/s, without bias.
-inline LocalVector relative_velocity(const DiskContact& c, std::span<const DiskVelocity> v) {
+inline LocalVector<2> relative_velocity(const DiskContact& c, std::span<const DiskVelocity> v) {
   const DiskVelocity& a = v[static_cast<std::size_t>(c.a)];
   const DiskVelocity& b = v[static_cast<std::size_t>(c.b)];
   const double dx = b.x - a.x, dy = b.y - a.y;
   return {c.normal[0] * dx + c.normal[1] * dy, c.normal[0] * dy - c.normal[1] * dx - a.rim - b.rim};
-}
-
-/// H_c r on one of its disks, (x, y, rim), N s; sign +1 for b, -1 for a. With r a unit vector, a column of H.
-inline std::array<double, 3> impulse_on_disk(const std::array<double, 2>& normal, double sign, LocalVector r) {
-  return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
 }
 
 /// V += M^-1 p of one disk, for an impulse p = (x, y, rim) on it, N s.
@@ -60,13 +56,13 @@ inline void push(DiskVelocity& disk, const std::array<double, 3>& p) {
 }
 
 /// V += M^-1 H_c r: the velocities of both disks of a contact after an impulse r on b and -r on a.
-inline void apply_impulse(const DiskContact& c, LocalVector r, std::span<DiskVelocity> v) {
-  push(v[static_cast<std::size_t>(c.a)], impulse_on_disk(c.normal, -1, r));
-  push(v[static_cast<std::size_t>(c.b)], impulse_on_disk(c.normal, 1, r));
+inline void apply_impulse(const DiskContact& c, LocalVector<2> r, std::span<DiskVelocity> v) {
+  push(v[static_cast<std::size_t>(c.a)], impulse_on_grain(c.normal, -1, r));
+  push(v[static_cast<std::size_t>(c.b)], impulse_on_grain(c.normal, 1, r));
 }
 
 /// The impulse with which the contact would be at rest, bias included: r - W^-1 (v + bias).
-inline LocalVector stopping_impulse(const DiskContact& c, std::span<const DiskVelocity> v) {
+inline LocalVector<2> stopping_impulse(const DiskContact& c, std::span<const DiskVelocity> v) {
   return c.impulse - c.inverse_w.solve(relative_velocity(c, v) + c.bias);
 }
 
@@ -80,11 +76,11 @@ struct ContactRows {
     double bias_n = 0;  ///< m/s
   };
   std::vector<Row> rows;
-  std::vector<LocalVector> impulses;  ///< r, N s
-  std::vector<double> bias_t;         ///< m/s; empty without tangential restitution
-  std::vector<double> pull;           ///< N s; empty unless the law pulls
-  double friction = 0;                ///< between free disks
-  double boundary_friction = 0;       ///< if one of both bodies is driven
+  std::vector<LocalVector<2>> impulses;  ///< r, N s
+  std::vector<double> bias_t;            ///< m/s; empty without tangential restitution
+  std::vector<double> pull;              ///< N s; empty unless the law pulls
+  double friction = 0;                   ///< between free disks
+  double boundary_friction = 0;          ///< if one of both bodies is driven
 
   std::size_t size() const { return rows.size(); }
   DiskContact contact(std::size_t k, std::span<const DiskVelocity> v) const;

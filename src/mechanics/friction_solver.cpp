@@ -43,7 +43,7 @@ std::vector<ContactCheck> checked_contacts(const JudgedProblem& judged, const Lo
   std::vector<ContactCheck> checks(at(contacts));
   for_parts(contacts, [&](const ContactRange& range) {
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector r = component(impulses, c), u = judged.w.add_row(c, impulses, {}) + component(problem.q, c);
+      const LocalVector<2> r = component(impulses, c), u = judged.w.add_row(c, impulses, {}) + component(problem.q, c);
       velocities.segment<2>(2 * c) << u.n, u.t;
       const double mu = problem.friction[c];
       checks[at(c)] = {squared(natural_map(r, u, mu, 1 / judged.normal[c])), squared(natural_map(r, u, mu, 1)),
@@ -101,8 +101,8 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
   std::vector<std::pair<double, Index>> carried;  // squares, with a sign that sorts
   double sum = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector m = natural_map(component(solution.impulses, c), component(solution.state.velocities, c),
-                                      problem.friction[c], 1 / problem.w.coeff(2 * c, 2 * c));
+    const LocalVector<2> m = natural_map(component(solution.impulses, c), component(solution.state.velocities, c),
+                                         problem.friction[c], 1 / problem.w.coeff(2 * c, 2 * c));
     carried.emplace_back(-squared(m), c);
     sum += squared(m);
   }
@@ -188,8 +188,9 @@ bool SolverRun::decide(const Vector& impulses, const FrictionStep& step) {
 Vector SolverRun::projected() const {
   Vector result(now.impulses.size());
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector r = component(now.impulses, c);
-    const LocalVector m = natural_map(r, component(now.state.velocities, c), problem.friction[c], 1 / judged.normal[c]);
+    const LocalVector<2> r = component(now.impulses, c);
+    const LocalVector<2> m =
+        natural_map(r, component(now.state.velocities, c), problem.friction[c], 1 / judged.normal[c]);
     result.segment<2>(2 * c) << r.n - m.n, r.t - m.t;
   }
   return result;

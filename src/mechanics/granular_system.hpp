@@ -79,7 +79,7 @@ struct GranularSystem {
 /// Impulse that a contact carried, with its ends: disks by their number, wall w as disks() + w; a < b.
 struct RememberedImpulse {
   Index a = 0, b = 0;
-  LocalVector impulse;  ///< N s
+  LocalVector<2> impulse;  ///< N s
 };
 
 /// Interface impulse that held the copy of a grain in a subdomain, (A_E^T F_Gamma) of that copy, N s.

@@ -8,9 +8,10 @@
 namespace nscdd {
 namespace {
 
-// V^- = D (x - x_c), 2 n entries.
+// V^- = D (x - x_c), 2 n or 3 n entries.
 Vector deformation_velocities(const Packing& packing, const Loads& loads) {
-  Vector velocities = Vector::Zero(2 * packing.size());
+  const Index d = packing.dimension();
+  Vector velocities = Vector::Zero(d * packing.size());
   if (loads.none()) return velocities;
   const auto weighted = [&m = packing.mass](const std::vector<double>& x) {
     return std::inner_product(m.begin(), m.end(), x.begin(), 0.0) / std::accumulate(m.begin(), m.end(), 0.0);
@@ -18,10 +19,21 @@ Vector deformation_velocities(const Packing& packing, const Loads& loads) {
   const double centre_x = weighted(packing.x), centre_y = weighted(packing.y);
   for (Index i = 0; i < packing.size(); ++i) {
     const double x = packing.x[at(i)] - centre_x, y = packing.y[at(i)] - centre_y;
-    velocities[2 * i] = -loads.compression[0] * x + loads.shear * y;
-    velocities[2 * i + 1] = loads.shear * x - loads.compression[1] * y;
+    velocities[d * i] = -loads.compression[0] * x + loads.shear * y;
+    velocities[d * i + 1] = loads.shear * x - loads.compression[1] * y;
   }
   return velocities;
+}
+
+template <int D>
+SparseMatrix connectivity(const ContactNetwork& network) {
+  ConnectivityBuilder<D> h(D * network.grains, network.contacts.size());
+  for (const Contact& contact : network.contacts) {
+    Direction<D> normal;
+    std::copy_n(contact.normal.begin(), D, normal.begin());
+    h.add(normal, {D * contact.a}, {D * contact.b}, {1, {}});
+  }
+  return h.matrix();
 }
 
 }  // namespace
@@ -31,13 +43,11 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   if (count(packing.mass) != packing.size())
     fail("assemble: expected a mass for each of {} grains, met {}", packing.size(), packing.mass.size());
   ReferenceProblem problem;
-  const Index n = packing.size();
-  problem.inertia.resize(2 * n);
-  for (Index i = 0; i < n; ++i) problem.inertia.segment(2 * i, 2).setConstant(packing.mass[at(i)]);
-
-  ConnectivityBuilder h(2 * n, network.contacts.size());
-  for (const Contact& contact : network.contacts) h.add(contact.normal, {2 * contact.a}, {2 * contact.b}, {1, 0});
-  problem.h = h.matrix();
+  const Index n = packing.size(), d = packing.dimension();
+  problem.dimension = problem.dofs_per_grain = d;
+  problem.inertia.resize(d * n);
+  for (Index i = 0; i < n; ++i) problem.inertia.segment(d * i, d).setConstant(packing.mass[at(i)]);
+  problem.h = d == 2 ? connectivity<2>(network) : connectivity<3>(network);
 
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {
@@ -46,7 +56,8 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
     if (!std::isfinite(one.velocity[0]) || !std::isfinite(one.velocity[1]))
       fail("prescribed velocity of grain {}: expected finite components, met ({}, {})", one.grain, one.velocity[0],
            one.velocity[1]);
-    problem.arriving_velocity.segment(2 * one.grain, 2) << one.velocity[0], one.velocity[1];
+    problem.arriving_velocity.segment(d * one.grain, d).setZero();
+    problem.arriving_velocity.segment(d * one.grain, 2) << one.velocity[0], one.velocity[1];
   }
   return problem;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "mechanics/time_stepping.hpp"
-#include "packing/disk_grid.hpp"
+#include "packing/grain_grid.hpp"
 
 namespace nscdd {
 namespace {
@@ -88,7 +88,7 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
     const bool far = c.gap > alert && c.gap + scheme.step * closing > alert;
     if (!far) found.push_back(c);
   };
-  const DiskGrid grid(where.x, where.y, system.radius, 1, range);
+  const GrainGrid grid({where.x, where.y, {}}, system.radius, 1, range);
   grid.for_each_pair([&](Index a, Index b) {
     const double dx = where.x[at(b)] - where.x[at(a)], dy = where.y[at(b)] - where.y[at(a)];
     const double touch = system.radius[at(a)] + system.radius[at(b)];
@@ -168,7 +168,7 @@ DiskContact solver_contact(const StepContact& c, Index second, const StepProblem
                 .bias = {c.gap > 0 ? c.gap / problem.h : std::max(correction * c.gap / problem.h, -push), 0},
                 .friction = driven ? problem.boundary_friction : problem.friction};
   if (interaction.restitution > 0 || interaction.tangential_restitution > 0) {
-    const LocalVector before = relative_velocity(k, problem.start);
+    const LocalVector<2> before = relative_velocity(k, problem.start);
     if (interaction.restitution > 0) k.bias.n = interaction.restitution * std::min(0.0, before.n);
     k.bias.t = interaction.tangential_restitution * before.t;
   }

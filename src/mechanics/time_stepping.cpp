@@ -63,7 +63,7 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
     for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
       const DiskVelocity& v = velocities[static_cast<std::size_t>(body)];
       if (v.inverse_mass > 0) continue;
-      const auto impulse = impulse_on_disk(c.normal, sign, c.impulse);
+      const auto impulse = impulse_on_grain(c.normal, sign, c.impulse);
       boundary_work -= impulse[0] * v.x + impulse[1] * v.y + impulse[2] * v.rim;
     }
   }
@@ -97,12 +97,12 @@ GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std
   problem.f = Vector::Map(momentum.data(), rows);
   problem.w.resize(2 * size);
   problem.friction.resize(size);
-  ConnectivityBuilder h(rows, 2 * contacts.size());
+  ConnectivityBuilder<2> h(rows, 2 * contacts.size());
   for (Index c = 0; c < size; ++c) {
     const DiskContact& k = contacts[at(c)];
-    for (const LocalVector direction : {LocalVector{1, 0}, LocalVector{0, 1}})
+    for (const LocalVector<2>& direction : contact_directions<2>())
       h.add(k.normal, rows_of[at(k.a)], rows_of[at(k.b)], direction);
-    const LocalVector w = relative_velocity(k, driven) + k.bias;
+    const LocalVector<2> w = relative_velocity(k, driven) + k.bias;
     problem.w.segment<2>(2 * c) << w.n, w.t;
     problem.friction[c] = k.friction;
   }

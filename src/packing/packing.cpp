@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
-#include "packing/disk_grid.hpp"
+#include "packing/grain_grid.hpp"
 #include <nscdd/packing/packing.hpp>
 
 #include <numbers>
@@ -14,23 +14,29 @@ void require_positive(const std::vector<double>& values, const char* name) {
       fail("grain {}: expected a finite {} > 0, met {}", i, name, values[i]);
 }
 
+// "(x, y)" or "(x, y, z)".
+std::string place(const Packing& p, Index grain) {
+  const auto [x, y, z] = p.centre(grain);
+  return p.z.empty() ? fmt::format("({}, {})", x, y) : fmt::format("({}, {}, {})", x, y, z);
+}
+
 // A pair (i, j) with its geometry, or a gap beyond the tolerance for a pair that does not touch.
 Contact pair_geometry(const Packing& p, Index i, Index j) {
   const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
-  const double distance = std::hypot(dx, dy);
+  const double dz = p.z.empty() ? 0 : p.z[at(j)] - p.z[at(i)];
+  const double distance = p.z.empty() ? std::hypot(dx, dy) : std::hypot(dx, dy, dz);
   Contact contact{.a = i, .b = j};
   contact.gap = distance - (p.radius[at(i)] + p.radius[at(j)]);
-  contact.midpoint = {p.x[at(i)] + 0.5 * dx, p.y[at(i)] + 0.5 * dy};
-  if (distance > 0) contact.normal = {dx / distance, dy / distance};
+  const auto [x, y, z] = p.centre(i);
+  contact.midpoint = {x + 0.5 * dx, y + 0.5 * dy, z + 0.5 * dz};
+  if (distance > 0) contact.normal = {dx / distance, dy / distance, dz / distance};
   return contact;
 }
 
 void require_no_overlap(const Packing& p, const Contact& contact, double allowed) {
   const auto [i, j] = std::pair(contact.a, contact.b);
-  const auto describe = [&](Index g) {
-    return fmt::format("({}, {}) of radius {}", p.x[at(g)], p.y[at(g)], p.radius[at(g)]);
-  };
-  if (p.x[at(i)] == p.x[at(j)] && p.y[at(i)] == p.y[at(j)])
+  const auto describe = [&](Index g) { return fmt::format("{} of radius {}", place(p, g), p.radius[at(g)]); };
+  if (p.centre(i) == p.centre(j))
     fail("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j));
   if (-contact.gap > allowed)
     fail(
@@ -43,9 +49,11 @@ void require_no_overlap(const Packing& p, const Contact& contact, double allowed
 
 void check(const Packing& packing) {
   if (packing.size() == 0) throw Error("packing: expected at least one grain, met none");
+  if (!packing.z.empty() && count(packing.z) != packing.size())
+    fail("packing: expected a z for each of {} grains or for none, met {}", packing.size(), packing.z.size());
   for (Index i = 0; i < packing.size(); ++i)
-    if (!std::isfinite(packing.x[at(i)]) || !std::isfinite(packing.y[at(i)]))
-      fail("grain {}: expected finite coordinates, met ({}, {})", i, packing.x[at(i)], packing.y[at(i)]);
+    if (std::ranges::any_of(packing.centre(i), [](double one) { return !std::isfinite(one); }))
+      fail("grain {}: expected finite coordinates, met {}", i, place(packing, i));
   require_positive(packing.radius, "radius");
   require_positive(packing.mass, "mass");
 }
@@ -62,7 +70,8 @@ Packing with_masses(Packing packing, const Masses& masses) {
       break;
     case MassModel::density:
       packing.mass.clear();
-      for (const double r : packing.radius) packing.mass.push_back(masses.density * std::numbers::pi * r * r);
+      for (const double r : packing.radius)
+        packing.mass.push_back(masses.density * std::numbers::pi * r * r * (packing.z.empty() ? 1 : 4 * r / 3));
       break;
   }
   check(packing);
@@ -70,17 +79,19 @@ Packing with_masses(Packing packing, const Masses& masses) {
 }
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
-  ContactNetwork network{.contacts = {}, .grains = packing.size()};
+  ContactNetwork network{.contacts = {}, .grains = packing.size(), .dimension = packing.dimension()};
   if (packing.size() == 0) return network;
-  network.contacts.reserve(at(3 * packing.size()));  // as many as a plane graph can have edges
+  // As many as a plane graph can have edges; spheres of one size in a dense bed have about as many.
+  network.contacts.reserve(at(3 * packing.size()));
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
   const double stretch = 1 + 0.5 * detection.tolerance;
-  const DiskGrid grid(packing.x, packing.y, packing.radius, stretch);
+  const GrainGrid grid({packing.x, packing.y, packing.z}, packing.radius, stretch);
   grid.for_each_pair([&](Index i, Index j) {
     const double reach = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
     // Most pairs end here, without a root; the margin is wide for rounding.
     const double dx = packing.x[at(j)] - packing.x[at(i)], dy = packing.y[at(j)] - packing.y[at(i)];
-    if (dx * dx + dy * dy > 1.000001 * reach * reach) return;
+    const double dz = packing.z.empty() ? 0 : packing.z[at(j)] - packing.z[at(i)];
+    if (dx * dx + dy * dy + dz * dz > 1.000001 * reach * reach) return;
     const Contact contact = pair_geometry(packing, i, j);
     const double smaller = std::min(packing.radius[at(i)], packing.radius[at(j)]);
     if (contact.gap > detection.tolerance * smaller) return;

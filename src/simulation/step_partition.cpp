@@ -10,7 +10,8 @@ namespace {
 ContactNetwork network_of(const StepProblem& problem, Index disks) {
   ContactNetwork network;
   network.grains = disks;
-  for (const StepContact& c : problem.geometry) network.contacts.push_back({c.a, c.b, c.normal, c.point, c.gap});
+  for (const StepContact& c : problem.geometry)
+    network.contacts.push_back({c.a, c.b, {c.normal[0], c.normal[1], 0}, {c.point[0], c.point[1], 0}, c.gap});
   return network;
 }
 

@@ -24,8 +24,8 @@ FrozenSystem frozen_system(const SolvedStep& step) {
   for (Index c = 0; c < count(step.contacts); ++c) {
     const DiskContact& contact = step.contacts[at(c)];
     const ContactRelation relation = relation_of(status_of(step.problem.law, contact), contact.friction, alpha);
-    const LocalVector u = relative_velocity(contact, step.problem.free) + contact.bias;
-    const LocalVector b = alpha * contact.impulse - u;
+    const LocalVector<2> u = relative_velocity(contact, step.problem.free) + contact.bias;
+    const LocalVector<2> b = alpha * contact.impulse - u;
     system.right.segment<2>(2 * c) = relation.q * Eigen::Vector2d(b.n, b.t);
     system.relations.push_back(relation);
   }

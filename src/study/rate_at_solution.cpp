@@ -142,7 +142,7 @@ void observe(RateAtSolution& result, NearbyRun& run) {
 }  // namespace
 
 double status_margin(const ContactLaw& law, const DiskContact& contact, const std::vector<DiskVelocity>& velocities) {
-  const LocalVector stop = stopping_impulse(contact, velocities);
+  const LocalVector<2> stop = stopping_impulse(contact, velocities);
   const double n = stop.n + contact.pull;
   const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
   if (n <= 0) return -n;

@@ -81,7 +81,7 @@ Simulation divided(const Simulation& whole, std::array<Index, 2> grid, const std
 std::vector<char> columns_of_last_step(const Simulation& simulation, const StepProblem& problem) {
   std::vector<char> kept;
   for (std::size_t k = 0; k < problem.contacts.size(); ++k) {
-    const LocalVector r = impulse_between(simulation.state, problem.geometry[k].a, problem.geometry[k].b);
+    const LocalVector<2> r = impulse_between(simulation.state, problem.geometry[k].a, problem.geometry[k].b);
     kept.push_back(r.n > 0);
     kept.push_back(r.n > 0 && std::abs(r.t) < problem.contacts[k].friction * r.n * (1 - 1e-9));
   }

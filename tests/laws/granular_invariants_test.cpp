@@ -46,8 +46,8 @@ double gain_of_turning_normals(const GranularSystem& system, const SolvedStep& s
 double least_dissipation(const SolvedStep& step, double e) {
   double work = 0, pressed = 0;
   for (const DiskContact& c : step.contacts) {
-    const LocalVector before = relative_velocity(c, step.problem.start);
-    const LocalVector after = relative_velocity(c, step.velocities);
+    const LocalVector<2> before = relative_velocity(c, step.problem.start);
+    const LocalVector<2> after = relative_velocity(c, step.velocities);
     work += c.impulse.n * (after.n - before.n) + c.impulse.t * (after.t - before.t);
     pressed += c.impulse.n * std::max(0.0, before.n);
   }

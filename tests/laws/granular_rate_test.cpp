@@ -153,7 +153,7 @@ TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code'
         CHECK((granular.interface_impulses() - f).norm() < 1e-10 * f.norm());
         Index row = 0;
         for (const GranularSubdomain& subdomain : granular.parts().subdomains)
-          for (const LocalVector& r : subdomain.contacts.impulses) {
+          for (const LocalVector<2>& r : subdomain.contacts.impulses) {
             CHECK(std::abs(r.n - state[row++]) < 1e-10);
             CHECK(std::abs(r.t - state[row++]) < 1e-10);
           }

@@ -49,7 +49,7 @@ TEST_CASE("incline: a disk rolls at 2/3 g sin where tan <= 3 mu, slides at g (si
           (s.x[0] - radius * std::sin(angle)) * std::cos(angle) - (s.y[0] - radius * std::cos(angle)) * std::sin(angle);
       CHECK(along == doctest::Approx(acceleration * t * t / 2).epsilon(1e-11));
       CHECK(s.angle[0] == doctest::Approx(-spin * t * t / 2).epsilon(1e-11));
-      const LocalVector r = impulse_between(s, 0, 1);
+      const LocalVector<2> r = impulse_between(s, 0, 1);
       CHECK(r.n == doctest::Approx(mass * g * std::cos(angle) * 0.002).epsilon(1e-11));
       const double friction = rolls ? mass * g * std::sin(angle) / 3 : mu * mass * g * std::cos(angle);
       CHECK(std::abs(r.t) == doctest::Approx(friction * 0.002).epsilon(1e-11));

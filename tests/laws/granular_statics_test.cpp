@@ -29,7 +29,7 @@ TEST_CASE("column of disks between walls: every reaction is the weight above it"
         double above = 0;
         for (Index i = n - 1; i >= 0; --i) {
           above += (1 + 0.3 * static_cast<double>(i)) * g * 0.005;
-          const LocalVector r =
+          const LocalVector<2> r =
               i == 0 ? impulse_between(simulation.state, 0, n) : impulse_between(simulation.state, i - 1, i);
           CHECK(r.n == doctest::Approx(above).epsilon(1e-9));
           CHECK(std::abs(r.t) < 1e-9);

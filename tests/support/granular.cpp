@@ -73,7 +73,7 @@ StepReport advance(Simulation& simulation, Index steps) {
   return last;
 }
 
-LocalVector impulse_between(const GranularState& state, Index a, Index b) {
+LocalVector<2> impulse_between(const GranularState& state, Index a, Index b) {
   for (const RememberedImpulse& one : state.impulses)
     if (one.a == a && one.b == b) return one.impulse;
   return {};

@@ -41,7 +41,7 @@ StepReport advance(Simulation& simulation);
 StepReport advance(Simulation& simulation, Index steps);  ///< of the last step
 
 /// Impulse of a contact in the last step taken, zero where there was none. Wall w is number disks + w.
-LocalVector impulse_between(const GranularState& state, Index a, Index b);
+LocalVector<2> impulse_between(const GranularState& state, Index a, Index b);
 
 /// Grains of radii 0.1 ... 0.198 m dropped into a box with a floor and two walls, density 2 500 kg/m^2.
 Simulation box_of_grains(Index grains, const Dynamics& dynamics, std::array<Index, 2> grid = {1, 1}, Index seed = 1);

@@ -24,8 +24,8 @@ Close closely(const Simulation& simulation) {
 double relative_natural_map(const std::vector<DiskContact>& contacts, const std::vector<DiskVelocity>& v) {
   double map = 0, impulses = 0;
   for (const DiskContact& c : contacts) {
-    const LocalVector w = relative_velocity(c, v), r{c.impulse.n, c.impulse.t};
-    const LocalVector one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w.inverse_n);
+    const LocalVector<2> w = relative_velocity(c, v), r{c.impulse.n, c.impulse.t};
+    const LocalVector<2> one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w.inverse_n);
     map += one.n * one.n + one.t * one.t;
     impulses += r.n * r.n + r.t * r.t;
   }

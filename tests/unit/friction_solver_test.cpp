@@ -362,7 +362,7 @@ TEST_CASE("an observer stops every solver, and the best impulses remain") {
   double alone = 0;  // || r^1 ||
   for (Index c = 0; c < problem.contacts(); ++c) {
     const FullDelassus w = diagonal_block(problem, c);
-    const LocalVector stop = w.solve({-problem.q[2 * c], -problem.q[2 * c + 1]});
+    const LocalVector<2> stop = w.solve({-problem.q[2 * c], -problem.q[2 * c + 1]});
     alone += squared(Coulomb{}.impulse(stop, w, problem.friction[c]));
   }
   alone = std::sqrt(alone);
@@ -394,13 +394,13 @@ TEST_CASE("one contact: the local solution obeys the law for any friction, on th
     const double nn = 0.1 + random.uniform(), tt = 0.1 + random.uniform();
     const FullDelassus w{nn, (2 * random.uniform() - 1) * 0.999 * std::sqrt(nn * tt), tt};
     const double friction = k % 5 == 0 ? 0.0 : 6 * random.uniform() * random.uniform();
-    LocalVector stop{random.normal(), random.normal()};
+    LocalVector<2> stop{random.normal(), random.normal()};
     if (k % 3 == 0)
       stop = {std::abs(stop.n), friction * std::abs(stop.n) * (1 + 1e-16 * static_cast<double>(k % 7 - 3))};
     if (k % 6 == 0) stop.t = std::nextafter(stop.t, k % 4 == 0 ? 100.0 : -100.0);
-    const LocalVector r = Coulomb{}.impulse(stop, w, friction);
-    const LocalVector v = w.apply({r.n - stop.n, r.t - stop.t});
-    const LocalVector m = natural_map(r, v, friction, 1 / nn);
+    const LocalVector<2> r = Coulomb{}.impulse(stop, w, friction);
+    const LocalVector<2> v = w.apply({r.n - stop.n, r.t - stop.t});
+    const LocalVector<2> m = natural_map(r, v, friction, 1 / nn);
     CAPTURE(k);
     // Where W is nearly singular the slip velocity loses digits with n = -free_n / (W_nn + s W_nt).
     CHECK(std::hypot(m.n, m.t) <= 1e-9 * (1 + std::hypot(r.n, r.t)));
@@ -440,8 +440,8 @@ TEST_CASE("projection on the cone: the nearest point of it, for no friction too"
   RandomStream random(8);
   for (Index k = 0; k < 300; ++k) {
     const double friction = k % 3 == 0 ? 0.0 : 2 * random.uniform();
-    const LocalVector point{random.normal(), k % 4 == 0 ? 0.0 : random.normal()};
-    const LocalVector p = project_on_cone(point, friction);
+    const LocalVector<2> point{random.normal(), k % 4 == 0 ? 0.0 : random.normal()};
+    const LocalVector<2> p = project_on_cone(point, friction);
     CHECK(p.n >= 0);
     CHECK(std::abs(p.t) <= friction * p.n * (1 + 1e-15));
     const double distance = std::hypot(point.n - p.n, point.t - p.t);

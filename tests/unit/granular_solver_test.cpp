@@ -280,8 +280,8 @@ TEST_CASE("glued copies: their masses add up, and in their speed rims count as m
 
 TEST_CASE("natural map: zero on every status, positive as soon as a law is broken") {
   const double mu = 0.5, rho = 0.7;
-  const auto size = [&](LocalVector r, LocalVector v) {
-    const LocalVector residual = natural_map(r, v, mu, rho);
+  const auto size = [&](LocalVector<2> r, LocalVector<2> v) {
+    const LocalVector<2> residual = natural_map(r, v, mu, rho);
     return std::hypot(residual.n, residual.t);
   };
   CHECK(size({0, 0}, {0.3, -2}) == 0);     // open

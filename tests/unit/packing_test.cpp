@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
-#include "packing/disk_grid.hpp"
+#include "packing/grain_grid.hpp"
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/packing.hpp>
 
@@ -110,7 +110,7 @@ TEST_CASE("disk grid: every pair within reach once, and few others, whatever the
     std::vector<std::pair<Index, Index>> visited;
     // A range of its own, beside the radii, as the motion of disks in a step asks for.
     const double range = 0.5 / ratio;
-    DiskGrid(x, y, reach, 1, range).for_each_pair([&](Index i, Index j) { visited.emplace_back(i, j); });
+    GrainGrid({x, y, {}}, reach, 1, range).for_each_pair([&](Index i, Index j) { visited.emplace_back(i, j); });
     CHECK(count(visited) < sizes.most * count(reach));
     const std::set<std::pair<Index, Index>> once(visited.begin(), visited.end());
     CHECK(once.size() == visited.size());
@@ -124,7 +124,7 @@ TEST_CASE("disk grid: every pair within reach once, and few others, whatever the
     CHECK(near > 500);
     CHECK(missed == 0);
   }
-  DiskGrid({}, {}, {}).for_each_pair([](Index, Index) { FAIL("a pair of no disks"); });
+  GrainGrid({}, {}).for_each_pair([](Index, Index) { FAIL("a pair of no disks"); });
 }
 
 TEST_CASE("contacts: normals, midpoints of centres, gaps, order") {
@@ -133,9 +133,9 @@ TEST_CASE("contacts: normals, midpoints of centres, gaps, order") {
   REQUIRE(network.size() == 3);
   CHECK(network.contacts[0].a == 0);
   CHECK(network.contacts[0].b == 1);
-  CHECK(network.contacts[0].normal == std::array<double, 2>{1.0, 0.0});
-  CHECK(network.contacts[0].midpoint == std::array<double, 2>{1.5, 0.0});  // of the centres, not of the contact
-  CHECK(network.contacts[1].normal == std::array<double, 2>{0.0, -1.0});
+  CHECK(network.contacts[0].normal == std::array<double, 3>{1.0, 0.0, 0.0});
+  CHECK(network.contacts[0].midpoint == std::array<double, 3>{1.5, 0.0, 0.0});  // of the centres, not of the contact
+  CHECK(network.contacts[1].normal == std::array<double, 3>{0.0, -1.0, 0.0});
   CHECK(network.contacts[2].normal[0] == doctest::Approx(-0.6));
   CHECK(network.contacts[2].gap == doctest::Approx(0.0));
   CHECK(contact_counts(network) == std::vector<Index>{2, 2, 2});

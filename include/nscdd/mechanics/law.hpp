@@ -4,20 +4,63 @@
 #include <nscdd/core/choice.hpp>
 #include <nscdd/core/types.hpp>
 
+#include <type_traits>
 #include <variant>
 
 namespace nscdd {
 
-/// Relative velocity or impulse of one contact in its frame (n, t), t = n turned by +90 degrees: n > 0
-/// separates (velocity, m/s) or presses (impulse, N s).
-struct LocalVector {
-  double n = 0, t = 0;
+/// Two components in the tangent plane of a contact in space, along its tangents t_1 and t_2.
+struct TangentVector {
+  double first = 0, second = 0;
 };
-inline LocalVector operator+(LocalVector a, LocalVector b) { return {a.n + b.n, a.t + b.t}; }
-inline LocalVector operator-(LocalVector a, LocalVector b) { return {a.n - b.n, a.t - b.t}; }
-inline LocalVector operator*(double factor, LocalVector a) { return {factor * a.n, factor * a.t}; }
-inline double dot(LocalVector a, LocalVector b) { return a.n * b.n + a.t * b.t; }
-inline double squared(LocalVector a) { return dot(a, a); }
+inline TangentVector operator+(TangentVector a, TangentVector b) { return {a.first + b.first, a.second + b.second}; }
+inline TangentVector operator-(TangentVector a, TangentVector b) { return {a.first - b.first, a.second - b.second}; }
+inline TangentVector operator-(TangentVector a) { return {-a.first, -a.second}; }
+inline TangentVector operator*(double factor, TangentVector a) { return {factor * a.first, factor * a.second}; }
+inline double dot(TangentVector a, TangentVector b) { return a.first * b.first + a.second * b.second; }
+inline double norm(TangentVector a) { return std::hypot(a.first, a.second); }
+/// The nearest point of the disk of that radius >= 0.
+inline TangentVector projected_on_disk(TangentVector a, double radius) {
+  const double size = norm(a);
+  return size <= radius ? a : (radius / size) * a;
+}
+
+/// The same of a contact in the plane, which has one tangent.
+inline double dot(double a, double b) { return a * b; }
+inline double norm(double a) { return std::abs(a); }
+inline double projected_on_disk(double a, double radius) { return std::max(-radius, std::min(radius, a)); }
+
+/// The tangential part of a vector of a contact: a number in the plane (dimension D = 2), two in space (D = 3).
+template <int D>
+using Tangent = std::conditional_t<D == 2, double, TangentVector>;
+
+/// Relative velocity or impulse of one contact in its frame, n > 0 separates (velocity, m/s) or presses (impulse, N s).
+/// The frame is (n, t) in the plane, t = n turned by +90 degrees, and (n, t_1, t_2) in space.
+template <int D>
+struct LocalVector {
+  double n = 0;
+  Tangent<D> t{};
+};
+template <int D>
+LocalVector<D> operator+(LocalVector<D> a, LocalVector<D> b) {
+  return {a.n + b.n, a.t + b.t};
+}
+template <int D>
+LocalVector<D> operator-(LocalVector<D> a, LocalVector<D> b) {
+  return {a.n - b.n, a.t - b.t};
+}
+template <int D>
+LocalVector<D> operator*(double factor, LocalVector<D> a) {
+  return {factor * a.n, factor * a.t};
+}
+template <int D>
+double dot(LocalVector<D> a, LocalVector<D> b) {
+  return a.n * b.n + dot(a.t, b.t);
+}
+template <int D>
+double squared(LocalVector<D> a) {
+  return dot(a, a);
+}
 
 /// Status of a contact with Coulomb friction. Open: r = 0. Stick: v = 0, the impulse inside the cone. Slide:
 /// v_n = 0 and r_t = -friction r_n (forward, v_t >= 0) or +friction r_n (backward, v_t <= 0).
@@ -27,31 +70,45 @@ constexpr auto names_of(ContactStatus) {
   return std::to_array<std::string_view>({"open", "stick", "slide_forward", "slide_backward"});
 }
 
-/// The diagonal block W_c of the Delassus operator of one contact, s.p.d. 2 x 2, 1/kg. Of two disks it is
-/// diagonal, for the contact point lies on the line of centres: normal impulses cause no spin.
+/// The diagonal block W_c of the Delassus operator of one contact, symmetric and positive definite, 1/kg. Of two disks
+/// or spheres it is diagonal, for the contact point lies on the line of centres: normal impulses cause no spin. In
+/// space W_tt is the same in all tangential directions.
 struct DiagonalDelassus {
   static constexpr bool coupled = false;
   double inverse_n = 0, inverse_t = 0;  ///< 1/W_nn, 1/W_tt, kg
 
-  LocalVector apply(LocalVector r) const { return {r.n / inverse_n, r.t / inverse_t}; }
-  LocalVector solve(LocalVector v) const { return {inverse_n * v.n, inverse_t * v.t}; }
+  template <int D>
+  LocalVector<D> apply(LocalVector<D> r) const {
+    if constexpr (D == 2)
+      return {r.n / inverse_n, r.t / inverse_t};
+    else
+      return {r.n / inverse_n, (1 / inverse_t) * r.t};
+  }
+  template <int D>
+  LocalVector<D> solve(LocalVector<D> v) const {
+    return {inverse_n * v.n, inverse_t * v.t};
+  }
   /// (W + epsilon I)^-1 W r
-  LocalVector soften(LocalVector r, double epsilon) const {
-    return {r.n / (1 + epsilon * inverse_n), r.t / (1 + epsilon * inverse_t)};
+  template <int D>
+  LocalVector<D> soften(LocalVector<D> r, double epsilon) const {
+    if constexpr (D == 2)
+      return {r.n / (1 + epsilon * inverse_n), r.t / (1 + epsilon * inverse_t)};
+    else
+      return {r.n / (1 + epsilon * inverse_n), (1 / (1 + epsilon * inverse_t)) * r.t};
   }
 };
 
-/// The block of bodies of any other shape.
+/// The block of plane bodies of any other shape.
 struct FullDelassus {
   static constexpr bool coupled = true;
   double nn = 0, nt = 0, tt = 0;
 
-  LocalVector apply(LocalVector r) const { return {nn * r.n + nt * r.t, nt * r.n + tt * r.t}; }
-  LocalVector solve(LocalVector v) const {
+  LocalVector<2> apply(LocalVector<2> r) const { return {nn * r.n + nt * r.t, nt * r.n + tt * r.t}; }
+  LocalVector<2> solve(LocalVector<2> v) const {
     const double determinant = nn * tt - nt * nt;
     return {(tt * v.n - nt * v.t) / determinant, (nn * v.t - nt * v.n) / determinant};
   }
-  LocalVector soften(LocalVector r, double epsilon) const {
+  LocalVector<2> soften(LocalVector<2> r, double epsilon) const {
     return FullDelassus{nn + epsilon, nt, tt + epsilon}.solve(apply(r));
   }
 };
@@ -74,8 +131,8 @@ struct LinearViscous {
   double impulse(double free_velocity, double delassus) const { return -free_velocity / (delassus + epsilon); }
 
   /// The same of a contact with both components, as Coulomb::impulse.
-  template <class Delassus>
-  LocalVector impulse(LocalVector stop, const Delassus& w, double /*friction*/) const {
+  template <int D, class Delassus>
+  LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double /*friction*/) const {
     return w.soften(stop, epsilon);
   }
 };

@@ -34,8 +34,9 @@ struct PrescribedVelocity {
 ///     M V = M V^- + H r,   v = H^T V.
 /// This is the last place that knows the geometry: everything above knows M and H only.
 struct ReferenceProblem {
-  Index dofs_per_grain = 2;       ///< d: translations of a frictionless disk; 3 with its rotation
-  Index columns_per_contact = 1;  ///< k: 1 normal only; 2 with friction, normal and tangent side by side
+  Index dimension = 2;            ///< of the bodies: 2 in the plane, 3 in space
+  Index dofs_per_grain = 2;       ///< d: translations of a frictionless grain, 2 or 3; with its rotations 3 or 6
+  Index columns_per_contact = 1;  ///< k: 1 normal only; with friction normal and tangents side by side, 2 or 3
   Vector inertia;                 ///< diagonal of M, d n entries, kg
   SparseMatrix h;                 ///< H, d n x k c: column of contact (a, b) is -n on a, +n on b (zeros stored)
   Vector arriving_velocity;       ///< V^-, d n entries, m/s

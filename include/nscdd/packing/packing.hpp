@@ -5,31 +5,36 @@
 
 namespace nscdd {
 
-/// Disks in the plane, grain i at (x[i], y[i]).
+/// Disks in the plane, grain i at (x[i], y[i]), or spheres in space, grain i at (x[i], y[i], z[i]). What has a z is in
+/// space: the dimension is a property of the packing, never an option.
 struct Packing {
   std::vector<double> x, y;    ///< centres, m
   std::vector<double> radius;  ///< m
   std::vector<double> mass;    ///< kg; empty until masses are chosen
+  std::vector<double> z = {};  ///< of centres, m; empty in the plane
 
   Index size() const { return count(x); }
+  Index dimension() const { return z.empty() ? 2 : 3; }
+  /// The centre of a grain, its third coordinate 0 in the plane, m.
+  std::array<double, 3> centre(Index grain) const { return {x[at(grain)], y[at(grain)], z.empty() ? 0 : z[at(grain)]}; }
 };
 
 /// Throws Error naming the grain where a coordinate is not finite or a radius (or mass, where given) is not
-/// finite and positive, and for a packing without grains.
+/// finite and positive, for a packing without grains, and for one that has a z for some of its grains alone.
 void check(const Packing& packing);
 
 /// How grains get their mass.
 enum class MassModel {
   given,    ///< the masses the packing came with
   unit,     ///< 1 kg each
-  density,  ///< surface density x pi radius^2
+  density,  ///< density x volume: pi radius^2 of a disk, 4/3 pi radius^3 of a sphere
 };
 constexpr auto names_of(MassModel) { return std::to_array<std::string_view>({"given", "unit", "density"}); }
 
 struct Masses {
   /// Left open: the masses the packing came with, or unit masses where it came with none.
   std::optional<MassModel> model;
-  double density = 0;  ///< kg/m^2, for MassModel::density
+  double density = 0;  ///< for MassModel::density: kg/m^2 in the plane, kg/m^3 in space
 };
 
 /// The packing with its masses set. Throws Error where `given` is asked of a packing without masses.
@@ -38,15 +43,16 @@ Packing with_masses(Packing packing, const Masses& masses);
 /// A pair of touching grains a < b.
 struct Contact {
   Index a = 0, b = 0;
-  std::array<double, 2> normal{};    ///< unit vector from the centre of a to the centre of b
-  std::array<double, 2> midpoint{};  ///< of the two centres, m: what partitions distribute ([ADI12] section 2)
+  std::array<double, 3> normal{};    ///< unit vector from the centre of a to the centre of b; z = 0 in the plane
+  std::array<double, 3> midpoint{};  ///< of the two centres, m: what partitions distribute ([ADI12] section 2)
   double gap = 0;                    ///< m, negative for an overlap
 };
 
 /// Contacts sorted by (a, b).
 struct ContactNetwork {
   std::vector<Contact> contacts;
-  Index grains = 0;  ///< grains of the packing, those without a contact included
+  Index grains = 0;     ///< grains of the packing, those without a contact included
+  Index dimension = 2;  ///< of the packing
 
   Index size() const { return count(contacts); }
 };

@@ -93,8 +93,8 @@ void AlternatingDirections::iterate() {
   const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : w_.matrix.solve(right);
   const Vector relaxed = relaxation * coupled + (1 - relaxation) * impulses_, before = impulses_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    const LocalVector moved = component(relaxed, c) + component(multiplier_, c);
-    const LocalVector r = project_on_cone(moved, run_.problem.friction[c]);
+    const LocalVector<2> moved = component(relaxed, c) + component(multiplier_, c);
+    const LocalVector<2> r = project_on_cone(moved, run_.problem.friction[c]);
     impulses_.segment<2>(2 * c) << r.n, r.t;
   }
   multiplier_ += relaxed - impulses_;

@@ -43,10 +43,10 @@ class ProjectedGradients {
     velocity_ = velocity_ahead_ = velocity;
     momentum_ = 1;
   }
-  LocalVector projected(Index c, const Vector& from, LocalVector gradient, double length) const {
+  LocalVector<2> projected(Index c, const Vector& from, LocalVector<2> gradient, double length) const {
     return project_on_cone(component(from, c) - (length / run_.judged.normal[c]) * gradient, run_.problem.friction[c]);
   }
-  LocalVector gradient_ahead(Index c) const { return component(velocity_ahead_, c) + component(shift_, c); }
+  LocalVector<2> gradient_ahead(Index c) const { return component(velocity_ahead_, c) + component(shift_, c); }
   Sums step_ahead();
 
   const SolverRun& run_;
@@ -71,7 +71,7 @@ ProjectedGradients::Sums ProjectedGradients::step_ahead() {
   const Index contacts = run_.problem.contacts();
   for_parts(contacts, [&](const ContactRange& range) {
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector r = projected(c, ahead_, gradient_ahead(c), length_);
+      const LocalVector<2> r = projected(c, ahead_, gradient_ahead(c), length_);
       next_.segment<2>(2 * c) << r.n, r.t;
     }
   });
@@ -79,9 +79,9 @@ ProjectedGradients::Sums ProjectedGradients::step_ahead() {
   for_parts(contacts, [&](const ContactRange& range) {
     Sums sums;
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector r = component(next_, c), u = run_.judged.w.add_row(c, next_, component(run_.problem.q, c));
+      const LocalVector<2> r = component(next_, c), u = run_.judged.w.add_row(c, next_, component(run_.problem.q, c));
       next_velocity_.segment<2>(2 * c) << u.n, u.t;
-      const LocalVector change = r - component(ahead_, c);
+      const LocalVector<2> change = r - component(ahead_, c);
       sums.curved += dot(change, u - component(velocity_ahead_, c));
       sums.metric += run_.judged.normal[c] * squared(change);
       sums.uphill += dot(gradient_ahead(c), r - component(impulses_, c));

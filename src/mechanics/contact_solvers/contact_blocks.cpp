@@ -50,7 +50,7 @@ Vector ContactBlocks::operator*(const Vector& x) const {
   Vector result(2 * places());
   for_parts(places(), [&](const ContactRange& range) {
     for (Index place = range.first; place < range.last; ++place) {
-      const LocalVector sum = add_row(place, x, {});
+      const LocalVector<2> sum = add_row(place, x, {});
       result.segment<2>(2 * place) << sum.n, sum.t;
     }
   });

@@ -10,7 +10,7 @@
 
 namespace nscdd {
 
-inline LocalVector component(const Vector& values, Index contact) {
+inline LocalVector<2> component(const Vector& values, Index contact) {
   return {values[2 * contact], values[2 * contact + 1]};
 }
 
@@ -42,7 +42,7 @@ class ContactBlocks {
   }
   /// sum + the row of a place times x (two components per place), block by block from the left. Sweeps spend their time
   /// here: a call would take as long as what it does.
-  LocalVector add_row(Index place, const Vector& x, LocalVector sum) const {
+  LocalVector<2> add_row(Index place, const Vector& x, LocalVector<2> sum) const {
     for (Index k = start_[at(place)]; k < start_[at(place + 1)]; ++k) {
       const Block& b = block_[at(k)];
       const Index other = 2 * static_cast<Index>(column_[at(k)]);

@@ -11,7 +11,9 @@
 namespace nscdd {
 
 /// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
-inline LocalVector stopping(const FullDelassus& w, LocalVector impulse, LocalVector u) { return impulse - w.solve(u); }
+inline LocalVector<2> stopping(const FullDelassus& w, LocalVector<2> impulse, LocalVector<2> u) {
+  return impulse - w.solve(u);
+}
 
 /// What every evaluation of impulses needs of a problem.
 struct JudgedProblem {

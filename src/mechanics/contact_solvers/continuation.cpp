@@ -29,12 +29,12 @@ constexpr double newton_after = 0.1;      // ... and again at this part of the r
 
 // P_t(z) of a contact and its derivatives by z, and by t.
 struct SmoothedLaw {
-  LocalVector impulse;
+  LocalVector<2> impulse;
   Eigen::Matrix2d by_z;
   Eigen::Vector2d by_t;
 };
 
-SmoothedLaw smoothed_law(LocalVector z, double friction, double t) {
+SmoothedLaw smoothed_law(LocalVector<2> z, double friction, double t) {
   const auto length = [&](double x) { return std::sqrt(x * x + 4 * t); };
   const double h = length(z.n);
   SmoothedLaw law;
@@ -104,7 +104,7 @@ SmoothedCurve::SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoot
 Vector SmoothedCurve::impulses(const Point& point) const {
   Vector r(point.z.size());
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    const LocalVector own = smoothed_law(component(point.z, c), run_.problem.friction[c], point.t).impulse;
+    const LocalVector<2> own = smoothed_law(component(point.z, c), run_.problem.friction[c], point.t).impulse;
     r.segment<2>(2 * c) << own.n, own.t;
   }
   return r;

@@ -27,9 +27,9 @@ struct ProximalStep {
 };
 
 // z of a contact: impulses r with velocities W r + q = u.
-LocalVector prediction(const Couplings& w, const ProximalStep& step, const Vector& r, const Vector& u, Index c) {
+LocalVector<2> prediction(const Couplings& w, const ProximalStep& step, const Vector& r, const Vector& u, Index c) {
   const double normal = w.normal[2 * c], rho = 1 / (normal * (1 + step.alpha));
-  const LocalVector own = component(r, c), change = own - component(step.from, c);
+  const LocalVector<2> own = component(r, c), change = own - component(step.from, c);
   return own - rho * (component(u, c) + (step.alpha * normal) * change);
 }
 
@@ -46,9 +46,9 @@ double merit(const LocalFrictionProblem& problem, const Couplings& w, const Prox
              const Vector& u) {
   double squares = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector z = prediction(w, step, r, u, c);
+    const LocalVector<2> z = prediction(w, step, r, u, c);
     const double n = std::max(0.0, z.n), edge = problem.friction[c] * n;
-    squares += squared(component(r, c) - LocalVector{n, std::clamp(z.t, -edge, edge)});
+    squares += squared(component(r, c) - LocalVector<2>{n, std::clamp(z.t, -edge, edge)});
   }
   return std::sqrt(squares);
 }

@@ -67,8 +67,8 @@ template <bool relaxed>
 void take_turns(const SweepRows& rows, double relaxation, Index first, Index last, Index step, Vector& impulses) {
   for (Index place = first; place != last; place += step) {
     const FullDelassus& w = rows.diagonal[at(place)];
-    LocalVector r = component(impulses, place);
-    const LocalVector stop = stopping(w, r, rows.w.add_row(place, impulses, component(rows.q, place)));
+    LocalVector<2> r = component(impulses, place);
+    const LocalVector<2> stop = stopping(w, r, rows.w.add_row(place, impulses, component(rows.q, place)));
     take_impulse<relaxed>(r, Coulomb{}.impulse(stop, w, rows.friction[place]), relaxation);
     impulses[2 * place] = r.n;
     impulses[2 * place + 1] = r.t;

@@ -18,9 +18,9 @@ struct Cohesive {
   double pull() const { return cohesion; }
 
   /// As Coulomb::impulse.
-  template <class Delassus>
-  LocalVector impulse(LocalVector stop, const Delassus& w, double friction) const {
-    const LocalVector shifted = Coulomb{}.impulse({stop.n + cohesion, stop.t}, w, friction);
+  template <int D, class Delassus>
+  LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double friction) const {
+    const LocalVector<D> shifted = Coulomb{}.impulse(LocalVector<D>{stop.n + cohesion, stop.t}, w, friction);
     return {shifted.n - cohesion, shifted.t};
   }
 };

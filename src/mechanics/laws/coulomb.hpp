@@ -17,10 +17,10 @@ struct Coulomb {
   /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the
   /// impulse that would bring the contact to rest, N s. There is always a solution. If W is coupled and
   /// friction > W_nn / |W_nt|, there may be several, the open one among them, which is then taken.
-  template <class Delassus>
-  LocalVector impulse(LocalVector stop, const Delassus& w, double friction) const {
+  template <int D, class Delassus>
+  LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double friction) const {
     if constexpr (Delassus::coupled) {
-      const LocalVector free = w.apply({-stop.n, -stop.t});
+      const LocalVector<D> free = w.apply(LocalVector<D>{-stop.n, -stop.t});
       if (free.n >= 0) return {};
       if (std::abs(stop.t) <= friction * stop.n) return stop;
       // v_n = 0 holds on the line W_nn r_n + W_nt r_t = -free_n, which meets the cone at r_t = 0 and leaves it for
@@ -31,7 +31,7 @@ struct Coulomb {
       return {n, slope * n};
     } else {
       const double n = std::max(0.0, stop.n);
-      return {n, std::max(-friction * n, std::min(friction * n, stop.t))};
+      return {n, projected_on_disk(stop.t, friction * n)};
     }
   }
 };

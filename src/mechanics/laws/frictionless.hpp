@@ -14,9 +14,9 @@ struct Frictionless {
   double pull() const { return 0; }
 
   /// As Coulomb::impulse.
-  template <class Delassus>
-  LocalVector impulse(LocalVector stop, const Delassus& w, double /*friction*/) const {
-    return {Coulomb{}.impulse(stop, w, 0).n, 0.0};
+  template <int D, class Delassus>
+  LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double /*friction*/) const {
+    return {Coulomb{}.impulse(stop, w, 0).n, {}};
   }
 };
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/mechanics/law.hpp>
+
+namespace nscdd {
+
+/// A direction in the plane (D = 2) or in space (D = 3).
+template <int D>
+using Direction = std::array<double, D>;
+
+/// Two tangents of a contact with normal n: (n, t_1, t_2) is orthonormal and right-handed, and depends on n alone
+/// (T. Duff et al., Building an orthonormal basis, revisited, J. Computer Graphics Techniques 6 (2017) 1-8).
+struct Tangents {
+  Direction<3> first, second;
+};
+inline Tangents tangents_of(const Direction<3>& n) {
+  const double sign = std::copysign(1.0, n[2]);
+  const double a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+  return {{1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}, {b, sign + n[1] * n[1] * a, -n[1]}};
+}
+
+/// H_c r on one of the two disks of a contact, (x, y, rim), N s; sign +1 for b, -1 for a. The speed of the rim, radius
+/// x angular velocity, stands for the spin. With r a unit vector, a column of H.
+inline std::array<double, 3> impulse_on_grain(const Direction<2>& normal, double sign, const LocalVector<2>& r) {
+  return {sign * (normal[0] * r.n - normal[1] * r.t), sign * (normal[1] * r.n + normal[0] * r.t), -r.t};
+}
+
+/// The same on a sphere, (x, y, z, rim), N s: p = sign (n r_n + t_1 r_1 + t_2 r_2), and -n x p_t on the rim of either
+/// sphere, for n points from a to the contact and from the contact to b.
+inline std::array<double, 6> impulse_on_grain(const Direction<3>& n, double sign, const LocalVector<3>& r) {
+  const auto [t1, t2] = tangents_of(n);
+  std::array<double, 6> impulse;
+  for (std::size_t k = 0; k < 3; ++k) {
+    impulse[k] = sign * (n[k] * r.n + (t1[k] * r.t.first + t2[k] * r.t.second));
+    impulse[3 + k] = t1[k] * r.t.second - t2[k] * r.t.first;  // n x t_1 = t_2, n x t_2 = -t_1
+  }
+  return impulse;
+}
+
+}  // namespace nscdd

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <numeric>
+
+namespace nscdd {
+
+/// Points by their coordinates, m. No z is the plane.
+struct Places {
+  std::span<const double> x, y, z = {};
+};
+
+/// Points sorted into cells, squares or cubes of at least a given side, for neighbour searches in O(N). There are at
+/// most about two cells per point: in a sparse or elongated cloud, cells grow.
+class CellGrid {
+ public:
+  /// Coordinates of at least one point, finite and of the same length; side > 0, m.
+  CellGrid(const Places& places, double side);
+
+  /// Calls visit(i, j), i < j, for every pair no farther apart than `side` in all coordinates, and some that are.
+  template <class Visit>
+  void for_each_pair(Visit&& visit) const {
+    for (Index layer = 0; layer < layers_; ++layer)
+      for (Index row = 0; row < rows_; ++row)
+        for (Index column = 0; column < columns_; ++column) visit_cell(column, row, layer, visit);
+  }
+
+  /// Calls visit(i) for every point of the cells that a square (a cube) about a place meets: every point no farther
+  /// than `distance` from there in all coordinates, and some that are. x, y, z anywhere, m.
+  template <class Visit>
+  void for_each_near(const std::array<double, 3>& place, double distance, Visit&& visit) const {
+    distance += rounding * side_;
+    const auto [x, y, z] = place;
+    const Index first = along(x - low_[0] - distance, columns_), last = along(x - low_[0] + distance, columns_);
+    const Index low = along(y - low_[1] - distance, rows_), high = along(y - low_[1] + distance, rows_);
+    const Index top = along(z - low_[2] + distance, layers_);
+    for (Index layer = along(z - low_[2] - distance, layers_); layer <= top; ++layer)
+      for (Index row = low; row <= high; ++row)
+        for (Index column = first; column <= last; ++column)
+          for (const Index i : cell(column, row, layer)) visit(i);
+  }
+
+  /// Indices of all points, cell by cell.
+  const std::vector<Index>& points() const { return points_; }
+
+  /// Points in the cell of a point, itself included, on average over the points: what a search costs each.
+  double crowd() const {
+    double sum = 0;
+    for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
+      const auto here = static_cast<double>(start_[c + 1] - start_[c]);
+      sum += here * here;
+    }
+    return sum / std::max(1.0, static_cast<double>(points_.size()));
+  }
+
+ private:
+  static constexpr double rounding = 1e-9;  ///< of a side, more than coordinates lose among so many cells
+
+  // The pairs of a cell, and those with half of its neighbours; the other half see this cell as theirs.
+  template <class Visit>
+  void visit_cell(Index column, Index row, Index layer, Visit& visit) const {
+    const auto here = cell(column, row, layer);
+    for (std::size_t a = 0; a < here.size(); ++a)
+      for (std::size_t b = a + 1; b < here.size(); ++b) ordered(here[a], here[b], visit);
+    constexpr Index ahead[13][3] = {{1, 0, 0},  {-1, 1, 0}, {0, 1, 0}, {1, 1, 0},  {-1, -1, 1}, {0, -1, 1}, {1, -1, 1},
+                                    {-1, 0, 1}, {0, 0, 1},  {1, 0, 1}, {-1, 1, 1}, {0, 1, 1},   {1, 1, 1}};
+    for (const auto& step : std::span(ahead).first(layers_ == 1 ? 4 : 13)) {
+      const Index c = column + step[0], r = row + step[1], l = layer + step[2];
+      if (c < 0 || c >= columns_ || r < 0 || r >= rows_ || l >= layers_) continue;
+      for (const Index i : here)
+        for (const Index j : cell(c, r, l)) ordered(i, j, visit);
+    }
+  }
+  // The cell at an offset from the lower end of the table; the first or last one for what is beyond it.
+  Index along(double offset, Index cells) const {
+    return static_cast<Index>(std::clamp(offset / side_, 0.0, static_cast<double>(cells - 1)));
+  }
+  template <class Visit>
+  static void ordered(Index i, Index j, Visit& visit) {
+    i < j ? visit(i, j) : visit(j, i);
+  }
+  std::span<const Index> cell(Index column, Index row, Index layer) const {
+    const Index c = (layer * rows_ + row) * columns_ + column;
+    return std::span(points_).subspan(at(start_[at(c)]), at(start_[at(c + 1)] - start_[at(c)]));
+  }
+
+  Index columns_ = 1, rows_ = 1, layers_ = 1;
+  std::array<double, 3> low_{};
+  double side_ = 1;
+  std::vector<Index> start_;   ///< first point of each cell, one more at the end
+  std::vector<Index> points_;  ///< indices, cell by cell, ascending within a cell
+};
+
+/// Grains of any sizes, for neighbour searches in O(N log ratio). One CellGrid with cells for the largest grain serves
+/// them all unless its cells are crowded, as sizes 1 : ratio can fill them with ratio^2 disks or ratio^3 spheres; then
+/// the grains within a factor 2 of the largest have that grid to themselves, the others a grid for the largest of
+/// them, and so on. Each grain meets those of its own grid and of the coarser ones.
+class GrainGrid {
+ public:
+  /// places: centres, m; radius > 0, m; all finite and of the same length; stretch >= 1, range >= 0, m.
+  GrainGrid(Places places, std::span<const double> radius, double stretch = 1, double range = 0);
+
+  /// Calls visit(i, j), i < j, once for every pair whose centres are no farther apart than
+  /// stretch (radius_i + radius_j) + range, and once for some that are.
+  template <class Visit>
+  void for_each_pair(Visit&& visit) const {
+    if (levels_.size() == 1) return levels_.front().grid.for_each_pair(visit);
+    for (std::size_t fine = 0; fine < levels_.size(); ++fine) {
+      const Grains& grains = levels_[fine].grains;
+      levels_[fine].grid.for_each_pair([&](Index a, Index b) { visit(grains.numbers[at(a)], grains.numbers[at(b)]); });
+      for (std::size_t coarse = 0; coarse < fine; ++coarse) {
+        const Level& other = levels_[coarse];
+        const double distance = levels_[fine].largest + other.largest;
+        for (const Index a : levels_[fine].grid.points()) {  // by cells: neighbours after each other
+          const Index i = grains.numbers[at(a)];
+          const std::array<double, 3> place{grains.x[at(a)], grains.y[at(a)], grains.z.empty() ? 0 : grains.z[at(a)]};
+          other.grid.for_each_near(place, distance, [&](Index b) {
+            const Index j = other.grains.numbers[at(b)];
+            i < j ? visit(i, j) : visit(j, i);
+          });
+        }
+      }
+    }
+  }
+
+ private:
+  struct Grains {
+    std::vector<Index> numbers;  // ascending
+    std::vector<double> x, y, z, radius;
+    Places places() const { return {x, y, z}; }
+  };
+  struct Level {
+    Grains grains;   // not needed, and empty, where one level holds all
+    double largest;  // radius, stretched, and half the range
+    CellGrid grid;
+  };
+  std::vector<Level> levels_;  // coarsest first
+};
+
+/// Contacts (anything with members a and b) ascending by (a, b), in O(N): each is counted into place by its
+/// a, 0 <= a < bodies, then the few of one a are sorted by b.
+template <class AnyContact>
+std::vector<AnyContact> sorted_by_bodies(const std::vector<AnyContact>& contacts, Index bodies) {
+  std::vector<std::size_t> start(at(bodies) + 1, 0);
+  for (const AnyContact& contact : contacts) ++start[at(contact.a) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<AnyContact> result(contacts.size());
+  std::vector<std::size_t> next(start.begin(), start.end() - 1);
+  for (const AnyContact& contact : contacts) result[next[at(contact.a)]++] = contact;
+  for (std::size_t a = 0; a + 1 < start.size(); ++a)
+    std::sort(result.begin() + static_cast<std::ptrdiff_t>(start[a]),
+              result.begin() + static_cast<std::ptrdiff_t>(start[a + 1]),
+              [](const AnyContact& l, const AnyContact& r) { return l.b < r.b; });
+  return result;
+}
+
+}  // namespace nscdd
