@@ -5,6 +5,7 @@
 /// and their spectral radii, sweeps, and the files these are read from. docs/architecture.md says what each layer is
 /// for.
 #include <nscdd/core/choice.hpp>
+#include <nscdd/core/components.hpp>
 #include <nscdd/core/fields.hpp>
 #include <nscdd/core/processes.hpp>
 #include <nscdd/core/table.hpp>

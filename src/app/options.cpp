@@ -109,7 +109,8 @@ void CaseOptions::declare(Command& command, bool contact_problems) {
 }
 
 void CaseOptions::declare_options(Command& command) {
-  command.add("--subdomains PARTITION", subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--subdomains PARTITION", subdomains,
+              "partition: NXxNY or NXxNYxNZ for a regular grid, metis:N for METIS");
   command.add("--prescribed GRAIN:VX:VY", prescribed, "arriving velocity of a grain, m/s (grains from 0, -1 the last)");
   command.add("--density", density, "masses = density x pi radius^2, kg/m^2");
   command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
@@ -117,9 +118,14 @@ void CaseOptions::declare_options(Command& command) {
   command.add("--set KEY=VALUE", settings, "a parameter of the case, such as packing.grains=16");
 }
 
+void set_partition(CaseSpec& spec, const std::string& subdomains) {
+  spec.partition = parse_partitioner(subdomains, "--subdomains");
+  std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("partition"); });
+}
+
 Case CaseOptions::resolve(const std::vector<std::string>& outputs) const {
   CaseSpec spec = find_spec(name);
-  if (!subdomains.empty()) spec.partition = parse_partitioner(subdomains, "--subdomains");
+  if (!subdomains.empty()) set_partition(spec, subdomains);
   if (!prescribed.empty()) {
     spec.prescribed.clear();
     std::erase_if(spec.lines, [](const auto& line) { return line.first.starts_with("prescribed"); });

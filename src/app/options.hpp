@@ -43,6 +43,9 @@ void require_no_input(const std::vector<std::string>& outputs, const std::vector
 /// settled from itself, for one that breaks down, and if an output is a file that the case comes from.
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs = {});
 
+/// Cuts the case as --subdomains says, in place of its [partition].
+void set_partition(CaseSpec& spec, const std::string& subdomains);
+
 /// CASE and the options that go with it, the same for every verb that takes a case.
 struct CaseOptions {
   std::string name;

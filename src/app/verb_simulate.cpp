@@ -92,7 +92,7 @@ void set(CaseSpec& spec, const ParameterOption& parameter) try {
 void apply(const Options& options, CaseSpec& spec) {
   if (!spec.dynamics) fail("{}: expected a case with a section [dynamics], met one without", options.name);
   const std::vector<Given> given = given_parameters(options);
-  if (!options.subdomains.empty()) spec.partition = parse_partitioner(options.subdomains, "--subdomains");
+  if (!options.subdomains.empty()) set_partition(spec, options.subdomains);
   apply_settings(spec, options.settings);
   for (const ParameterOption& parameter : options.parameters)
     if (parameter.value) set(spec, parameter);
@@ -228,7 +228,8 @@ Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("CASE", options->name,
                    "case file (.toml) with [dynamics], a known case, or a folder DATBOX of LMGC90");
-  command.add("--subdomains PARTITION", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--subdomains PARTITION", options->subdomains,
+              "partition: NXxNY or NXxNYxNZ for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
     command.add(one.option + " " + one.form, one.value, fmt::format("{}: {}", one.help, one.key)).words = one.words;
   command.add("--set KEY=VALUE", options->settings, "a parameter of the case, such as interaction.friction=0.2");

@@ -66,6 +66,20 @@ std::array<std::string_view, 2> pair_of(std::string_view text, std::string_view 
   return {body.substr(0, comma), body.substr(comma + 1)};
 }
 
+std::vector<std::string_view> components_of(std::string_view text, std::string_view key) {
+  std::string_view body = trimmed(text);
+  if (body.size() >= 2 && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
+  std::vector<std::string_view> parts;
+  for (auto comma = body.find(','); comma != std::string_view::npos; comma = body.find(',')) {
+    parts.push_back(body.substr(0, comma));
+    body.remove_prefix(comma + 1);
+  }
+  parts.push_back(body);
+  if (parts.size() < 2 || parts.size() > 3)
+    fail("{}: expected two numbers 'a,b', or three 'a,b,c' in space, met '{}'", key, text);
+  return parts;
+}
+
 std::string field_text(double value) {
   const std::string text = fmt::format("{}", value);
   return text == "-0" ? "-0.0" : text;  // an integer has no -0

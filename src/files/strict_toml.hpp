@@ -185,6 +185,17 @@ class StrictTable {
     if (array->size() != 2) fail(key, expected, fmt::format("an array of {}", array->size()));
     for (std::size_t i = 0; i < 2; ++i) get((*array)[i], key, value[i]);
   }
+  template <class Number>
+  void get(const toml::node& found, std::string_view key, Components<Number>& value) const {
+    const char* expected = std::is_same_v<Number, double> ? "two numbers [a, b], or three in space"
+                                                          : "two integers [a, b], or three in space";
+    const toml::array* array = found.as_array();
+    if (array == nullptr) fail(key, expected, describe(found));
+    if (array->size() != 2 && array->size() != 3) fail(key, expected, fmt::format("an array of {}", array->size()));
+    std::array<Number, 3> numbers{};
+    for (std::size_t i = 0; i < array->size(); ++i) get((*array)[i], key, numbers[i]);
+    value = array->size() == 3 ? Components<Number>(numbers) : Components<Number>(numbers[0], numbers[1]);
+  }
 
   const toml::table* table_;
   std::string file_, path_;

@@ -51,6 +51,35 @@ TEST_CASE("fields: listed, overridden, bounds kept") {
   CHECK_THROWS_AS(override_field(example, "grid", "3", "x.grid"), Error);
 }
 
+TEST_CASE("components: two or three, as text and back, bounds kept by each") {
+  Components<double> rates;
+  CHECK(rates == std::array{0.0, 0.0});
+  CHECK(rates.size() == 2);
+  for (const auto& [text, expected, written] : std::vector<std::tuple<const char*, Components<double>, const char*>>{
+           {"1,-2", {1, -2}, "[1, -2]"},
+           {"[1e-3, 2, 0.5]", {1e-3, 2, 0.5}, "[0.001, 2, 0.5]"},
+           {" 4 , 5,6 ", {4, 5, 6}, "[4, 5, 6]"}}) {
+    parse_value(text, rates, "rates");
+    CHECK(rates == expected);
+    CHECK(field_text(rates) == written);
+  }
+  CHECK(Components<double>{1, 2} != Components<double>{1, 2, 0});
+  CHECK(Components<double>{1, 2}[2] == 0);
+  for (const char* text : {"1", "", "1,2,3,4", "1,,2", "1,2,", "[1,2", "1,two"})
+    CHECK_THROWS_WITH_AS(parse_value(text, rates, "rates"), doctest::Contains("rates: expected "), Error);
+  CHECK_THROWS_WITH_AS(parse_value("1", rates, "rates"),
+                       "rates: expected two numbers 'a,b', or three 'a,b,c' in space, met '1'", Error);
+  const Field positive{.description = "", .minimum = 0};
+  check_bounds(Components<double>{1, 2}, positive, "rates");
+  CHECK_THROWS_AS(check_bounds(Components<double>{1, 2, -1}, positive, "rates"), Error);
+  require_components(Components<Index>{1, 2}, 2, "cells");
+  require_components(Components<Index>{1, 2, 3}, 3, "cells");
+  CHECK_THROWS_WITH_AS(require_components(Components<Index>{1, 2}, 3, "cells"),
+                       "cells: expected three integers for a packing in space, met [1, 2]", Error);
+  CHECK_THROWS_WITH_AS(require_components(Components<double>{1, 2, 3}, 2, "rates"),
+                       "rates: expected two numbers for a packing in the plane, met [1, 2, 3]", Error);
+}
+
 TEST_CASE("numbers: read in full or refused by name") {
   CHECK(parse_number(" 1e-3 ", "n") == 1e-3);
   CHECK(parse_number("+2", "n") == 2);

@@ -41,6 +41,44 @@ TEST_CASE("grid: a midpoint on a line goes to the lower cell, outer points stay 
   CHECK_THROWS_AS(partition(GridPartitioner{{10000, 10000}}, packing, network), Error);
 }
 
+TEST_CASE("grid: cells in space, x first and z last, and numbers of cells for every direction of the packing") {
+  // (0,1) at x = 1/2; (0,2) at y = 1/2; (1,3) at x = 1, y = 1/2; (0,4) at z = 1/2; (4,5) at z = 3/2: on the box' edges.
+  const Packing packing{
+      {0, 1, 0, 1, 0, 0}, {0, 0, 1, 1, 0, 0}, std::vector(6, 0.5), std::vector(6, 1.0), {0, 0, 0, 0, 1, 2}};
+  const ContactNetwork network = detect_contacts(packing);
+  REQUIRE(network.size() == 6);
+  const auto cut = [&](Components<Index> grid) {
+    std::map<std::pair<Index, Index>, Index> subdomain;
+    const Partition found = partition(GridPartitioner{grid}, packing, network);
+    REQUIRE(found.subdomains == grid[0] * grid[1] * grid[2]);
+    for (Index c = 0; c < network.size(); ++c) {
+      const Contact& contact = network.contacts[at(c)];
+      subdomain[{contact.a, contact.b}] = found.subdomain_of_contact[at(c)];
+    }
+    return subdomain;
+  };
+  using Cut = std::map<std::pair<Index, Index>, Index>;
+  // Lines at x = 1/2, y = 1/2, z = 1 go to the lower cell; 3 cells along z have theirs at 2/3 and 4/3.
+  CHECK(cut({2, 2, 2}) == Cut{{{0, 1}, 0}, {{0, 2}, 0}, {{0, 4}, 0}, {{1, 3}, 1}, {{2, 3}, 2}, {{4, 5}, 4}});
+  CHECK(cut({2, 1, 3}) == Cut{{{0, 1}, 0}, {{0, 2}, 0}, {{0, 4}, 0}, {{1, 3}, 1}, {{2, 3}, 0}, {{4, 5}, 4}});
+  CHECK(cut({1, 4, 1}) == Cut{{{0, 1}, 0}, {{0, 2}, 1}, {{0, 4}, 0}, {{1, 3}, 1}, {{2, 3}, 3}, {{4, 5}, 0}});
+
+  const auto refused = [&](Components<Index> grid, const Packing& of, const char* message) {
+    CHECK_THROWS_WITH_AS(partition(GridPartitioner{grid}, of, detect_contacts(of)), message, Error);
+  };
+  refused({2, 2}, packing, "partition.grid: expected three integers for a packing in space, met [2, 2]");
+  Packing plane{{0, 1}, {0, 0}, {0.5, 0.5}, {1, 1}};
+  refused({2, 1, 1}, plane, "partition.grid: expected two integers for a packing in the plane, met [2, 1, 1]");
+  refused({100, 100, 101}, packing, "partition.grid: expected between 1 and 1000000 cells, met 100 x 100 x 101");
+  CHECK(subdomains(GridPartitioner{{100, 100, 100}}) == 1000000);
+  // One cell is one cell.
+  for (const Packing& any : {packing, plane})
+    for (const Components<Index> one : {Components<Index>{1, 1}, {1, 1, 1}}) {
+      const auto all = partition(GridPartitioner{one}, any, detect_contacts(any)).subdomain_of_contact;
+      CHECK(std::ranges::count(all, 0) == count(all));
+    }
+}
+
 TEST_CASE("METIS: every contact in a part, parts of like size, same result twice, odd numbers of parts") {
   const Model model = build(random_lattice(5, 12, 12, {1, 1}));
   for (const Index parts : {1, 2, 5, 8}) {
@@ -87,12 +125,17 @@ TEST_CASE("METIS: few grains are shared, and the columns of a contact stay toget
 TEST_CASE("partitioners: as --subdomains names them, and refused with the forms there are") {
   CHECK(std::get<GridPartitioner>(parse_partitioner("3x2", "--subdomains")).grid == std::array<Index, 2>{3, 2});
   CHECK(subdomains(parse_partitioner("3x2", "--subdomains")) == 6);
+  CHECK(std::get<GridPartitioner>(parse_partitioner("3x2x4", "--subdomains")).grid == Components<Index>{3, 2, 4});
+  CHECK(subdomains(parse_partitioner("3x2x4", "--subdomains")) == 24);
   CHECK(std::get<MetisPartitioner>(parse_partitioner("metis:5", "--subdomains")).metis == 5);
   CHECK(subdomains(parse_partitioner("metis:5", "--subdomains")) == 5);
   for (const char* text : {"3", "", "metis", "3:2"})
-    CHECK_THROWS_WITH_AS(parse_partitioner(text, "--subdomains"),
-                         doctest::Contains("--subdomains: expected NXxNY such as 2x1, or metis:N, met"), Error);
-  for (const char* text : {"3x", "0x2", "metis:0", "metis:x", "2x1x3"})
+    CHECK_THROWS_WITH_AS(
+        parse_partitioner(text, "--subdomains"),
+        doctest::Contains("--subdomains: expected NXxNY such as 2x1 (in space NXxNYxNZ such as 2x1x1), "
+                          "or metis:N, met"),
+        Error);
+  for (const char* text : {"3x", "0x2", "metis:0", "metis:x", "2x1x3x4", "2x1x0", "2xx3", "2x1x"})
     CHECK_THROWS_WITH_AS(parse_partitioner(text, "--subdomains"), doctest::Contains("--subdomains"), Error);
 }
 

@@ -85,7 +85,8 @@ TEST_CASE("case file: every error names file, line and key") {
   require_error(replaced(good, "density = 2", "model = \"unit\"\ndensity = 2"), "masses.density: expected no density");
   require_error(replaced(good, "grid = [3, 2]", "grid = [3]"), "c.toml:10: partition.grid: expected two integers");
   require_error(replaced(good, "grid = [3, 2]", "grid = [3, 0]"), "c.toml:10: partition.grid");
-  require_error(replaced(good, "grid = [3, 2]", ""), "expected either grid = [nx, ny] or metis = n, met neither");
+  require_error(replaced(good, "grid = [3, 2]", ""),
+                "expected either grid = [nx, ny] (in space [nx, ny, nz]) or metis = n, met neither");
   require_error(replaced(good, "grid = [3, 2]", "grid = [3, 2]\nmetis = 2"), "met both");
   require_error(replaced(good, "grain = 5", "grain = \"last\""), "c.toml:12: prescribed[0].grain: expected an integer");
   require_error(replaced(good, "velocity = [-1, 0.5]", ""), "prescribed[0].velocity: expected a value, met none");

@@ -2,14 +2,17 @@
 #pragma once
 
 #include <nscdd/core/choice.hpp>
+#include <nscdd/core/components.hpp>
 #include <nscdd/core/types.hpp>
+
+#include <vector>
 
 /// One description per parameter, used to read it from a file, list it, write it and override it.
 /// A parameter struct P with defaults in place has
 ///     template <class Self, class Visitor> static void fields(Self& self, Visitor&& visit);
 /// which calls visit(key, self.member, Field{...}) once per parameter. Members are double, Index, bool,
-/// std::string, Choice<Enum>, pairs std::array<double, 2> and std::array<Index, 2>, or a type with its own
-/// parse_value, field_text and check_bounds, which is a text in TOML.
+/// std::string, Choice<Enum>, pairs std::array<double, 2> and std::array<Index, 2>, Components<double> and
+/// Components<Index>, or a type with its own parse_value, field_text and check_bounds, which is a text in TOML.
 namespace nscdd {
 
 struct Field {
@@ -32,7 +35,7 @@ double parse_number(std::string_view text, std::string_view what);
 /// Reads a text that is one integer. Throws Error naming `what` if it is anything else or out of range.
 Index parse_integer(std::string_view text, std::string_view what);
 
-/// Sets a value from text: numbers as printed, pairs as "a,b" or "[a, b]". Throws Error naming `key`.
+/// Sets a value from text: numbers as printed, pairs and components as "a,b" or "[a, b]". Throws Error naming `key`.
 inline void parse_value(std::string_view text, double& value, std::string_view key) { value = parse_number(text, key); }
 inline void parse_value(std::string_view text, Index& value, std::string_view key) { value = parse_integer(text, key); }
 inline void parse_value(std::string_view text, std::string& value, std::string_view) { value = text; }
@@ -44,6 +47,16 @@ template <class Number>
 void parse_value(std::string_view text, std::array<Number, 2>& value, std::string_view key) {
   const auto parts = pair_of(text, key);
   for (std::size_t i = 0; i < 2; ++i) parse_value(parts[i], value[i], key);
+}
+
+/// The two or three parts of "a,b", "a,b,c" or the like in brackets.
+std::vector<std::string_view> components_of(std::string_view text, std::string_view key);
+template <class Number>
+void parse_value(std::string_view text, Components<Number>& value, std::string_view key) {
+  std::array<Number, 3> numbers{};
+  const std::vector<std::string_view> parts = components_of(text, key);
+  for (std::size_t i = 0; i < parts.size(); ++i) parse_value(parts[i], numbers[i], key);
+  value = parts.size() == 3 ? Components<Number>(numbers) : Components<Number>(numbers[0], numbers[1]);
 }
 template <Named Enum>
 void parse_value(std::string_view text, Choice<Enum>& value, std::string_view key) {
@@ -59,6 +72,12 @@ template <class Number>
 std::string field_text(const std::array<Number, 2>& value) {
   return "[" + field_text(value[0]) + ", " + field_text(value[1]) + "]";
 }
+template <class Number>
+std::string field_text(const Components<Number>& value) {
+  std::string text;
+  for (const Number component : value) text += (text.empty() ? "[" : ", ") + field_text(component);
+  return text + "]";
+}
 template <Named Enum>
 std::string field_text(Choice<Enum> value) {
   return field_text(std::string(to_string(value)));
@@ -71,6 +90,8 @@ constexpr std::string_view field_type() {
   if (std::is_same_v<Value, bool>) return "boolean";
   if (std::is_same_v<Value, std::array<double, 2>>) return "pair of numbers";
   if (std::is_same_v<Value, std::array<Index, 2>>) return "pair of integers";
+  if (std::is_same_v<Value, Components<double>>) return "two or three numbers";
+  if (std::is_same_v<Value, Components<Index>>) return "two or three integers";
   return "text";
 }
 
@@ -86,10 +107,22 @@ template <class Number>
 void check_bounds(const std::array<Number, 2>& value, const Field& field, std::string_view key) {
   for (const Number component : value) check_bounds(component, field, key);
 }
+template <class Number>
+void check_bounds(const Components<Number>& value, const Field& field, std::string_view key) {
+  for (const Number component : value) check_bounds(component, field, key);
+}
 inline void check_bounds(bool, const Field&, std::string_view) {}
 inline void check_bounds(const std::string&, const Field&, std::string_view) {}
 template <Named Enum>
 void check_bounds(Choice<Enum>, const Field&, std::string_view) {}
+
+/// Throws Error(key, "expected two numbers for a packing in the plane, met ...") unless there is a number for each
+/// direction of bodies of that dimension.
+template <class Number>
+void require_components(const Components<Number>& value, Index dimension, std::string_view key) {
+  if (static_cast<Index>(value.size()) != dimension)
+    throw Error(std::string(key), "expected " + expected_components<Number>(dimension) + ", met " + field_text(value));
+}
 
 /// Every parameter of a struct with its present value.
 template <class Parameters>

@@ -2,36 +2,59 @@
 #include "core/fail.hpp"
 #include <nscdd/ddm/partitioners/grid.hpp>
 
+#include <fmt/ranges.h>
+
 namespace nscdd {
 namespace {
 
+constexpr Index most_cells = 1'000'000;
+
+// The cells along one coordinate, and the centres that they reach over.
+struct Direction {
+  double low, high;
+  Index cells;
+};
+
+Direction direction_over(const std::vector<double>& centres, Index cells) {
+  const auto [low, high] = std::minmax_element(centres.begin(), centres.end());
+  return {*low, *high, std::max<Index>(cells, 1)};  // a grid of one cell may leave z out
+}
+
 // Cell 0 ... cells-1 of a coordinate; lines belong to the cell below them. Rounding must not send a midpoint
 // that lies on a line to the upper cell, hence the small allowance.
-Index cell(double coordinate, double low, double high, Index cells) {
-  if (high <= low) return 0;
-  const double position = (coordinate - low) / (high - low) * static_cast<double>(cells);
-  return std::clamp(static_cast<Index>(std::ceil(position - 1e-9)) - 1, Index{0}, cells - 1);
+Index cell(double coordinate, const Direction& along) {
+  if (along.high <= along.low) return 0;
+  const double position = (coordinate - along.low) / (along.high - along.low) * static_cast<double>(along.cells);
+  return std::clamp(static_cast<Index>(std::ceil(position - 1e-9)) - 1, Index{0}, along.cells - 1);
 }
 
 }  // namespace
 
 Index subdomains(const GridPartitioner& partitioner) {
-  const auto [nx, ny] = partitioner.grid;
-  if (nx < 1 || ny < 1 || nx * ny > 1'000'000)
-    fail("partition.grid: expected between 1 and 1000000 cells, met {} x {}", nx, ny);
-  return nx * ny;
+  Index cells = 1;
+  bool fits = true;
+  for (const Index along : partitioner.grid) {  // at the most 10^6 before each product: none overflows
+    fits = fits && along >= 1 && along <= most_cells && cells * along <= most_cells;
+    if (fits) cells *= along;
+  }
+  if (!fits)
+    fail("partition.grid: expected between 1 and {} cells, met {}", most_cells, fmt::join(partitioner.grid, " x "));
+  return cells;
 }
 
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network) {
-  const auto [nx, ny] = partitioner.grid;
+  const Components<Index>& grid = partitioner.grid;
   Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
   if (packing.size() == 0) return result;
-  const auto [x_low, x_high] = std::minmax_element(packing.x.begin(), packing.x.end());
-  const auto [y_low, y_high] = std::minmax_element(packing.y.begin(), packing.y.end());
+  if (result.subdomains > 1) require_components(grid, packing.dimension(), "partition.grid");
+  std::vector<Direction> directions;
+  for (const std::vector<double>* centres : {&packing.x, &packing.y, &packing.z})
+    if (!centres->empty()) directions.push_back(direction_over(*centres, grid[directions.size()]));
   for (const Contact& contact : network.contacts) {
-    const Index column = cell(contact.midpoint[0], *x_low, *x_high, nx);
-    const Index row = cell(contact.midpoint[1], *y_low, *y_high, ny);
-    result.subdomain_of_contact.push_back(row * nx + column);
+    Index subdomain = 0;
+    for (std::size_t k = directions.size(); k-- > 0;)
+      subdomain = subdomain * directions[k].cells + cell(contact.midpoint[k], directions[k]);
+    result.subdomain_of_contact.push_back(subdomain);
   }
   return result;
 }

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace nscdd {
+
+/// A number for each direction: two along x and y, or three along x, y and z. How many there may be is not known before
+/// the packing is, see `require_components`.
+template <class Number>
+class Components {
+ public:
+  constexpr Components() = default;
+  constexpr Components(Number x, Number y) : values_{x, y} {}
+  constexpr Components(Number x, Number y, Number z) : values_{x, y, z}, size_(3) {}
+  constexpr Components(const std::array<Number, 2>& values) : Components(values[0], values[1]) {}
+  constexpr Components(const std::array<Number, 3>& values) : Components(values[0], values[1], values[2]) {}
+
+  constexpr std::size_t size() const { return size_; }
+  /// The number along x, y or z; along z `Number{}` where there are two.
+  constexpr Number operator[](std::size_t direction) const { return values_[direction]; }
+  constexpr const Number* begin() const { return values_.data(); }
+  constexpr const Number* end() const { return values_.data() + size_; }
+
+  friend constexpr bool operator==(const Components&, const Components&) = default;
+
+ private:
+  std::array<Number, 3> values_{};
+  std::size_t size_ = 2;
+};
+
+/// What there should be for bodies of a dimension: "two integers for a packing in the plane".
+template <class Number>
+std::string expected_components(Index dimension) {
+  return std::string(dimension == 2 ? "two " : "three ") + (std::is_same_v<Number, Index> ? "integers" : "numbers") +
+         " for a packing in " + (dimension == 2 ? "the plane" : "space");
+}
+
+}  // namespace nscdd
