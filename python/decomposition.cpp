@@ -12,7 +12,8 @@ namespace {
 
 using Shared = std::shared_ptr<Model>;
 using Settings = std::vector<std::pair<std::string, std::string>>;
-using Prescribed = std::vector<std::pair<Index, std::array<double, 2>>>;
+using VelocityGiven = std::variant<std::array<double, 2>, std::array<double, 3>>;
+using Prescribed = std::vector<std::pair<Index, VelocityGiven>>;
 using Subdomains = std::variant<std::string, Array<Index>>;
 
 // A subdomain with what it belongs to.
@@ -61,7 +62,9 @@ Shared decomposed(const Packing& packing, const Subdomains& subdomains, const Se
   one.spec.packing = PackingFile{"packing"};
   one.packing = packing;
   for (const auto& [key, value] : settings) override_case(one.spec, key, value);
-  for (const auto& [grain, velocity] : prescribed) one.spec.prescribed.push_back({grain, velocity});
+  for (const auto& [grain, velocity] : prescribed)
+    one.spec.prescribed.push_back(
+        {grain, std::visit([](const auto& components) { return Components<double>(components); }, velocity)});
   return built(std::move(one), subdomains, py::none());
 }
 

@@ -16,11 +16,12 @@ from ._core import Error
 
 #: One flexibility or several: numbers in 1/kg, or a text such as "0.1W" or "1e-3:1e3:61", as on the command line.
 Values = Union[float, str, Iterable[float]]
-#: (3, 2) for a grid of 3 x 2 cells, a text such as "3x2" or "metis:4", or the number of a subdomain for each contact.
-Subdomains = Union[str, tuple[int, int], ArrayLike]
+#: (3, 2) for a grid of 3 x 2 cells, in space (3, 2, 2), a text such as "3x2" or "metis:4", or an array or list with the
+#: number of a subdomain for each contact.
+Subdomains = Union[str, tuple[int, int], tuple[int, int, int], ArrayLike]
 #: True for a bar on standard error, or what is called with (units done, units in all), at most 20 times per second.
 Progress = Union[bool, Callable[[int, int], object], None]
-#: Velocities by the number of a grain, m/s; numbers count from 0, and -1 is the last grain.
+#: Velocities (vx, vy), in space (vx, vy, vz), by the number of a grain, m/s; numbers count from 0, and -1 is the last.
 Prescribed = Mapping[int, Sequence[float]]
 
 
@@ -75,22 +76,23 @@ def settings(parameters: Mapping[str, object]) -> list[tuple[str, str]]:
 def subdomains(given: Subdomains) -> str | np.ndarray:
     if isinstance(given, str):
         return given
-    if isinstance(given, tuple) and len(given) == 2:
-        return f"{given[0]}x{given[1]}"
+    if isinstance(given, tuple) and len(given) in (2, 3):
+        return "x".join(str(cells) for cells in given)
     numbers = np.asarray(given)
     if numbers.dtype.kind not in "iu" or masked(given):
-        raise TypeError("subdomains: expected (columns, rows), a text such as 'metis:4', or an array of integers, "
+        raise TypeError("subdomains: expected (columns, rows) or (columns, rows, layers), a text such as 'metis:4', or an array of integers, "
                         f"met {given!r}")
     return numbers.astype(np.int64)
 
 
-def prescribed(given: Prescribed | None) -> list[tuple[int, tuple[float, float]]]:
-    """Velocities by grains. Raises TypeError for what is no number of a grain or no pair of numbers."""
+def prescribed(given: Prescribed | None) -> list[tuple[int, tuple[float, ...]]]:
+    """Velocities by grains. Raises TypeError for what is no number of a grain, or neither two numbers nor three."""
     found = []
     for grain, velocity in (given or {}).items():
-        if len(velocity) != 2:
-            raise TypeError(f"prescribed: expected two components of the velocity of grain {grain}, met {velocity!r}")
-        found.append((operator.index(grain), (float(velocity[0]), float(velocity[1]))))
+        if len(velocity) not in (2, 3):
+            raise TypeError(f"prescribed: expected two components of the velocity of grain {grain}, or three in space, "
+                            f"met {velocity!r}")
+        found.append((operator.index(grain), tuple(float(component) for component in velocity)))
     return found
 
 

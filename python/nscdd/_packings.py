@@ -40,17 +40,20 @@ def contacts(packing: Packing, *, tolerance: float = 1e-7, overlap_tolerance: fl
 
 def decompose(packing: Packing, subdomains: _arguments.Subdomains = (1, 1), *, tolerance: float = 1e-7,
               overlap_tolerance: float = 1e-7, density: float | None = None,
-              prescribed: _arguments.Prescribed | None = None, compression: tuple[float, float] = (0.0, 0.0),
+              prescribed: _arguments.Prescribed | None = None, compression: tuple[float, ...] = (0.0, 0.0),
               shear: float = 0.0, name: str = "packing") -> Decomposition:
     """A packing cut into subdomains in the FETI way: contacts are distributed among them, a grain whose contacts belong
     to q subdomains becomes q copies, each with 1/q of its mass, and the interface holds the copies together.
 
-    subdomains   (columns, rows) of a regular grid over the centres, "metis:N" for the graph of contacts, or the number
-                 of a subdomain for each contact, in the order of `contacts(packing)`
+    subdomains   (columns, rows) of a regular grid over the centres, in space (columns, rows, layers), "metis:N" for
+                 the graph of contacts, or an array or list with the number of a subdomain for each contact, in the
+                 order of `contacts(packing)`
     tolerance, overlap_tolerance   of the contacts, as in `contacts`
-    density      masses = density x pi radius^2, kg/m^2; else those of the packing, or 1 kg each
-    prescribed   arriving velocities of single grains, {grain: (vx, vy)}, m/s
-    compression, shear   rates, 1/s, of a homogeneous deformation that all other grains arrive with
+    density      masses = density x pi radius^2, kg/m^2, in space density x 4/3 pi radius^3, kg/m^3; else those of the
+                 packing, or 1 kg each
+    prescribed   arriving velocities of single grains, {grain: (vx, vy)}, in space {grain: (vx, vy, vz)}, m/s
+    compression, shear   rates, 1/s, of a homogeneous deformation that all other grains arrive with: along x and y, in
+                 space along z too; shear of x and y
 
     Velocities matter for the active contacts alone. Raises Error for what cannot be used.
     """

@@ -65,9 +65,11 @@ double available_bytes() { return std::min(system_available(), control_groups_av
 PrescribedVelocity parse_prescribed(const std::string& text) {
   const std::string what = "--prescribed";
   const std::vector<std::string_view> parts = split(text, ':');
-  if (parts.size() != 3) fail("{}: expected GRAIN:VX:VY such as 3:-1:0, met '{}'", what, text);
-  const PrescribedVelocity velocity{parse_integer(parts[0], what),
-                                    {parse_number(parts[1], what), parse_number(parts[2], what)}};
+  if (parts.size() != 3 && parts.size() != 4)
+    fail("{}: expected GRAIN:VX:VY such as 3:-1:0, or GRAIN:VX:VY:VZ in space, met '{}'", what, text);
+  const auto component = [&](std::size_t k) { return parse_number(parts[k], what); };
+  PrescribedVelocity velocity{parse_integer(parts[0], what), {component(1), component(2)}};
+  if (parts.size() == 4) velocity.velocity = {component(1), component(2), component(3)};
   check_bounds(velocity.velocity, Field{.description = ""}, what);
   return velocity;
 }
@@ -111,7 +113,8 @@ void CaseOptions::declare(Command& command, bool contact_problems) {
 void CaseOptions::declare_options(Command& command) {
   command.add("--subdomains PARTITION", subdomains,
               "partition: NXxNY or NXxNYxNZ for a regular grid, metis:N for METIS");
-  command.add("--prescribed GRAIN:VX:VY", prescribed, "arriving velocity of a grain, m/s (grains from 0, -1 the last)");
+  command.add("--prescribed GRAIN:VX:VY[:VZ]", prescribed,
+              "arriving velocity of a grain, m/s (grains from 0, -1 the last)");
   command.add("--density", density, "masses = density x pi radius^2, kg/m^2");
   command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
   command.add("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");

@@ -3,6 +3,9 @@
 #include "mechanics/connectivity.hpp"
 #include <nscdd/mechanics/reference_problem.hpp>
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <numeric>
 
 namespace nscdd {
@@ -16,11 +19,13 @@ Vector deformation_velocities(const Packing& packing, const Loads& loads) {
   const auto weighted = [&m = packing.mass](const std::vector<double>& x) {
     return std::inner_product(m.begin(), m.end(), x.begin(), 0.0) / std::accumulate(m.begin(), m.end(), 0.0);
   };
-  const double centre_x = weighted(packing.x), centre_y = weighted(packing.y);
+  const double centre_x = weighted(packing.x), centre_y = weighted(packing.y),
+               centre_z = d == 3 ? weighted(packing.z) : 0;
   for (Index i = 0; i < packing.size(); ++i) {
     const double x = packing.x[at(i)] - centre_x, y = packing.y[at(i)] - centre_y;
     velocities[d * i] = -loads.compression[0] * x + loads.shear * y;
     velocities[d * i + 1] = loads.shear * x - loads.compression[1] * y;
+    if (d == 3) velocities[d * i + 2] = -loads.compression[2] * (packing.z[at(i)] - centre_z);
   }
   return velocities;
 }
@@ -38,6 +43,10 @@ SparseMatrix connectivity(const ContactNetwork& network) {
 
 }  // namespace
 
+void require_fit(const Loads& loads, Index dimension) {
+  if (loads.compress()) require_components(loads.compression, dimension, "loads.compression");
+}
+
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed, const Loads& loads) {
   if (count(packing.mass) != packing.size())
@@ -49,15 +58,16 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   for (Index i = 0; i < n; ++i) problem.inertia.segment(d * i, d).setConstant(packing.mass[at(i)]);
   problem.h = d == 2 ? connectivity<2>(network) : connectivity<3>(network);
 
+  require_fit(loads, d);
   problem.arriving_velocity = deformation_velocities(packing, loads);
   for (const PrescribedVelocity& one : prescribed) {
     if (one.grain < 0 || one.grain >= n)
       fail("prescribed velocity: expected a grain in 0..{}, met grain {}", n - 1, one.grain);
-    if (!std::isfinite(one.velocity[0]) || !std::isfinite(one.velocity[1]))
-      fail("prescribed velocity of grain {}: expected finite components, met ({}, {})", one.grain, one.velocity[0],
-           one.velocity[1]);
-    problem.arriving_velocity.segment(d * one.grain, d).setZero();
-    problem.arriving_velocity.segment(d * one.grain, 2) << one.velocity[0], one.velocity[1];
+    require_components(one.velocity, d, fmt::format("prescribed velocity of grain {}", one.grain));
+    if (!std::ranges::all_of(one.velocity, [](double v) { return std::isfinite(v); }))
+      fail("prescribed velocity of grain {}: expected finite components, met ({})", one.grain,
+           fmt::join(one.velocity, ", "));
+    std::ranges::copy(one.velocity, problem.arriving_velocity.data() + d * one.grain);
   }
   return problem;
 }
@@ -66,7 +76,7 @@ void require_arriving_velocity(const ReferenceProblem& problem) {
   if (problem.arriving_velocity.size() == 0 || problem.arriving_velocity.isZero(0))
     throw Error(
         "active contacts: expected a prescribed velocity (a [[prescribed]] or [loads] table in the case, "
-        "--prescribed GRAIN:VX:VY or --set loads.compression=CX,CY) that moves a grain, met none: nothing is "
+        "--prescribed GRAIN:VX:VY[:VZ] or --set loads.compression=CX,CY[,CZ]) that moves a grain, met none: nothing is "
         "given, or what is given vanishes, as loads do at the centre of mass");
 }
 

@@ -55,14 +55,16 @@ std::string place(const CaseSpec& spec, std::string_view key) {
 
 std::string grain_key(std::size_t k) { return fmt::format("prescribed[{}].grain", k); }
 
-// Prescribed velocities with their grains counted from 0, each once.
-std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, Index grains) {
+// Prescribed velocities with their grains counted from 0, each once, and with a component for each direction.
+std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescribed, const Packing& packing) {
+  const Index grains = packing.size();
   for (std::size_t k = 0; k < prescribed.size(); ++k) {
     PrescribedVelocity& velocity = prescribed[k];
     if (velocity.grain < -grains || velocity.grain >= grains)
       throw Error(grain_key(k), fmt::format("expected a grain in 0..{} (or -1 for the last), met grain {}", grains - 1,
                                             velocity.grain));
     if (velocity.grain < 0) velocity.grain += grains;
+    require_components(velocity.velocity, packing.dimension(), fmt::format("prescribed[{}].velocity", k));
     if (std::ranges::count(std::span(prescribed).first(k), velocity.grain, &PrescribedVelocity::grain) > 0)
       throw Error(grain_key(k), fmt::format("expected each grain once, met grain {} again", velocity.grain));
   }
@@ -73,7 +75,7 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   ContactNetwork none;
   none.grains = packing.size();
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing.size());
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain))
       throw Error(grain_key(k), fmt::format("expected a free grain, met {}", body_name(start.system, grain)));
@@ -241,7 +243,7 @@ Model undivided(const Case& one, const Monitor& monitor) try {
     const auto* file = std::get_if<PackingFile>(&one.spec.packing);
     fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
   }
-  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing.size());
+  const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
   model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
   model.partition = distribute(
       one.spec.partition, [&] { return std::tie(model.packing, model.network); },

@@ -185,6 +185,9 @@ def test_a_partition_of_ones_own():
 @pytest.mark.parametrize("arguments, words", [
     (dict(subdomains="2by3"), "subdomains: expected"),
     (dict(subdomains=(0, 2)), "met 0"),
+    (dict(subdomains=(2, 2, 1)), "partition.grid: expected two integers for a packing in the plane"),
+    (dict(prescribed={0: (1, 0, 0)}), "expected two numbers for a packing in the plane"),
+    (dict(compression=(1, 1, 1)), "loads.compression: expected two numbers for a packing in the plane"),
     (dict(density=-1), "masses.density"),
     (dict(prescribed={99: (1, 0)}), "expected a grain in 0..15"),
     (dict(prescribed={-1: (1, 0), 15: (1, 0)}), "met grain 15 again"),
@@ -195,7 +198,7 @@ def test_errors_of_decompose(arguments, words):
 
 
 @pytest.mark.parametrize("prescribed, words", [
-    ({0: (1, 0, 0)}, "expected two components of the velocity of grain 0"),
+    ({0: (1, 0, 0, 0)}, "expected two components of the velocity of grain 0, or three in space"),
     ({0: (1,)}, "expected two components"),
     ({1.7: (1, 0)}, "cannot be interpreted as an integer"),
 ])

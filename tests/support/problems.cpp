@@ -3,6 +3,8 @@
 
 #include "linalg/random.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,7 +21,7 @@ Case strip(Index grains) {
   return one;
 }
 
-Case random_lattice(std::uint64_t seed, Index columns, Index rows, std::array<Index, 2> grid) {
+Case random_lattice(std::uint64_t seed, Index columns, Index rows, Components<Index> grid) {
   RandomStream random(seed);
   const Packing full = generate(HexagonalLattice{.columns = columns, .rows = rows, .radius = 0.5});
   Packing packing;
@@ -68,6 +70,7 @@ Case renumbered(const Case& one, std::uint64_t seed) {
   for (const Index i : order) {
     after.x.push_back(before.x[at(i)]);
     after.y.push_back(before.y[at(i)]);
+    if (before.dimension() == 3) after.z.push_back(before.z[at(i)]);
     after.radius.push_back(before.radius[at(i)]);
     after.mass.push_back(before.mass[at(i)]);
   }
@@ -84,17 +87,23 @@ Case renumbered(const Case& one, std::uint64_t seed) {
 Model moved(const Case& one, double angle, double shift_x, double shift_y) {
   Model model = build(one);
   Packing packing = model.packing;
-  const double c = std::cos(angle), s = std::sin(angle);
+  const bool space = packing.dimension() == 3;
+  const Eigen::Vector3d axis = space ? Eigen::Vector3d(1, 2, 2) / 3 : Eigen::Vector3d(0, 0, 1);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
   for (Index i = 0; i < packing.size(); ++i) {
-    const double x = packing.x[at(i)], y = packing.y[at(i)];
-    packing.x[at(i)] = c * x - s * y + shift_x;
-    packing.y[at(i)] = s * x + c * y + shift_y;
+    const auto [x, y, z] = packing.centre(i);
+    const Eigen::Vector3d turned = turn * Eigen::Vector3d(x, y, z);
+    packing.x[at(i)] = turned[0] + shift_x;
+    packing.y[at(i)] = turned[1] + shift_y;
+    if (space) packing.z[at(i)] = turned[2] - shift_x;
   }
   std::vector<PrescribedVelocity> prescribed = one.spec.prescribed;
   for (PrescribedVelocity& velocity : prescribed) {
     if (velocity.grain < 0) velocity.grain += packing.size();
-    const auto [x, y] = velocity.velocity;
-    velocity.velocity = {c * x - s * y, s * x + c * y};
+    const Components<double>& v = velocity.velocity;
+    const Eigen::Vector3d turned = turn * Eigen::Vector3d(v[0], v[1], v[2]);
+    velocity.velocity = {turned[0], turned[1]};
+    if (space) velocity.velocity = {turned[0], turned[1], turned[2]};
   }
   model.packing = packing;
   model.network = detect_contacts(packing, one.spec.contacts);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "spatial_problems.hpp"
 #include "study/case.hpp"
 #include <nscdd/ddm/decomposition.hpp>
 
@@ -15,7 +16,7 @@ Case strip(Index grains);
 
 /// A piece of hexagonal lattice with vacancies and random masses, cut by a grid: contacts are exact, some
 /// grains are shared by three or four subdomains, some parts are hyperstatic, some grains may touch nothing.
-Case random_lattice(std::uint64_t seed, Index columns, Index rows, std::array<Index, 2> grid);
+Case random_lattice(std::uint64_t seed, Index columns, Index rows, Components<Index> grid);
 
 /// The problems every law is tested on: the paper's three, hyperstatic lattices with cross points, METIS
 /// parts, a cut with empty subdomains.
@@ -24,7 +25,8 @@ std::vector<Case> every_problem();
 /// The packing of a case with its grains renumbered at random; the last grain stays the last.
 Case renumbered(const Case& one, std::uint64_t seed);
 
-/// The model of `one` with all coordinates rotated and shifted but the partition of `one` kept.
+/// The model of `one` with all coordinates rotated and shifted but the partition of `one` kept. In space the axis is
+/// (1, 2, 2) / 3, and z is shifted by -shift_x.
 Model moved(const Case& one, double angle, double shift_x, double shift_y);
 
 /// The loads M_E V_E^- of grains that arrive with velocity V^- (d n entries), for every subdomain.

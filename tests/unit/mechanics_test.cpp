@@ -32,6 +32,80 @@ TEST_CASE("H: rigid motions cause no relative velocity") {
   CHECK((model.problem.h.transpose() * shift).norm() < 1e-12);
 }
 
+TEST_CASE(
+    "H in space: the normal on both spheres, rigid motions cause no relative velocity, six of them are independent") {
+  const double s = std::sqrt(0.5);
+  const Packing packing{{0, 0}, {0, s}, {0.5, 0.5}, {2, 3}, {0, s}};
+  const ReferenceProblem two = assemble(packing, detect_contacts(packing), {{1, {-1, 5, 0.5}}});
+  CHECK(two.dimension == 3);
+  CHECK(two.dofs_per_grain == 3);
+  CHECK(two.inertia == (Vector(6) << 2, 2, 2, 3, 3, 3).finished());
+  CHECK(two.arriving_velocity == (Vector(6) << 0, 0, 0, -1, 5, 0.5).finished());
+  CHECK((Vector(two.h * Vector::Ones(1)) - (Vector(6) << 0, -s, -s, 0, s, s).finished()).norm() < 1e-15);
+  CHECK(two.h.nonZeros() == 6);
+  CHECK(mean_normal_delassus(two) == doctest::Approx(1.0 / 2 + 1.0 / 3));
+
+  for (const Case& one : spatial_problems()) {
+    CAPTURE(one.spec.name);
+    const Model model = build(one);
+    Matrix motions(3 * model.grains(), 6);
+    for (Index i = 0; i < model.grains(); ++i) {
+      const auto [x, y, z] = model.packing.centre(i);
+      motions.middleRows(3 * i, 3) << 1, 0, 0, 0, z, -y, 0, 1, 0, -z, 0, x, 0, 0, 1, y, -x, 0;
+    }
+    CHECK((model.problem.h.transpose() * motions).norm() < 1e-12 * motions.norm());
+    CHECK(rank(Dense(motions)) == 6);
+    CHECK(rank(Dense(model.problem.h)) <= 3 * model.grains() - 6);
+  }
+}
+
+TEST_CASE("loads in space: a homogeneous deformation about the centre of mass, without momentum") {
+  Case one = random_fcc(4, 4, 4, 4, GridPartitioner{{1, 1, 1}});
+  one.spec.prescribed = {{2, {0.25, -0.5, 4}}};
+  override_case(one.spec, "loads.compression", "2,3,-1");
+  override_case(one.spec, "loads.shear", "0.5");
+  const Model model = build(one);
+  const Packing& p = model.packing;
+  const Vector& v = model.problem.arriving_velocity;
+  CHECK(v.segment(6, 3) == (Vector(3) << 0.25, -0.5, 4).finished());
+  const double x = p.x[7] - p.x[4], y = p.y[7] - p.y[4], z = p.z[7] - p.z[4];
+  REQUIRE(std::abs(z) + std::abs(y) > 0);
+  const Vector between = v.segment(21, 3) - v.segment(12, 3);
+  CHECK((between - (Vector(3) << -2 * x + 0.5 * y, 0.5 * x - 3 * y, z).finished()).norm() < 1e-12);
+  one.spec.prescribed.clear();
+  const ReferenceProblem free = build(one).problem;
+  const Vector momentum = free.inertia.cwiseProduct(free.arriving_velocity);
+  for (Index k = 0; k < 3; ++k) {
+    double sum = 0;
+    for (Index i = 0; i < free.grains(); ++i) sum += momentum[3 * i + k];
+    CHECK(std::abs(sum) < 1e-12 * momentum.norm());
+  }
+}
+
+TEST_CASE("loads and velocities that do not fit the dimension are refused by key, expected and met") {
+  const auto refused = [](Case one, const char* message) { CHECK_THROWS_WITH_AS(build(one), message, Error); };
+  for (const Case& one : {strip(4), two_tetrahedra()}) {
+    const bool plane = one.spec.name == "strip4";
+    Case velocity = one, rates = one, fitting = one;
+    velocity.spec.prescribed = {{0, {1, 0}}, {1, {1, 0}}};
+    velocity.spec.prescribed[plane ? 1 : 0].velocity = {1, 0, 2};
+    refused(velocity, plane ? "prescribed[1].velocity: expected two numbers for a packing in the plane, met [1, 0, 2]"
+                            : "prescribed[1].velocity: expected three numbers for a packing in space, met [1, 0]");
+    rates.spec.loads.compression = {1, 0.5};
+    if (plane) rates.spec.loads.compression = {0, 0, 0.5};
+    refused(rates, plane ? "loads.compression: expected two numbers for a packing in the plane, met [0, 0, 0.5]"
+                         : "loads.compression: expected three numbers for a packing in space, met [1, 0.5]");
+    fitting.spec.loads.shear = 2;  // no compression has no direction
+    CHECK(build(fitting).problem.dimension == (plane ? 2 : 3));
+  }
+  const Packing packing{{0, 1}, {0, 0}, {0.5, 0.5}, {1, 1}, {0, 0}};
+  CHECK_THROWS_WITH_AS(assemble(packing, detect_contacts(packing), {{1, {1, 0}}}),
+                       "prescribed velocity of grain 1: expected three numbers for a packing in space, met [1, 0]",
+                       Error);
+  CHECK_THROWS_WITH_AS(assemble(packing, detect_contacts(packing), {{1, {1, 0, not_a_number}}}),
+                       "prescribed velocity of grain 1: expected finite components, met (1, 0, nan)", Error);
+}
+
 TEST_CASE("assembly refuses missing masses and grains that do not exist") {
   const Packing packing{{0.0, 1.0}, {0.0, 0.0}, {0.5, 0.5}, {}};
   CHECK_THROWS_AS(assemble(packing, detect_contacts(packing)), Error);

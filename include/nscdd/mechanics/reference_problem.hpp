@@ -7,27 +7,33 @@
 namespace nscdd {
 
 /// A load on a whole packing: every grain arrives with the velocity of a homogeneous deformation about the mass centre,
-///     V^-_i = D (x_i - x_c),   D = [ -compression_x  shear ; shear  -compression_y ],  1/s.
+///     V^-_i = D (x_i - x_c),   D = [ -compression_x  shear ; shear  -compression_y ],  1/s,
+/// in space with a third row and column (0, 0, -compression_z): shear stays in the planes z = const.
 /// D symmetric is no restriction: a rotation opens and closes no contact. Nor does a uniform velocity or acceleration
 /// (gravity): without walls the packing just moves. No net momentum is brought in.
 struct Loads {
-  std::array<double, 2> compression{0, 0};
+  Components<double> compression;  ///< along x and y, in space along z too
   double shear = 0;
 
-  bool none() const { return compression[0] == 0 && compression[1] == 0 && shear == 0; }
+  bool compress() const { return !(compression[0] == 0 && compression[1] == 0 && compression[2] == 0); }
+  bool none() const { return !compress() && shear == 0; }
 
   template <class Self, class Visitor>
   static void fields(Self& self, Visitor&& visit) {
     visit("compression", self.compression,
-          Field{.description = "rates of compression along x and y of the arriving velocities", .unit = "1/s"});
+          Field{.description = "rates of compression along x and y, in space z too, of the arriving velocities",
+                .unit = "1/s"});
     visit("shear", self.shear, Field{.description = "rate of shear of the arriving velocities", .unit = "1/s"});
   }
 };
 
+/// Throws Error naming loads.compression unless it has a rate for each direction. No compression fits any packing.
+void require_fit(const Loads& loads, Index dimension);
+
 /// Velocity with which a grain arrives, imposed on it as an impact (V^-, m/s); its mass stays free.
 struct PrescribedVelocity {
   Index grain = 0;
-  std::array<double, 2> velocity{};
+  Components<double> velocity = {};
 };
 
 /// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
@@ -47,7 +53,8 @@ struct ReferenceProblem {
 
 /// M and H of a packing with masses and its contacts. r > 0 is compression, v > 0 separation.
 /// Grains arrive with the velocities of `loads`, those in `prescribed` with their own instead.
-/// Throws Error if masses are missing, or if a prescribed grain does not exist or has no finite velocity.
+/// Throws Error if masses are missing, if a prescribed grain does not exist or has no finite velocity, and if
+/// velocities or loads have not a component for each direction of the packing.
 ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
                           const std::vector<PrescribedVelocity>& prescribed = {}, const Loads& loads = {});
 
