@@ -38,7 +38,10 @@ def read_tables(prefix):
                             numbers="epsilon eta eigenvalue grain subdomain_first subdomain_second "
                                     "impulse_x impulse_y")
     copies = style.read_table(folder, f"{name}-velocities.csv", texts="case",
-                              numbers="grain subdomain x y radius multiplicity velocity_x velocity_y")
+                              numbers="grain subdomain x y radius multiplicity velocity_x velocity_y", if_there="z")
+    if "z" in copies[0]:
+        raise style.DataError(f"{prefix}: expected a mode in the plane, met one of spheres in space, which this script "
+                              "does not draw")
     return rows, copies
 
 

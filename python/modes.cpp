@@ -63,12 +63,12 @@ void bind_modes(py::module_& module) {
       .def("impulse_columns",
            [](const M& m) {
              const ModeParameters parameters = m.parameters();
-             return table<ModeImpulse>(mode_impulse_columns(), [&](const Sink<ModeImpulse>& sink) {
-               mode_impulses(*m.model, parameters, m.mode, sink);
-             });
+             return table<ModeImpulse>(
+                 mode_impulse_columns(m.model->problem.dimension),
+                 [&](const Sink<ModeImpulse>& sink) { mode_impulses(*m.model, parameters, m.mode, sink); });
            })
       .def("velocity_columns", [](const M& m) {
-        return table<ModeVelocity>(mode_velocity_columns(),
+        return table<ModeVelocity>(mode_velocity_columns(m.model->problem.dimension),
                                    [&](const Sink<ModeVelocity>& sink) { mode_velocities(*m.model, m.mode, sink); });
       });
   module.def(

@@ -166,8 +166,9 @@ Case settle(const CaseSpec& spec, const std::vector<fs::path>& open) {
   settled.settled_from = fmt::format("# case {}\n{}{}", start.spec.name, to_toml(start.spec), start.settled_from);
   if (const auto* file = std::get_if<PackingFile>(&start.spec.packing))
     settled.settled_from +=
-        fmt::format("# content of {}: {} {} {} {}\n", file->path, fingerprint(start.packing.x),
-                    fingerprint(start.packing.y), fingerprint(start.packing.radius), fingerprint(start.packing.mass));
+        fmt::format("# content of {}: {} {} {} {}{}\n", file->path, fingerprint(start.packing.x),
+                    fingerprint(start.packing.y), fingerprint(start.packing.radius), fingerprint(start.packing.mass),
+                    start.packing.z.empty() ? "" : " " + fingerprint(start.packing.z));
   const auto cache = cache_folder();
   const std::string key = fingerprint(settled.settled_from + build_fingerprint());
   const fs::path entry = cache ? *cache / fmt::format("{}-{}.csv", start.spec.name, key) : fs::path();

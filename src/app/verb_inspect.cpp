@@ -25,7 +25,9 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   fmt::print("  touching nothing   {}\n", found.isolated_grains);
   fmt::print("contacts             {}\n", model.contacts());
   const bool friction = model.problem.columns_per_contact > 1;
-  if (friction) fmt::print("  links              {} (normal and tangent of each contact)\n", model.problem.contacts());
+  if (friction)
+    fmt::print("  links              {} (normal and {} of each contact)\n", model.problem.contacts(),
+               model.problem.dimension == 2 ? "tangent" : "two tangents");
   fmt::print("coordination number  {:.6g}\n", found.coordination_number);
   const std::string scale = fmt::format("{:.6g} 1/kg (scale of eta and epsilon)", flexibility_scale(model));
   fmt::print("mean of W_nn         {}\n", model.contacts() == 0 ? "- (no contact)" : scale);

@@ -108,19 +108,21 @@ int run(const Options& options) {
   const std::string impulses_name = options.output + "-impulses.csv";
   const std::string velocities_name = options.output + "-velocities.csv";
   const Case what = options.one.resolve({impulses_name, velocities_name});
-  // Both files are opened before the work and get their names after it: a run that fails leaves neither.
-  CsvWriter impulses(impulses_name, options.force, headings(mode_impulse_columns()));
-  CsvWriter velocities(velocities_name, options.force, headings(mode_velocity_columns()));
   const ThreadLimit limit(options.threads);
   const Model model = build(what);
   require_geometry(model, "modes");
+  const ResultColumns<ModeImpulse>& impulse_columns = mode_impulse_columns(model.problem.dimension);
+  const ResultColumns<ModeVelocity>& velocity_columns = mode_velocity_columns(model.problem.dimension);
+  // Both files are opened before the spectrum and get their names after it: a run that fails leaves neither.
+  CsvWriter impulses(impulses_name, options.force, headings(impulse_columns));
+  CsvWriter velocities(velocities_name, options.force, headings(velocity_columns));
   const ModeParameters wanted = parameters(options, flexibility_scale(model));
   options.memory.require(sweep_need(
       model,
       {.epsilon = {wanted.epsilon}, .eta = {wanted.eta}, .contacts = wanted.contacts, .spectral = wanted.spectral}));
   const Mode mode = interface_mode(model, wanted);
-  mode_impulses(model, wanted, mode, [&](const ModeImpulse& one) { impulses.write(row(mode_impulse_columns(), one)); });
-  mode_velocities(model, mode, [&](const ModeVelocity& one) { velocities.write(row(mode_velocity_columns(), one)); });
+  mode_impulses(model, wanted, mode, [&](const ModeImpulse& one) { impulses.write(row(impulse_columns, one)); });
+  mode_velocities(model, mode, [&](const ModeVelocity& one) { velocities.write(row(velocity_columns, one)); });
   impulses.finish();
   velocities.finish();
   print_spectrum(model, wanted, mode);

@@ -28,17 +28,20 @@ int run(const Options& options) {
   if (!options.grains.empty()) require_distinct(options.csv, options.grains);
   const ContactSet contacts = Choice<ContactSet>::parse(options.contacts, "--contacts");
   options.memory.require(link_need(model, contacts));
-  const ResultColumns<Link> columns = link_columns(contacts);
+  const ResultColumns<Link> columns = link_columns(contacts, model.problem.dimension);
   CsvWriter links(options.csv, options.force, headings(columns));
   std::optional<CsvWriter> grains;
-  if (!options.grains.empty()) grains.emplace(options.grains, options.force, headings(grain_columns()));
+  if (!options.grains.empty())
+    grains.emplace(options.grains, options.force, headings(grain_columns(model.problem.dimension)));
   const ContactChoice choice = nscdd::links(
       model, [&](const Link& link) { links.write(row(columns, link)); }, contacts);
-  if (grains) nscdd::grains(model, [&](const Grain& grain) { grains->write(row(grain_columns(), grain)); });
+  if (grains)
+    nscdd::grains(model,
+                  [&](const Grain& grain) { grains->write(row(grain_columns(model.problem.dimension), grain)); });
   links.finish();
   if (grains) grains->finish();
   if (model.problem.arriving_velocity.isZero(0))
-    note("nothing is prescribed (--prescribed GRAIN:VX:VY): impulses are nan and every contact counts as active");
+    note("nothing is prescribed (--prescribed GRAIN:VX:VY[:VZ]): impulses are nan and every contact counts as active");
   if (choice.idle > 0)
     note("{} of {} contacts are weakly active: they neither carry nor open", choice.idle, model.network.size());
   if (!choice.certain) note("the impulses were not found to 1e-8: the choice of contacts is uncertain");

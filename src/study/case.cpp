@@ -164,6 +164,11 @@ std::string to_toml(const CaseSpec& spec) {
   return text;
 }
 
+Index dimension_of(const Case& one) {
+  const auto* generator = std::get_if<Generator>(&one.spec.packing);
+  return generator != nullptr ? dimension(*generator) : one.packing.dimension();
+}
+
 Packing packing_of(const Case& one, const Monitor& monitor) {
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing))
     fail("{}: expected a packing, met a contact problem, which has no geometry", file->path);

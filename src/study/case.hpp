@@ -72,6 +72,10 @@ void override_case(CaseSpec& spec, std::string_view key, std::string_view value)
 /// The case as a case file that reads back to it.
 std::string to_toml(const CaseSpec& spec);
 
+/// 2 in the plane, 3 in space, as far as it is known without making the packing: a generator knows it, a file or what
+/// is settled once the case is resolved.
+Index dimension_of(const Case& one);
+
 /// The packing of a case, generated, read or settled, with masses where the case says how. Throws Error for a
 /// packing or masses that cannot be used, and for a contact problem, which has no packing.
 Packing packing_of(const Case& one, const Monitor& monitor = {});

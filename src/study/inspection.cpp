@@ -3,6 +3,7 @@
 
 #include "core/disjoint_sets.hpp"
 #include "linalg/range_projector.hpp"
+#include "study/dimension_columns.hpp"
 #include "study/study.hpp"
 
 #include <fmt/format.h>
@@ -111,7 +112,7 @@ Inspection inspect(const Model& model, Index ranks_up_to) {
   return result;
 }
 
-ResultColumns<Link> link_columns(ContactSet contacts) {
+ResultColumns<Link> link_columns(ContactSet contacts, Index dimension) {
   const bool unilateral = contacts == ContactSet::unilateral;
   const auto of = [](auto member) {
     return [member](const Link& link) { return std::invoke(member, link.contact()); };
@@ -119,31 +120,37 @@ ResultColumns<Link> link_columns(ContactSet contacts) {
   const auto centre = [](std::vector<double> Packing::*coordinate, Index Contact::*grain) {
     return [=](const Link& link) { return (link.model.packing.*coordinate)[at(link.contact().*grain)]; };
   };
-  return {{"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
-          {"contact", "1", "number of the contact", [](const Link& link) { return link.number; }},
-          {"grain_a", "1", "first grain", of(&Contact::a)},
-          {"grain_b", "1", "second grain, the larger number", of(&Contact::b)},
-          {"x_a", "m", "centre of grain_a", centre(&Packing::x, &Contact::a)},
-          {"y_a", "m", "centre of grain_a", centre(&Packing::y, &Contact::a)},
-          {"x_b", "m", "centre of grain_b", centre(&Packing::x, &Contact::b)},
-          {"y_b", "m", "centre of grain_b", centre(&Packing::y, &Contact::b)},
-          {"normal_x", "1", "unit normal from grain_a to grain_b",
-           [](const Link& link) { return link.contact().normal[0]; }},
-          {"normal_y", "1", "unit normal from grain_a to grain_b",
-           [](const Link& link) { return link.contact().normal[1]; }},
-          {"gap", "m", "distance of the surfaces, negative for an overlap", of(&Contact::gap)},
-          {"subdomain", "1", "subdomain that owns the contact",
-           [](const Link& link) { return link.model.partition.subdomain_of_contact[at(link.number)]; }},
-          {"impulse", "kg m/s",
-           std::string("impulse of the ") + (unilateral ? "frictionless unilateral" : "linear rigid") +
-               " problem, > 0 in compression; nan without a load",
-           &Link::impulse},
-          {"active", "1", "in compression (every contact where nothing is prescribed)",
-           [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
-          {"impulse_solution", "",
-           unilateral ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
-                      : "unique, least_norm (hyperstatic network), or none without a load",
-           [](const Link& link) { return link.choice.solution; }}};
+  const auto normal = [](std::size_t component) {
+    return [=](const Link& link) { return link.contact().normal[component]; };
+  };
+  const ResultColumns<Link> columns{
+      {"case", "", "name of the case", [](const Link& link) { return link.model.name; }},
+      {"contact", "1", "number of the contact", [](const Link& link) { return link.number; }},
+      {"grain_a", "1", "first grain", of(&Contact::a)},
+      {"grain_b", "1", "second grain, the larger number", of(&Contact::b)},
+      {"x_a", "m", "centre of grain_a", centre(&Packing::x, &Contact::a)},
+      {"y_a", "m", "centre of grain_a", centre(&Packing::y, &Contact::a)},
+      {"z_a", "m", "centre of grain_a", centre(&Packing::z, &Contact::a)},
+      {"x_b", "m", "centre of grain_b", centre(&Packing::x, &Contact::b)},
+      {"y_b", "m", "centre of grain_b", centre(&Packing::y, &Contact::b)},
+      {"z_b", "m", "centre of grain_b", centre(&Packing::z, &Contact::b)},
+      {"normal_x", "1", "unit normal from grain_a to grain_b", normal(0)},
+      {"normal_y", "1", "unit normal from grain_a to grain_b", normal(1)},
+      {"normal_z", "1", "unit normal from grain_a to grain_b", normal(2)},
+      {"gap", "m", "distance of the surfaces, negative for an overlap", of(&Contact::gap)},
+      {"subdomain", "1", "subdomain that owns the contact",
+       [](const Link& link) { return link.model.partition.subdomain_of_contact[at(link.number)]; }},
+      {"impulse", "kg m/s",
+       std::string("impulse of the ") + (unilateral ? "frictionless unilateral" : "linear rigid") +
+           " problem, > 0 in compression; nan without a load",
+       &Link::impulse},
+      {"active", "1", "in compression (every contact where nothing is prescribed)",
+       [](const Link& link) { return link.choice.active[at(link.number)] != 0; }},
+      {"impulse_solution", "",
+       unilateral ? "unilateral_unique, unilateral_maximal (carrying in some solution), or none without a load"
+                  : "unique, least_norm (hyperstatic network), or none without a load",
+       [](const Link& link) { return link.choice.solution; }}};
+  return in_dimension(columns, dimension);
 }
 
 ContactChoice links(const Model& model, const Sink<Link>& sink, ContactSet contacts) {
@@ -177,26 +184,32 @@ void problem_contacts(const Model& model, const Sink<ProblemContact>& sink) {
   }
 }
 
-const ResultColumns<Grain>& grain_columns() {
+const ResultColumns<Grain>& grain_columns(Index dimension) {
   const auto of = [](std::vector<double> Packing::*values) {
     return [=](const Grain& grain) { return (grain.model.packing.*values)[at(grain.number)]; };
   };
   const auto velocity = [](Index component) {
-    return [=](const Grain& grain) { return grain.model.problem.arriving_velocity[2 * grain.number + component]; };
+    return [=](const Grain& grain) {
+      const ReferenceProblem& problem = grain.model.problem;
+      return problem.arriving_velocity[problem.dofs_per_grain * grain.number + component];
+    };
   };
-  static const ResultColumns<Grain> columns{
+  static const ResultColumns<Grain> space{
       {"case", "", "name of the case", [](const Grain& grain) { return grain.model.name; }},
       {"grain", "1", "number of the grain", &Grain::number},
       {"x", "m", "centre", of(&Packing::x)},
       {"y", "m", "centre", of(&Packing::y)},
+      {"z", "m", "centre", of(&Packing::z)},
       {"radius", "m", "radius", of(&Packing::radius)},
       {"mass", "kg", "mass", of(&Packing::mass)},
       {"contacts", "1", "contacts of the grain", &Grain::contacts},
       {"multiplicity", "1", "subdomains that share the grain; 0 for a grain that touches nothing",
        [](const Grain& grain) { return grain.model.parts.interface.multiplicity(grain.number); }},
       {"velocity_x", "m/s", "prescribed velocity, 0 if the grain has none", velocity(0)},
-      {"velocity_y", "m/s", "prescribed velocity, 0 if the grain has none", velocity(1)}};
-  return columns;
+      {"velocity_y", "m/s", "prescribed velocity, 0 if the grain has none", velocity(1)},
+      {"velocity_z", "m/s", "prescribed velocity, 0 if the grain has none", velocity(2)}};
+  static const ResultColumns<Grain> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
 }
 
 void grains(const Model& model, const Sink<Grain>& sink) {
@@ -232,11 +245,13 @@ constinit const Observable observables::links{
     .name = "links",
     .summary = "contact network: grains, normal, subdomain, impulse, active",
     .keys = {"contacts"},
-    .columns = [](const StudyTable& table) { return headings(link_columns(table.sweep.contacts)); },
+    .columns =
+        [](const StudyTable& table) { return headings(link_columns(table.sweep.contacts, dimension_of(table))); },
     .run =
         [](const ObservedCase& work) {
           const ContactSet contacts = work.table.sweep.contacts;
-          nscdd::links(build(work.one), as_rows(link_columns(contacts), work.sink), contacts);
+          const ResultColumns<Link> columns = link_columns(contacts, dimension_of(work.table));
+          nscdd::links(build(work.one), as_rows(columns, work.sink), contacts);
           return Index{0};
         }};
 
@@ -244,10 +259,10 @@ constinit const Observable observables::grains{
     .name = "grains",
     .summary = "grains: position, radius, mass, multiplicity, prescribed velocity",
     .keys = {},
-    .columns = [](const StudyTable&) { return headings(grain_columns()); },
+    .columns = [](const StudyTable& table) { return headings(grain_columns(dimension_of(table))); },
     .run =
         [](const ObservedCase& work) {
-          nscdd::grains(build(work.one), as_rows(grain_columns(), work.sink));
+          nscdd::grains(build(work.one), as_rows(grain_columns(dimension_of(work.table)), work.sink));
           return Index{0};
         }};
 

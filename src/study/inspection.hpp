@@ -11,7 +11,7 @@ namespace nscdd {
 /// out.
 struct NetworkDegrees {
   Index grains = 0;
-  Index contacts = 0;        ///< links, columns of H: two of each contact with friction
+  Index contacts = 0;        ///< links, columns of H: two or, in space, three of each contact with friction
   Index rank = 0;            ///< rank of the Delassus operator
   Index rigid_modes = 0;     ///< grain motions that no contact sees: d n - rank
   Index hyperstaticity = 0;  ///< self-stresses: contacts - rank
@@ -64,8 +64,9 @@ struct Link {
   const Contact& contact() const { return model.network.contacts[at(number)]; }
 };
 
-/// ContactSet::all shows the impulses of the linear rigid problem, as ContactSet::active does.
-ResultColumns<Link> link_columns(ContactSet contacts = ContactSet::active);
+/// ContactSet::all shows the impulses of the linear rigid problem, as ContactSet::active does. `dimension`: of the
+/// packing, in space centres and normals have a z.
+ResultColumns<Link> link_columns(ContactSet contacts = ContactSet::active, Index dimension = 2);
 
 /// All links in the order of the contacts. Returns the choice. Throws Error for a contact problem, of which
 /// no geometry is known.
@@ -85,7 +86,7 @@ struct Grain {
   const Model& model;
   Index number, contacts;
 };
-const ResultColumns<Grain>& grain_columns();
+const ResultColumns<Grain>& grain_columns(Index dimension = 2);
 void grains(const Model& model, const Sink<Grain>& sink);  ///< throws Error as `links`
 
 /// Grains by size, ten classes of radii.

@@ -3,6 +3,7 @@
 
 #include "ddm/enriched_inertia.hpp"
 #include "linalg/threads.hpp"
+#include "study/dimension_columns.hpp"
 #include <nscdd/study/sweep.hpp>
 
 #include <map>
@@ -26,11 +27,13 @@ void derive(Mode& mode, const Contraction& b) {
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
 }
 
-using Velocity = std::array<double, 2>;
+using Velocity = std::array<double, 3>;
 
-Velocity velocity_of(const Mode& mode, const GrainCopy& copy) {
+Velocity velocity_of(const Mode& mode, const GrainCopy& copy, Index dimension) {
+  Velocity velocity{};
   const Vector& v = mode.velocities[at(copy.subdomain)];
-  return {v[2 * copy.grain], v[2 * copy.grain + 1]};
+  for (Index k = 0; k < dimension; ++k) velocity[at(k)] = v[dimension * copy.grain + k];
+  return velocity;
 }
 
 }  // namespace
@@ -126,12 +129,12 @@ double spread(const Mode& mode) {
   return std::pow(shares.lpNorm<1>(), 2) / shares.squaredNorm();
 }
 
-const ResultColumns<ModeImpulse>& mode_impulse_columns() {
+const ResultColumns<ModeImpulse>& mode_impulse_columns(Index dimension) {
   using One = ModeImpulse;
   const auto of = [](Vector Mode::*values, Index component) {
-    return [=](const One& r) { return (r.mode.*values)[2 * r.number + component]; };
+    return [=](const One& r) { return (r.mode.*values)[r.model.parts.dofs_per_grain() * r.number + component]; };
   };
-  static const ResultColumns<One> columns{
+  static const ResultColumns<One> space{
       {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
       {"epsilon", "1/kg", "flexibility of the linear law, 0 for the rigid limit",
        [](const One& r) { return r.parameters.epsilon; }},
@@ -147,12 +150,16 @@ const ResultColumns<ModeImpulse>& mode_impulse_columns() {
        [](const One& r) { return r.gluing().second.subdomain; }},
       {"x", "m", "centre", [](const One& r) { return r.model.packing.x[at(r.gluing().grain)]; }},
       {"y", "m", "centre", [](const One& r) { return r.model.packing.y[at(r.gluing().grain)]; }},
+      {"z", "m", "centre", [](const One& r) { return r.model.packing.z[at(r.gluing().grain)]; }},
       {"impulse_x", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 0)},
       {"impulse_y", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 1)},
+      {"impulse_z", "kg m/s", "interface impulse F of the mode, F^T P F = 1 J", of(&Mode::impulses, 2)},
       {"jump_x", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 0)},
       {"jump_y", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 1)},
+      {"jump_z", "m/s", "velocity of the first copy minus that of the second", of(&Mode::jumps, 2)},
       {"share", "1", "of F^T P F; all shares add up to 1", [](const One& r) { return r.mode.shares[at(r.number)]; }}};
-  return columns;
+  static const ResultColumns<One> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
 }
 
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
@@ -162,26 +169,29 @@ void mode_impulses(const Model& model, const ModeParameters& parameters, const M
   for (Index k = 0; k < count(model.parts.interface.gluing()); ++k) sink({model, parameters, mode, k});
 }
 
-const ResultColumns<ModeVelocity>& mode_velocity_columns() {
+const ResultColumns<ModeVelocity>& mode_velocity_columns(Index dimension) {
   using One = ModeVelocity;
   const auto of = [](std::vector<double> Packing::*values) {
     return [=](const One& r) { return (r.model.packing.*values)[at(r.grain)]; };
   };
-  static const ResultColumns<One> columns{
+  const auto velocity = [](std::size_t k) { return [=](const One& r) { return r.velocity[k]; }; };
+  const char* meaning = "velocity of this copy that Stage 1 answers the impulses with";
+  static const ResultColumns<One> space{
       {"case", "", "name of the case", [](const One& r) { return r.model.name; }},
       {"grain", "1", "number of the grain", &One::grain},
       {"subdomain", "1", "subdomain of this copy", &One::subdomain},
       {"x", "m", "centre", of(&Packing::x)},
       {"y", "m", "centre", of(&Packing::y)},
+      {"z", "m", "centre", of(&Packing::z)},
       {"radius", "m", "radius", of(&Packing::radius)},
       {"multiplicity", "1", "subdomains that share the grain",
        [](const One& r) { return r.model.parts.interface.multiplicity(r.grain); }},
-      {"velocity_x", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
-       [](const One& r) { return r.velocity[0]; }},
-      {"velocity_y", "m/s", "velocity of this copy that Stage 1 answers the impulses with",
-       [](const One& r) { return r.velocity[1]; }},
+      {"velocity_x", "m/s", meaning, velocity(0)},
+      {"velocity_y", "m/s", meaning, velocity(1)},
+      {"velocity_z", "m/s", meaning, velocity(2)},
       {"jump", "m/s", "largest distance to the velocity of another copy; 0 for a grain of one subdomain", &One::jump}};
-  return columns;
+  static const ResultColumns<One> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
 }
 
 void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink) {
@@ -190,11 +200,12 @@ void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVeloci
   for (Index i = 0; i < model.parts.interface.grains(); ++i) {
     const auto copies = model.parts.interface.copies(i);
     for (const GrainCopy& copy : copies) {
-      const Velocity v = velocity_of(mode, copy);
+      const Velocity v = velocity_of(mode, copy, model.problem.dimension);
       double jump = 0;
       for (const GrainCopy& other : copies) {
-        const Velocity w = velocity_of(mode, other);
-        jump = std::max(jump, std::hypot(v[0] - w[0], v[1] - w[1]));
+        const Velocity w = velocity_of(mode, other, model.problem.dimension);
+        jump = std::max(jump, model.problem.dimension == 2 ? std::hypot(v[0] - w[0], v[1] - w[1])
+                                                           : std::hypot(v[0] - w[0], v[1] - w[1], v[2] - w[2]));
       }
       sink({model, i, copy.subdomain, v, jump});
     }

@@ -105,7 +105,8 @@ std::vector<InterfaceShare> shares_by_interface(const Decomposition& parts, cons
 double spread(const Mode& mode);
 
 /// A mode as two tables, which plots/modes.py draws; columns are described in docs/formats.md. Without a mode
-/// (Mode::found) both are empty. Both throw Error for a contact problem, of which no geometry is known.
+/// (Mode::found) both are empty. `dimension`: of the packing, in space there are columns along z. Both throw Error for
+/// a contact problem, of which no geometry is known.
 
 /// A gluing row block of a mode: an interface impulse and the jump that it meets.
 struct ModeImpulse {
@@ -116,7 +117,7 @@ struct ModeImpulse {
 
   const Gluing& gluing() const { return model.parts.interface.gluing()[at(number)]; }
 };
-const ResultColumns<ModeImpulse>& mode_impulse_columns();
+const ResultColumns<ModeImpulse>& mode_impulse_columns(Index dimension = 2);
 void mode_impulses(const Model& model, const ModeParameters& parameters, const Mode& mode,
                    const Sink<ModeImpulse>& sink);
 
@@ -124,10 +125,10 @@ void mode_impulses(const Model& model, const ModeParameters& parameters, const M
 struct ModeVelocity {
   const Model& model;
   Index grain, subdomain;
-  std::array<double, 2> velocity;
-  double jump;  ///< largest distance to the velocity of another copy
+  std::array<double, 3> velocity;  ///< m/s, along z 0 in the plane
+  double jump;                     ///< largest distance to the velocity of another copy
 };
-const ResultColumns<ModeVelocity>& mode_velocity_columns();
+const ResultColumns<ModeVelocity>& mode_velocity_columns(Index dimension = 2);
 void mode_velocities(const Model& model, const Mode& mode, const Sink<ModeVelocity>& sink);
 
 }  // namespace nscdd

@@ -15,20 +15,29 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
   return entries.matrix(diagonal.size(), diagonal.size());
 }
 
+bool with_spins(const ReferenceProblem& problem) { return problem.dofs_per_grain > problem.dimension; }
+
 // The rows of one grain, in words.
-std::string_view unknowns(const Model& model) {
-  return model.problem.dofs_per_grain == 2 ? "(v_x, v_y) of each" : "(v_x, v_y, spin) of each";
+std::string_view unknowns(const ReferenceProblem& problem) {
+  if (problem.dimension == 2) return with_spins(problem) ? "(v_x, v_y, spin) of each" : "(v_x, v_y) of each";
+  return with_spins(problem) ? "(v_x, v_y, v_z, spins about three axes) of each" : "(v_x, v_y, v_z) of each";
+}
+
+std::string_view mass_unit(const ReferenceProblem& problem) {
+  return with_spins(problem) ? "kg, of spins kg m^2" : "kg";
 }
 
 void hand_undivided(const Model& model, const Sink<CaseOperator>& sink) {
   const ReferenceProblem& problem = model.problem;
   const bool friction = problem.columns_per_contact > 1;
-  sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(model)),
-        problem.dofs_per_grain == 2 ? "kg" : "kg, of spins kg m^2", diagonal_matrix(problem.inertia), true});
+  sink({"M", "M = diag(m)", fmt::format("inertia of the grains, {} in turn", unknowns(problem)),
+        std::string(mass_unit(problem)), diagonal_matrix(problem.inertia), true});
   sink({"H", "H",
         fmt::format("H r: what the impulses r of the contacts come to on the grains; H^T V: the relative velocities of "
                     "the contacts; columns are {}, -n on one grain and +n on the other",
-                    friction ? "the normal and the tangent of each contact" : "the contacts"),
+                    !friction                ? "the contacts"
+                    : problem.dimension == 2 ? "the normal and the tangent of each contact"
+                                             : "the normal and the two tangents of each contact"),
         friction ? "1, of spins m" : "1", problem.h, false});
   const SparseMatrix root = scaled_connectivity(problem.inertia, problem.h);
   // The sums of W_ij and W_ji have the same terms in the same order, so W is symmetric to the last bit.
@@ -46,11 +55,10 @@ void hand_subdomains(const Model& model, const Selection& selection, const Sink<
       sink({fmt::format("{}_{}", symbol, e), std::move(formula), fmt::format("{}; E = {}", meaning, e), std::move(unit),
             std::move(values), symmetric});
     };
-    const std::string_view mass_unit = model.problem.dofs_per_grain == 2 ? "kg" : "kg, of spins kg m^2";
     const std::string_view h_unit = model.problem.columns_per_contact > 1 ? "1, of spins m" : "1";
     hand("M", "M_E = diag(m / q)",
          "inertia of the copies in subdomain E: a q-th of that of a grain which q subdomains share",
-         std::string(mass_unit), diagonal_matrix(own.inertia), true);
+         std::string(mass_unit(model.problem)), diagonal_matrix(own.inertia), true);
     hand("H", "H_E", "the rows and columns of H that subdomain E has", std::string(h_unit), own.h, false);
     hand("grains", "", "numbers in the packing, from 0, of the grains of subdomain E", "", own.grains, false);
     hand("contacts", "", "numbers of the columns of H, from 0, that are the columns of H_E", "", own.contacts, false);

@@ -58,7 +58,7 @@ constexpr Index shown_values = 64;  // longer lists are told apart by their fing
 
 std::string content(const Packing& packing) {
   std::vector<double> all;
-  for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass})
+  for (const auto* values : {&packing.x, &packing.y, &packing.radius, &packing.mass, &packing.z})
     all.insert(all.end(), values->begin(), values->end());
   return fmt::format("{} grains, content {}", packing.size(), fingerprint(all));
 }
@@ -139,6 +139,16 @@ std::vector<Column> study_columns(const StudyTable& table) {
     for (const Variation& variation : variations)
       place = columns.insert(place, {variation.parameter, "", "parameter of the case, varied by the study"}) + 1;
   return columns;
+}
+
+Index dimension_of(const StudyTable& table) {
+  const Case& first = table.cases.front();
+  for (const Case& other : table.cases)
+    if (dimension_of(other) != dimension_of(first))
+      fail("table {}: expected cases of one dimension, met {} in {} and {} in {}", table.name, first.spec.name,
+           dimension_of(first) == 2 ? "the plane" : "space", other.spec.name,
+           dimension_of(other) == 2 ? "the plane" : "space");
+  return dimension_of(first);
 }
 
 std::optional<Index> row_count(const StudyTable& table) {

@@ -110,6 +110,9 @@ struct Study {
 /// `vary_together` first) after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
+/// 2 in the plane, 3 in space. Throws Error where a table of grains or contacts has cases of both.
+Index dimension_of(const StudyTable& table);
+
 /// Rows of a study table, where they are known before its cases are built: not so for links and grains.
 std::optional<Index> row_count(const StudyTable& table);
 

@@ -81,10 +81,12 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
     closed.push_back(c);
   }
   if (closed.empty()) return true;
-  // Two translations and a rotation are invisible to contacts. More columns than the other motions cannot be
+  // Rigid motions are invisible to contacts: in the plane two translations and a rotation, in space three of each, but
+  // that a pair does not move as it turns about its own axis. More columns than the other motions cannot be
   // independent; counting them spares large packings a factorisation.
   const Index grains = std::count(touched.begin(), touched.end(), 1);
-  if (count(closed) > problem.dofs_per_grain * grains - 3) return false;
+  const Index rigid = problem.dimension == 2 ? 3 : grains > 2 ? 6 : 5;
+  if (count(closed) > problem.dofs_per_grain * grains - rigid) return false;
   return sparse_rank(selected_columns(problem.h, closed)) == count(closed);
 }
 

@@ -443,3 +443,11 @@ TEST_CASE("hexagonal lattice: size disorder parts neighbours, and a tolerance ke
   for (Index i = 0; i < sparse.size(); ++i)
     CHECK(std::find(p.radius.begin(), p.radius.end(), sparse.radius[at(i)]) != p.radius.end());
 }
+
+TEST_CASE("generators: each says of which dimension its packings are") {
+  for (std::size_t k = 0; k < Alternatives<Generator>::names.size(); ++k) {
+    const Generator generator = Alternatives<Generator>::at(k);
+    CAPTURE(Alternatives<Generator>::names[k]);
+    CHECK(dimension(generator) == generate(generator).dimension());
+  }
+}

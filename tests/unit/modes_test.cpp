@@ -33,14 +33,14 @@ double sum(const std::vector<double>& values) {
 std::vector<Row> velocity_rows(const Model& model, const Mode& mode) {
   std::vector<Row> rows;
   const RowSink collect = [&](const Row& cells) { rows.push_back(cells); };
-  mode_velocities(model, mode, as_rows(mode_velocity_columns(), collect));
+  mode_velocities(model, mode, as_rows(mode_velocity_columns(model.problem.dimension), collect));
   return rows;
 }
 
 std::vector<Row> impulse_rows(const Model& model, const ModeParameters& parameters, const Mode& mode) {
   std::vector<Row> rows;
   const RowSink collect = [&](const Row& cells) { rows.push_back(cells); };
-  mode_impulses(model, parameters, mode, as_rows(mode_impulse_columns(), collect));
+  mode_impulses(model, parameters, mode, as_rows(mode_impulse_columns(model.problem.dimension), collect));
   return rows;
 }
 
@@ -200,23 +200,30 @@ TEST_CASE("mode: what is not converged is no mode, or says so") {
 }
 
 TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree") {
-  for (const Case& one : {strip(8), random_lattice(1, 6, 5, {2, 2})}) {
+  for (const Case& one : {strip(8), random_lattice(1, 6, 5, {2, 2}), two_tetrahedra(),
+                          random_fcc(1, 4, 4, 4, GridPartitioner{{2, 2, 2}})}) {
+    CAPTURE(one.spec.name);
     const Model model = build(one);
+    const bool space = model.problem.dimension == 3;
     const ModeParameters parameters{.epsilon = 0.1};
     const Mode mode = interface_mode(model, parameters);
-    const auto grain_columns = headings(mode_velocity_columns());
-    const auto row_columns = headings(mode_impulse_columns());
+    const auto grain_columns = headings(mode_velocity_columns(model.problem.dimension));
+    const auto row_columns = headings(mode_impulse_columns(model.problem.dimension));
+    CHECK(grain_columns.size() == (space ? 12 : 10));
+    CHECK(row_columns.size() == (space ? 18 : 15));
     const auto grains = velocity_rows(model, mode), rows = impulse_rows(model, parameters, mode);
     Index copies = 0;
     for (Index g = 0; g < model.grains(); ++g) copies += model.parts.interface.multiplicity(g);
     REQUIRE(count(grains) == copies);
     REQUIRE(count(rows) == count(model.parts.interface.gluing()));
-    std::map<std::pair<double, double>, std::array<double, 2>> velocity;
+    std::map<std::pair<double, double>, std::array<double, 3>> velocity;
     std::map<double, double> largest;
     for (const Row& row : grains) {
       REQUIRE(row.size() == grain_columns.size());
       const auto cell = [&](const std::string& name) { return number(row, grain_columns, name); };
-      velocity[{cell("grain"), cell("subdomain")}] = {cell("velocity_x"), cell("velocity_y")};
+      velocity[{cell("grain"), cell("subdomain")}] = {cell("velocity_x"), cell("velocity_y"),
+                                                      space ? cell("velocity_z") : 0};
+      if (space) CHECK(cell("z") == model.packing.z[static_cast<std::size_t>(cell("grain"))]);
       largest[cell("grain")] = std::max(largest[cell("grain")], cell("jump"));
       if (cell("multiplicity") == 1) CHECK(cell("jump") == 0);
     }
@@ -227,7 +234,10 @@ TEST_CASE("mode tables: one row per copy and per gluing row, jumps of both agree
       const auto second = velocity.at({cell("grain"), cell("subdomain_second")});
       CHECK(std::abs(first[0] - second[0] - cell("jump_x")) < 1e-13);
       CHECK(std::abs(first[1] - second[1] - cell("jump_y")) < 1e-13);
-      CHECK(std::hypot(cell("jump_x"), cell("jump_y")) <= largest.at(cell("grain")) + 1e-13);
+      const double jump_z = space ? cell("jump_z") : 0;
+      CHECK(std::abs(first[2] - second[2] - jump_z) < 1e-13);
+      if (space) CHECK(cell("z") == model.packing.z[static_cast<std::size_t>(cell("grain"))]);
+      CHECK(std::hypot(cell("jump_x"), cell("jump_y"), jump_z) <= largest.at(cell("grain")) + 1e-13);
     }
     double total = 0;
     Index counted = 0;

@@ -233,6 +233,62 @@ TEST_CASE("network: links and grains of the 4 disks") {
   CHECK(std::get<double>(grain.rows[3][grain.column("velocity_x")]) == -1.0);
 }
 
+TEST_CASE("network: links and grains of spheres have columns along z, and normals and velocities in them") {
+  const Model model = build(two_tetrahedra());
+  Table link{headings(link_columns(ContactSet::active, 3)), {}}, grain{headings(grain_columns(3)), {}};
+  links(model, [&](const Link& one) { link.rows.push_back(row(link_columns(ContactSet::active, 3), one)); });
+  grains(model, [&](const Grain& one) { grain.rows.push_back(row(grain_columns(3), one)); });
+  REQUIRE(link.rows.size() == 9);
+  REQUIRE(grain.rows.size() == 5);
+  CHECK(link.columns.size() == link_columns().size() + 3);
+  CHECK(grain.columns.size() == grain_columns().size() + 2);
+  for (const Row& cells : link.rows) {
+    const auto number = [&](const char* name) { return std::get<double>(cells[link.column(name)]); };
+    for (const char axis : {'x', 'y', 'z'}) {
+      const std::string a(1, axis);
+      CHECK(number(("normal_" + a).c_str()) ==
+            doctest::Approx(number((a + "_b").c_str()) - number((a + "_a").c_str())));  // of diameter 1 m
+    }
+    CHECK(std::get<bool>(cells[link.column("active")]) == (number("impulse") > 0));
+    CHECK(std::get<std::string>(cells[link.column("impulse_solution")]) == "unique");
+  }
+  CHECK(std::get<double>(grain.rows[4][grain.column("z")]) == doctest::Approx(std::sqrt(2.0 / 3.0)));
+  CHECK(std::get<double>(grain.rows[4][grain.column("velocity_z")]) == -0.5);
+  CHECK(std::get<double>(grain.rows[4][grain.column("velocity_y")]) == 0.25);
+  CHECK(std::get<std::int64_t>(grain.rows[2][grain.column("multiplicity")]) == 2);
+}
+
+TEST_CASE("study: tables of links and grains have the columns of the dimension of their cases, which is one") {
+  StudyTable table;
+  table.name = "both";
+  table.observable = &observables::links;
+  table.cases = {two_tetrahedra(), octahedron()};
+  CHECK(dimension_of(table) == 3);
+  CHECK(study_columns(table).size() == link_columns().size() + 3);
+  Index rows = 0;
+  run_table(table, [&](const Row& row) { rows += row.size() == study_columns(table).size(); });
+  CHECK(rows == 9 + 12);
+  table.cases.push_back(strip(4));
+  CHECK_THROWS_WITH_AS(
+      study_columns(table),
+      "table both: expected cases of one dimension, met two tetrahedra in space and strip4 in the plane", Error);
+  table.observable = &observables::spectral_radius;  // has no columns along z
+  table.sweep.epsilon = {0.1};
+  CHECK(study_columns(table).size() == headings(sweep_columns(table.sweep)).size());
+  table.observable = &observables::links;
+  table.cases = {strip(4)};
+  CHECK(study_columns(table).size() == link_columns().size());
+}
+
+TEST_CASE("study: the rows of a packing in space are not those of another with other z") {
+  StudyTable one;
+  one.cases = {two_tetrahedra()};
+  StudyTable other = one;
+  other.cases[0].packing.z[4] += 1e-15;
+  REQUIRE(other.cases[0].packing.z[4] != one.cases[0].packing.z[4]);
+  CHECK(work_identity(one).cases != work_identity(other).cases);
+}
+
 TEST_CASE("study: variations become columns, every combination a block of rows") {
   StudyTable table;
   table.cases = {strip(4), strip(8)};
