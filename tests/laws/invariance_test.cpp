@@ -141,31 +141,33 @@ TEST_CASE("a grain that touches nothing, and a contact-free subdomain, change no
 }
 
 TEST_CASE("masses 7 000 times as large: the same radii at the same relative eta and epsilon") {
-  const Case light = random_lattice(3, 8, 6, {3, 2});
-  Case heavy = light;
-  for (double& mass : heavy.packing.mass) mass *= 7000;
-  SweepParameters parameters;
-  parameters.epsilon = {0.02, 1};
-  parameters.eta = {0.5, 3, infinity};
-  parameters.relative_epsilon = parameters.relative_eta = true;
-  const auto results = [&](const Case& one) {
-    std::vector<SweepResult> all;
-    sweep(build(one), parameters, [&](const SweepResult& result) { all.push_back(result); });
-    return all;
-  };
-  const std::vector<SweepResult> of_light = results(light), of_heavy = results(heavy);
-  REQUIRE(of_light.size() == 6);
-  for (std::size_t k = 0; k < of_light.size(); ++k) {
-    CHECK(of_heavy[k].scale == doctest::Approx(of_light[k].scale / 7000).epsilon(1e-12));
-    CHECK(of_heavy[k].point.epsilon == doctest::Approx(of_light[k].point.epsilon / 7000).epsilon(1e-12));
-    CHECK(of_heavy[k].asked.eta == of_light[k].asked.eta);
-    CHECK(of_heavy[k].radius.value == doctest::Approx(of_light[k].radius.value).epsilon(1e-9));
-    CHECK(of_light[k].radius.value > 0.01);
+  for (const Case& light : {random_lattice(3, 8, 6, {3, 2}), random_fcc(3, 4, 4, 4, GridPartitioner{{2, 2, 2}})}) {
+    CAPTURE(light.spec.name);
+    Case heavy = light;
+    for (double& mass : heavy.packing.mass) mass *= 7000;
+    SweepParameters parameters;
+    parameters.epsilon = {0.02, 1};
+    parameters.eta = {0.5, 3, infinity};
+    parameters.relative_epsilon = parameters.relative_eta = true;
+    const auto results = [&](const Case& one) {
+      std::vector<SweepResult> all;
+      sweep(build(one), parameters, [&](const SweepResult& result) { all.push_back(result); });
+      return all;
+    };
+    const std::vector<SweepResult> of_light = results(light), of_heavy = results(heavy);
+    REQUIRE(of_light.size() == 6);
+    for (std::size_t k = 0; k < of_light.size(); ++k) {
+      CHECK(of_heavy[k].scale == doctest::Approx(of_light[k].scale / 7000).epsilon(1e-12));
+      CHECK(of_heavy[k].point.epsilon == doctest::Approx(of_light[k].point.epsilon / 7000).epsilon(1e-12));
+      CHECK(of_heavy[k].asked.eta == of_light[k].asked.eta);
+      CHECK(of_heavy[k].radius.value == doctest::Approx(of_light[k].radius.value).epsilon(1e-9));
+      CHECK(of_light[k].radius.value > 0.01);
+    }
+    parameters.relative_epsilon = parameters.relative_eta = false;  // else masses matter
+    CHECK(std::abs(results(heavy)[1].radius.value - of_light[1].radius.value) > 0.01);
+    const SweepParameters absolute{.epsilon = {0.02 * of_light[0].scale}, .eta = {3 * of_light[0].scale}};
+    sweep(build(light), absolute, [&](const SweepResult& result) {
+      CHECK(result.radius.value == doctest::Approx(of_light[1].radius.value).epsilon(1e-12));
+    });
   }
-  parameters.relative_epsilon = parameters.relative_eta = false;  // else masses matter
-  CHECK(std::abs(results(heavy)[1].radius.value - of_light[1].radius.value) > 0.01);
-  const SweepParameters absolute{.epsilon = {0.02 * of_light[0].scale}, .eta = {3 * of_light[0].scale}};
-  sweep(build(light), absolute, [&](const SweepResult& result) {
-    CHECK(result.radius.value == doctest::Approx(of_light[1].radius.value).epsilon(1e-12));
-  });
 }

@@ -60,7 +60,8 @@ TEST_CASE("rank of a full strip of lattice is that of its dense matrix, and as m
 
 TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense pencil finds") {
   for (const Case& one : {hexagons(40, 40, {8, 1}), hexagons(40, 40, {4, 4}), random_lattice(31, 36, 32, {4, 3}),
-                          with_unequal_masses(hexagons(24, 30, {4, 2}), 3), deposit(900, {3, 3})}) {
+                          with_unequal_masses(hexagons(24, 30, {4, 2}), 3), deposit(900, {3, 3}),
+                          random_fcc(31, 8, 8, 7, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     Continuation memory;

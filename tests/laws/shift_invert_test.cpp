@@ -134,7 +134,8 @@ TEST_CASE("shift-invert: a list has both copies of every double eigenvalue") {
 }
 
 TEST_CASE("shift-invert: contacts restricted in Stage 1") {
-  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(200, {4, 1})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(200, {4, 1}),
+                          random_fcc(21, 5, 5, 4, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     RandomStream random(4);

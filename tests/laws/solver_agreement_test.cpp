@@ -42,7 +42,8 @@ TEST_CASE("interface operator: application, dense matrix and inverse agree, dens
 
 TEST_CASE("dense pencil against ARPACK, generic and enriched, linear and nonsmooth, rigid and not") {
   for (const Case& one : {random_lattice(11, 12, 10, {3, 3}), random_lattice(12, 16, 8, {4, 1}), strip(40),
-                          random_lattice(13, 10, 14, {2, 4})}) {
+                          random_lattice(13, 10, 14, {2, 4}), random_fcc(11, 6, 6, 5, GridPartitioner{{2, 2, 2}}),
+                          sphere_cluster(12, 60, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     Case cut = one;
     if (one.spec.name == "strip40") cut.spec.partition = GridPartitioner{{4, 1}};
@@ -110,12 +111,13 @@ TEST_CASE("not converged is data: ARPACK out of restarts says so and stays withi
 }
 
 TEST_CASE("J_n: dense against ARPACK's nonsymmetric driver, complex pairs included") {
-  const Model model = build(random_lattice(2, 8, 6, {3, 2}));
-  const InterfaceFamily family(model.parts);
   bool complex_pair_met = false;
-  for (const double epsilon : {0.05, 1.0})
-    for (const double eta : {0.3, infinity})
+  for (const Case& one : {random_lattice(2, 8, 6, {3, 2}), random_fcc(1, 4, 4, 4, GridPartitioner{{2, 2, 2}})})
+    for (const auto& [epsilon, eta] : {std::pair{0.05, 0.3}, {0.05, infinity}, {1.0, 0.3}, {1.0, infinity}})
       for (const Index sweeps : {1, 3, 20}) {
+        CAPTURE(one.spec.name);
+        const Model model = build(one);
+        const InterfaceFamily family(model.parts);
         const TwoStageIteration j(model.parts, LinearViscous{epsilon}, family.at(eta), sweeps);
         const MapRadius dense = inexact_radius(j, {.solver = SpectralSolver::dense});
         const MapRadius arpack = inexact_radius(j, {.solver = SpectralSolver::arpack});

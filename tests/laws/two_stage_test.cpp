@@ -87,8 +87,10 @@ TEST_CASE("without loads one iteration is the contraction operator, rigid and re
 }
 
 TEST_CASE("at convergence the undivided problem is solved: same impulses, glued velocities") {
-  for (const Index n : {4, 8, 12}) {
-    const Model model = build(strip(n));
+  for (const Case& one : {strip(4), strip(8), strip(12), two_tetrahedra(), octahedron(),
+                          sphere_cluster(1, 24, GridPartitioner{{2, 2, 2}})}) {
+    CAPTURE(one.spec.name);
+    const Model model = build(one);
     const std::vector<Vector> loads = impact_loads(model.parts, model.problem.arriving_velocity);
     const double epsilon = 0.5;
     const TwoStageIteration iteration(model.parts, LinearViscous{epsilon}, InterfaceFamily(model.parts).at(0.7),
@@ -146,7 +148,9 @@ TEST_CASE("J_n tends to B as n grows, generic and enriched") {
 }
 
 TEST_CASE("observed rates agree with the spectral radius to the error of the fit") {
-  for (const Case& one : {strip(4), strip(12), random_lattice(2, 8, 6, {3, 2})}) {
+  for (const Case& one :
+       {strip(4), strip(12), random_lattice(2, 8, 6, {3, 2}), sphere_cluster(1, 24, GridPartitioner{{2, 2, 2}}),
+        random_fcc(1, 4, 4, 4, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     SweepParameters parameters;
@@ -172,12 +176,15 @@ TEST_CASE("observed rates agree with the spectral radius to the error of the fit
 }
 
 TEST_CASE("hyperstatic rigid limit: the run shows the subdominant radius, not the unit eigenvalues") {
-  const Model model = build(random_lattice(1, 6, 5, {2, 2}));
-  const InterfaceFamily family(model.parts);
-  const SpectralRadius radius = spectral_radius({family.at(infinity), family.at(0)});
-  REQUIRE(radius.unit_multiplicity > 0);
-  const InterfaceOperator preconditioner = family.at(infinity);
-  const TwoStageIteration iteration(model.parts, LinearViscous{0}, preconditioner, std::nullopt);
-  const ObservedRate observed = observed_rate(iteration, preconditioner, 3);
-  CHECK(observed.value == doctest::Approx(radius.subdominant).epsilon(1e-6));
+  for (const Case& one : {random_lattice(1, 6, 5, {2, 2}), random_fcc(5, 5, 5, 4, GridPartitioner{{2, 2, 1}})}) {
+    CAPTURE(one.spec.name);
+    const Model model = build(one);
+    const InterfaceFamily family(model.parts);
+    const SpectralRadius radius = spectral_radius({family.at(infinity), family.at(0)});
+    REQUIRE(radius.unit_multiplicity > 0);
+    const InterfaceOperator preconditioner = family.at(infinity);
+    const TwoStageIteration iteration(model.parts, LinearViscous{0}, preconditioner, std::nullopt);
+    const ObservedRate observed = observed_rate(iteration, preconditioner, 3);
+    CHECK(observed.value == doctest::Approx(radius.subdominant).epsilon(1e-6));
+  }
 }

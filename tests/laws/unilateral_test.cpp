@@ -91,6 +91,12 @@ std::vector<ReferenceProblem> loaded_problems() {
     all.push_back(build(one).problem);
     load_at_random(all.emplace_back(all.back()), seed);
   }
+  Case spheres = random_fcc(1, 7, 6, 6, GridPartitioner{{1, 1, 1}});
+  all.push_back(build(spheres).problem);
+  spheres.spec.prescribed.clear();
+  spheres.spec.loads = {{1.0, -0.5, 0.5}, 0.7};
+  all.push_back(build(spheres).problem);
+  load_at_random(all.emplace_back(all.back()), 4);
   return all;
 }
 
@@ -115,7 +121,8 @@ TEST_CASE("unilateral: two disks share their momentum, or part") {
 TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enumeration of all sets") {
   Index partly_open = 0, hyperstatic = 0, cases = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    Case one = seed % 3 == 0   ? hexagon()
+    Case one = seed % 5 == 0   ? (seed % 2 == 0 ? two_tetrahedra() : octahedron())
+               : seed % 3 == 0 ? hexagon()
                : seed % 3 == 1 ? random_lattice(seed, 3, 3, {1, 1})
                                : strip(4 + static_cast<Index>(seed % 4));
     ReferenceProblem problem = build(one).problem;
@@ -138,7 +145,7 @@ TEST_CASE("unilateral: every solution of packings of up to 12 contacts, by enume
   }
   CHECK(cases >= 20);
   CHECK(partly_open >= 20);
-  CHECK(hyperstatic >= 10);
+  CHECK(hyperstatic >= 8);
 }
 
 TEST_CASE("unilateral: where no bilateral impulse pulls, it is the answer; least norm by projected gradients") {
@@ -172,7 +179,7 @@ TEST_CASE("unilateral: complementarity on hundreds of contacts, from quantities 
       const UnilateralImpulses found = solve(problem, method);
       CHECK(found.converged);
       CHECK(found.iterations > 0);
-      if (method == Method::interior_point) CHECK(found.iterations <= 24);  // few, whatever the packing
+      if (method == Method::interior_point) CHECK(found.iterations <= 28);  // few, whatever the packing
       const Dense w = delassus(problem);
       const Vector b = problem.h.transpose() * problem.arriving_velocity;
       const Vector separation = w * found.impulses + b;
@@ -196,12 +203,10 @@ TEST_CASE("unilateral: momentum is kept, energy only lost, and V is the nearest 
     REQUIRE(found.converged);
     const Vector before = problem.inertia.cwiseProduct(problem.arriving_velocity);
     const Vector after = problem.inertia.cwiseProduct(found.velocities);
-    double x = 0, y = 0;
-    for (Index i = 0; i < problem.grains(); ++i) {
-      x += after[2 * i] - before[2 * i];
-      y += after[2 * i + 1] - before[2 * i + 1];
-    }
-    CHECK(std::hypot(x, y) < 1e-9 * before.norm());
+    Vector momentum = Vector::Zero(problem.dimension);
+    for (Index i = 0; i < problem.grains(); ++i)
+      momentum += (after - before).segment(problem.dimension * i, problem.dimension);
+    CHECK(momentum.norm() < 1e-9 * before.norm());
     CHECK(energy(problem, found.velocities) < energy(problem, problem.arriving_velocity));
     // <M (V^- - V), U - V> <= 0 for every admissible U: here U = 0, rigid motions and V itself doubled
     const Vector force = before - after;
@@ -335,9 +340,20 @@ TEST_CASE("loads: a homogeneous deformation without momentum, overruled grain by
 }
 
 TEST_CASE("choice of contacts: rule and solution say whether impulses are unique") {
-  const ContactChoice isostatic = choose_contacts(build(strip(8)), ContactSet::unilateral);
-  CHECK(isostatic.rule == "complementarity (unique)");
-  CHECK(isostatic.certain);
+  Case two_spheres;  // six rigid motions, one of which turns the pair about itself
+  two_spheres.spec.packing = PackingFile{"made in a test"};
+  two_spheres.packing = {{0, 1}, {0, 0}, {0.5, 0.5}, {1, 1}, {0, 0}};
+  two_spheres.spec.prescribed = {{0, {1, 0, 0}}};
+  for (const Case& one : {strip(8), two_tetrahedra(), octahedron(), two_spheres}) {
+    CAPTURE(one.spec.name);
+    const ContactChoice isostatic = choose_contacts(build(one), ContactSet::unilateral);
+    CHECK(isostatic.rule == "complementarity (unique)");
+    CHECK(isostatic.certain);
+  }
+  Case squeezed = random_fcc(2, 5, 5, 4, GridPartitioner{{1, 1, 1}});
+  squeezed.spec.prescribed.clear();
+  squeezed.spec.loads = {{1.0, 1.0, 1.0}, 0.0};
+  CHECK(choose_contacts(build(squeezed), ContactSet::unilateral).rule == "complementarity (maximal)");
   Case one = random_lattice(2, 10, 9, {2, 1});
   one.spec.prescribed.clear();
   one.spec.loads = {{1.0, 1.0}, 0.0};

@@ -64,7 +64,8 @@ SweepParameters two_way_sweep() {
 
 TEST_CASE("warm starts agree with cold ones within their residuals, whatever the path") {
   bool certified_before = false;
-  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), lattice_in_grid(300, {6, 1}),
+                          random_fcc(21, 5, 5, 4, GridPartitioner{{2, 2, 2}})}) {
     CAPTURE(one.spec.name);
     const InterfaceFamily family(build(one).parts);
     for (const std::vector<Point>& path : every_path()) {
@@ -211,7 +212,8 @@ TEST_CASE("warm starts save work along a fine sweep") {
 
 TEST_CASE("a memory used for another packing, or another set of contacts, is not believed") {
   Continuation memory;
-  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}), random_lattice(22, 9, 8, {3, 2})}) {
+  for (const Case& one : {random_lattice(21, 9, 8, {3, 2}), deposit(150, {4, 3}),
+                          random_fcc(22, 5, 5, 4, GridPartitioner{{2, 2, 2}}), random_lattice(22, 9, 8, {3, 2})}) {
     const Model model = build(one);
     const InterfaceFamily all(model.parts);
     std::vector<char> active(at(model.problem.contacts()), 1);
@@ -240,8 +242,12 @@ TEST_CASE("a memory used for another packing, or another set of contacts, is not
 }
 
 TEST_CASE("sweep table: the same bits from whichever row it starts") {
-  const Model model = build(random_lattice(21, 9, 8, {3, 2}));
-  for (const SpectralSolver solver : {SpectralSolver::shift_invert, SpectralSolver::arpack}) {
+  const Model plane = build(random_lattice(21, 9, 8, {3, 2}));
+  const Model space = build(random_fcc(21, 4, 4, 4, GridPartitioner{{2, 2, 2}}));
+  for (const auto& [chosen, solver] : {std::pair{&plane, SpectralSolver::shift_invert},
+                                       {&plane, SpectralSolver::arpack},
+                                       {&space, SpectralSolver::shift_invert}}) {
+    const Model& model = *chosen;
     SweepParameters parameters = two_way_sweep();
     parameters.spectral.solver = solver;
     parameters.spectral.certify = solver == SpectralSolver::shift_invert;

@@ -42,7 +42,7 @@ Case random_lattice(std::uint64_t seed, Index columns, Index rows, Components<In
   return one;
 }
 
-std::vector<Case> every_problem() {
+std::vector<Case> plane_problems() {
   std::vector<Case> all{strip(4),
                         strip(8),
                         strip(12),
@@ -57,6 +57,13 @@ std::vector<Case> every_problem() {
   fine.spec.name = "empty cells";
   fine.spec.partition = GridPartitioner{{30, 3}};
   all.push_back(fine);
+  return all;
+}
+
+std::vector<Case> every_problem() {
+  std::vector<Case> all = plane_problems();
+  const std::vector<Case> space = spatial_problems();
+  all.insert(all.end(), space.begin(), space.end());
   return all;
 }
 

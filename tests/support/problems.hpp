@@ -18,8 +18,11 @@ Case strip(Index grains);
 /// grains are shared by three or four subdomains, some parts are hyperstatic, some grains may touch nothing.
 Case random_lattice(std::uint64_t seed, Index columns, Index rows, Components<Index> grid);
 
-/// The problems every law is tested on: the paper's three, hyperstatic lattices with cross points, METIS
-/// parts, a cut with empty subdomains.
+/// The problems in the plane that every law is tested on: the paper's three, hyperstatic lattices with cross points,
+/// METIS parts, a cut with empty subdomains.
+std::vector<Case> plane_problems();
+
+/// These, and the `spatial_problems`: the laws know no dimension.
 std::vector<Case> every_problem();
 
 /// The packing of a case with its grains renumbered at random; the last grain stays the last.

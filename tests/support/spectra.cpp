@@ -23,6 +23,7 @@ Case doubled(Case one, Index strips) {
     both.x.push_back(single.x[at(i)] + shift);
     both.y.push_back(single.y[at(i)]);
     both.radius.push_back(single.radius[at(i)]);
+    if (single.dimension() == 3) both.z.push_back(single.z[at(i)]);
     if (!single.mass.empty()) both.mass.push_back(single.mass[at(i)]);
   }
   one.spec.name += " twice";
@@ -91,6 +92,9 @@ std::vector<Case> packings_up_to(Index largest) {
                               with_unequal_masses(random_lattice(23, 10, 9, {3, 3}), 7),
                               with_unequal_masses(deposit(200, {5, 4}), 8),
                               doubled(random_lattice(24, 9, 7, {1, 1}), 3),
+                              random_fcc(21, 5, 5, 4, GridPartitioner{{2, 2, 2}}),
+                              random_fcc(22, 7, 6, 6, MetisPartitioner{.metis = 5, .seed = 1}),
+                              sphere_cluster(23, 80, GridPartitioner{{2, 2, 2}}),
                               lattice_in_grid(200, {2, 1}),
                               lattice_in_grid(400, {8, 1}),
                               lattice_in_grid(400, {4, 4}),

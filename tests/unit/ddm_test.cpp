@@ -180,8 +180,10 @@ TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that a
       for (Index g = 0; g < model.grains(); ++g) shared += parts.interface.multiplicity(g) > 0;
       CHECK(count(parts.interface.gluing()) == copies - shared);
       CHECK(count(whole.grains) == shared);
+      const Index d = model.problem.dimension;
       for (Index i = 0; i < count(whole.grains); ++i)
-        CHECK(whole.inertia[2 * i] == doctest::Approx(model.packing.mass[at(whole.grains[at(i)])]));
+        for (Index k = 0; k < d; ++k)
+          CHECK(whole.inertia[d * i + k] == doctest::Approx(model.packing.mass[at(whole.grains[at(i)])]));
 
       const Vector velocity = RandomStream(4).normal_vector(model.problem.inertia.size());
       Vector jumps = Vector::Zero(parts.interface_size());
@@ -189,7 +191,7 @@ TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that a
       for (const Subdomain& subdomain : parts.subdomains) {
         Vector local(subdomain.inertia.size());
         for (Index i = 0; i < count(subdomain.grains); ++i)
-          local.segment(2 * i, 2) = velocity.segment(2 * subdomain.grains[at(i)], 2);
+          local.segment(d * i, d) = velocity.segment(d * subdomain.grains[at(i)], d);
         jumps += subdomain.a * local;
         Matrix wider(all.rows(), all.cols() + subdomain.a.cols());
         wider << all, Matrix(subdomain.a);
