@@ -143,9 +143,10 @@ TEST_CASE("usage: the active set without a prescribed velocity") {
 
 TEST_CASE("usage: a prescribed velocity that makes no sense") {
   for (const std::string& value :
-       Texts{"", "1", "1:1", "1:1:1:1", "x:1:0", "1:x:0", "1.5:1:0", "1:nan:0", "1:0:inf", ":1:0"})
+       Texts{"", "1", "1:1", "1:1:1:1:1", "1:1:0:x", "x:1:0", "1:x:0", "1.5:1:0", "1:nan:0", "1:0:inf", ":1:0"})
     check_option("--prescribed", value, {"--prescribed"});
   check_option("--prescribed", "4:1:0", {"grain 4"});
+  check_option("--prescribed", "1:1:1:1", {"prescribed[0].velocity", "two numbers for a packing in the plane"});
   check_option("--prescribed", "-5:1:0", {"grain -5"});
   check_option("--prescribed", "99999999999999999999:1:0", {"--prescribed"});
   check_usage(words("sweep mine.csv --epsilon 1 --csv - --prescribed 1:1:0 --prescribed 1:2:0"), {"grain 1"});
