@@ -18,7 +18,7 @@ using namespace nscdd;
 
 namespace {
 
-bool same(const Packing& a, const Packing& b) { return a.x == b.x && a.y == b.y && a.radius == b.radius; }
+bool same(const Packing& a, const Packing& b) { return a.x == b.x && a.y == b.y && a.z == b.z && a.radius == b.radius; }
 
 double right_end(const Packing& p) {
   double right = 0;
@@ -442,6 +442,87 @@ TEST_CASE("hexagonal lattice: size disorder parts neighbours, and a tolerance ke
   CHECK(sparse.size() == 450);
   for (Index i = 0; i < sparse.size(); ++i)
     CHECK(std::find(p.radius.begin(), p.radius.end(), sparse.radius[at(i)]) != p.radius.end());
+}
+
+TEST_CASE("sphere lattices: every neighbour touches to rounding, as many as the closed forms say") {
+  const auto check_lattice = [](const auto& lattice, Index contacts, Index most_neighbours) {
+    const SphereSites& sites = lattice.sites;
+    CAPTURE(sites.columns);
+    CAPTURE(sites.rows);
+    CAPTURE(sites.layers);
+    const Packing p = generate(lattice);
+    check(p);
+    REQUIRE(p.size() == sites.columns * sites.rows * sites.layers);
+    CHECK(p.dimension() == 3);
+    CHECK(p.radius == std::vector<double>(at(p.size()), sites.radius));
+    const ContactNetwork network = detect_contacts(p);
+    CHECK(network.size() == contacts);
+    // rounding of coordinates as large as the lattice, and nothing else
+    const double size = sites.radius * static_cast<double>(2 * (sites.columns + sites.rows + sites.layers));
+    for (const Contact& contact : network.contacts) CHECK(std::abs(contact.gap) < 2e-15 * size);
+    const std::vector<Index> counts = contact_counts(network);
+    CHECK(*std::max_element(counts.begin(), counts.end()) <= most_neighbours);
+    if (sites.columns > 4 && sites.rows > 4 && sites.layers > 4)
+      CHECK(*std::max_element(counts.begin(), counts.end()) == most_neighbours);
+  };
+  const Index sizes[][3] = {{1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}, {2, 2, 2}, {3, 2, 4},
+                            {2, 5, 3}, {4, 3, 2}, {5, 6, 5}, {7, 5, 8}, {6, 7, 9}};
+  for (const auto& [c, r, l] : sizes)
+    for (const double radius : {0.5, 0.3}) {
+      const SphereSites sites{.columns = c, .rows = r, .layers = l, .radius = radius};
+      check_lattice(CubicLattice{sites}, (c - 1) * r * l + c * (r - 1) * l + c * r * (l - 1), 6);
+      check_lattice(FccLattice{sites}, l * ((c - 1) * r + c * (r - 1)) + (l - 1) * (2 * c - 1) * (2 * r - 1), 12);
+      check_lattice(HcpLattice{sites},
+                    l * (r * (c - 1) + (r - 1) * (2 * c - 1)) +
+                        (l - 1) * (r * (2 * c - 1) + c * (r / 2) + (c - 1) * ((r - 1) / 2)),
+                    12);
+    }
+  CHECK_THROWS_AS(generate(FccLattice{{.columns = 1000, .rows = 1000, .layers = 11}}), Error);
+  CHECK_THROWS_AS(generate(HcpLattice{{.columns = 100000, .rows = 100000, .layers = 100000}}), Error);
+}
+
+TEST_CASE("sphere lattices: layers lie level, fcc in squares and hcp as every second one") {
+  const Packing fcc = generate(FccLattice{{.columns = 2, .rows = 2, .layers = 2, .radius = 1}});
+  CHECK(fcc.x == std::vector<double>{0, 2, 0, 2, 1, 3, 1, 3});
+  CHECK(fcc.y == std::vector<double>{0, 0, 2, 2, 1, 1, 3, 3});
+  for (Index i = 0; i < 8; ++i) CHECK(fcc.z[at(i)] == (i < 4 ? 0 : std::numbers::sqrt2));
+  const Packing hcp = generate(HcpLattice{{.columns = 3, .rows = 4, .layers = 3, .radius = 0.5}});
+  const Packing layer = generate(HexagonalLattice{.columns = 3, .rows = 4, .radius = 0.5});
+  for (Index i = 0; i < 12; ++i) {
+    CHECK(hcp.x[at(i)] == layer.x[at(i)]);
+    CHECK(hcp.y[at(i)] == doctest::Approx(layer.y[at(i)]));
+    CHECK(hcp.x[at(24 + i)] == hcp.x[at(i)]);
+    CHECK(hcp.y[at(24 + i)] == hcp.y[at(i)]);
+    CHECK(hcp.z[at(12 + i)] == doctest::Approx(std::sqrt(2.0 / 3)));
+    CHECK(hcp.z[at(24 + i)] == 2 * hcp.z[at(12 + i)]);
+  }
+}
+
+TEST_CASE("sphere lattices: vacancies and size disorder as in the plane") {
+  const SphereSites full{.columns = 6, .rows = 7, .layers = 8};
+  SphereSites holes = full, more_holes = full, sizes = full;
+  holes.vacancies = 0.1;
+  more_holes.vacancies = 0.4;
+  sizes.disorder = 0.05;
+  const Packing few = generate(FccLattice{holes}), many = generate(FccLattice{more_holes});
+  CHECK(few.size() == 336 - 34);
+  CHECK(many.size() == 336 - 134);
+  CHECK(same(few, generate(FccLattice{holes})));
+  const auto places = [](const Packing& p) {
+    std::vector<std::array<double, 3>> all;
+    for (Index i = 0; i < p.size(); ++i) all.push_back({p.z[at(i)], p.y[at(i)], p.x[at(i)]});
+    return all;  // layers upwards, rows and columns in each: sorted
+  };
+  const auto some = places(few), fewer = places(many), every = places(generate(FccLattice{full}));
+  CHECK(std::includes(some.begin(), some.end(), fewer.begin(), fewer.end()));
+  CHECK(std::includes(every.begin(), every.end(), some.begin(), some.end()));
+  const Packing p = generate(HcpLattice{sizes});
+  const auto [low, high] = std::minmax_element(p.radius.begin(), p.radius.end());
+  CHECK(*low >= 0.475);
+  CHECK(*high <= 0.5);
+  const Index links = detect_contacts(generate(HcpLattice{full})).size();
+  CHECK(detect_contacts(p).size() < links / 100);
+  CHECK(detect_contacts(p, {.tolerance = 2 * 0.05 / (1 - 0.05)}).size() == links);
 }
 
 TEST_CASE("generators: each says of which dimension its packings are") {

@@ -3,6 +3,7 @@
 
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/lattice.hpp>
+#include <nscdd/packing/generators/sphere_lattice.hpp>
 
 #include <variant>
 
@@ -10,7 +11,7 @@ namespace nscdd {
 
 /// Every generator of packings: one file and one word here. Each has `name`, `summary`, fields and `generate`; one of
 /// spheres also `static constexpr Index dimension = 3`.
-using Generator = std::variant<TriangularStrip, HexagonalLattice, Deposit>;
+using Generator = std::variant<TriangularStrip, HexagonalLattice, Deposit, CubicLattice, FccLattice, HcpLattice>;
 
 /// The packing of a generator. The monitor counts grains; one that asks to stop leaves those there are.
 inline Packing generate(const Generator& generator, const Monitor& monitor = {}) {
