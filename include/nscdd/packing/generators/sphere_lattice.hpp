@@ -40,6 +40,7 @@ struct SphereSites {
 struct CubicLattice {
   static constexpr std::string_view name = "cubic";
   static constexpr std::string_view summary = "touching equal spheres on a simple cubic lattice, hypostatic";
+  static constexpr Index dimension = 3;
   SphereSites sites = {};
 
   template <class Self, class Visitor>
@@ -54,6 +55,7 @@ struct CubicLattice {
 struct FccLattice {
   static constexpr std::string_view name = "fcc";
   static constexpr std::string_view summary = "touching equal spheres, face-centred cubic in (001) layers, hyperstatic";
+  static constexpr Index dimension = 3;
   SphereSites sites = {};
 
   template <class Self, class Visitor>
@@ -68,6 +70,7 @@ struct FccLattice {
 struct HcpLattice {
   static constexpr std::string_view name = "hcp";
   static constexpr std::string_view summary = "touching equal spheres, close-packed layers A B A B, hyperstatic";
+  static constexpr Index dimension = 3;
   SphereSites sites = {};
 
   template <class Self, class Visitor>
