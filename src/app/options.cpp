@@ -111,11 +111,10 @@ void CaseOptions::declare(Command& command, bool contact_problems) {
 }
 
 void CaseOptions::declare_options(Command& command) {
-  command.add("--subdomains PARTITION", subdomains,
-              "partition: NXxNY or NXxNYxNZ for a regular grid, metis:N for METIS");
-  command.add("--prescribed GRAIN:VX:VY[:VZ]", prescribed,
-              "arriving velocity of a grain, m/s (grains from 0, -1 the last)");
-  command.add("--density", density, "masses = density x pi radius^2, kg/m^2");
+  command.add("--subdomains PARTITION", subdomains, "partition: NXxNY[xNZ] for a regular grid, metis:N for METIS");
+  command.add("--prescribed GRAIN:VX:VY", prescribed,
+              "arriving velocity of a grain, m/s (grains from 0, -1 the last); in space GRAIN:VX:VY:VZ");
+  command.add("--density", density, "masses = density x area, kg/m^2, or in space x volume, kg/m^3");
   command.add("--tolerance", tolerance, "contact where gap <= tolerance x smaller radius (1e-7)");
   command.add("--overlap-tolerance", overlap_tolerance, "overlap accepted, times smaller radius (1e-7)");
   command.add("--set KEY=VALUE", settings, "a parameter of the case, such as packing.grains=16");

@@ -36,6 +36,8 @@ std::map<std::string, double> read_by_scipy(const Session& session, const std::s
 void compare(const std::string& options, std::initializer_list<std::string> solvers) {
   CAPTURE(options);
   const Session session;
+  session.file("fcc.toml",
+               "[packing]\ngenerator = \"fcc\"\ncolumns = 4\nrows = 3\nlayers = 3\n[partition]\ngrid = [2, 1, 2]\n");
   answer(session, "export " + options + " --operators all");
   const CsvTable swept = table(session, "sweep " + options);
   const double radius = swept.number(0, "spectral_radius");
@@ -55,6 +57,8 @@ TEST_CASE("export --operators: SciPy finds the radius of the sweep in the files"
   compare("hexagonal --subdomains 3x2 --epsilon 0.1W --eta 10W", {"dense", "pencil", "arpack"});
   compare("hexagonal --subdomains 2x2 --epsilon 1 --eta 0.01", {"dense", "pencil", "arpack"});  // it diverges
   compare("hexagonal --epsilon 1e-2 --eta 0.3 --relaxation 0.7", {"dense", "pencil", "arpack"});
+  compare("fcc.toml --epsilon 1e-2 --eta 0.3", {"dense", "pencil", "arpack"});  // spheres
+  compare("fcc.toml --epsilon 0 --contacts unilateral --set loads.compression=1,0.3,0.1", {"dense", "pencil"});
 }
 
 TEST_CASE("export --operators: contacts of Stage 1 may be some, in the rigid limit, with unit eigenvalues") {

@@ -151,6 +151,50 @@ def test_the_matrices_of_subdomains(subdomains):
     assert np.linalg.matrix_rank(parts.A.toarray()) == parts.interface_size
 
 
+@pytest.mark.parametrize("subdomains", [(2, 1, 2), "2x2x2", "metis:5"])
+def test_spheres(subdomains):
+    """M, H and the loads of a packing in space, and its radius against a dense spectrum of NumPy."""
+    packing = nscdd.generate("fcc", columns=3, rows=3, layers=3, vacancies=0.1, seed=2)
+    n, network = len(packing), nscdd.contacts(packing)
+    parts = nscdd.decompose(packing, subdomains, compression=(1, -0.5, 0.25), shear=0.25, density=2,
+                            prescribed={0: (1, 2, 3)})
+    np.testing.assert_allclose(parts.M.diagonal(), np.repeat(2 * 4 / 3 * np.pi * packing.radius**3, 3), rtol=1e-14)
+    assert parts.H.shape == (3 * n, len(network)) and network.normal.shape == (len(network), 3)
+    for c, (a, b) in enumerate(zip(network.a, network.b)):
+        column = np.zeros((n, 3))
+        column[a], column[b] = -network.normal[c], network.normal[c]
+        np.testing.assert_array_equal(parts.H[:, [c]].toarray(), column.reshape(-1, 1))
+    arriving = parts.arriving_velocity.reshape(n, 3)
+    np.testing.assert_array_equal(arriving[0], (1, 2, 3))
+    deformation = np.array([[-1, 0.25, 0], [0.25, 0.5, 0], [0, 0, -0.25]])
+    a, b = network.a[-1], network.b[-1]  # equal spheres in touch: their centres are the normal apart
+    apart = 2 * packing.radius[0] * network.normal[-1]
+    np.testing.assert_allclose(arriving[b] - arriving[a], deformation @ apart, atol=1e-12)
+
+    epsilon = 0.1 * parts.mean_w_nn
+    x = s = np.zeros((parts.interface_size, parts.interface_size))
+    for part in parts.subdomains:
+        m, h, g = (matrix.toarray() for matrix in (part.M, part.H, part.A))
+        if m.size:
+            x = x + g @ np.linalg.solve(m, g.T)
+            s = s + g @ np.linalg.solve(m + h @ h.T / epsilon, g.T)
+    expected = np.abs(np.linalg.eigvals(np.eye(len(x)) - np.linalg.solve(x, s))).max()
+    found = nscdd.spectral_radius(nscdd.contraction(parts, "0.1W"), certify=True)
+    assert found.value == pytest.approx(expected, abs=1e-9) and found.certified
+
+    mode = nscdd.mode(nscdd.contraction(parts, "0.1W"))
+    assert all(v.shape == (len(part.grains), 3) for part, v in zip(parts.subdomains, mode.velocities))
+
+
+def test_numbers_for_each_direction_of_space():
+    packing = nscdd.generate("fcc", columns=2, rows=2, layers=2)
+    for arguments, words in ((dict(subdomains=(2, 2)), "partition.grid: expected three integers"),
+                             (dict(compression=(1, 1)), "loads.compression: expected three numbers"),
+                             (dict(prescribed={0: (1, 0)}), "expected three numbers for a packing in space")):
+        with pytest.raises(nscdd.Error, match=words):
+            nscdd.decompose(packing, **arguments)
+
+
 def test_nothing_is_copied():
     parts = nscdd.decompose(lattice(5, 5), (2, 1))
     assert np.shares_memory(parts.H.data, parts.H.data)
@@ -229,7 +273,7 @@ def test_generators_and_files(tmp_path):
 
 
 @pytest.mark.parametrize("generator, parameters, words", [
-    ("deposits", {}, 'generator: expected one of "strip", "hexagonal", "deposit", met "deposits"; did you mean deposit'),
+    ("deposits", {}, 'generator: expected one of "strip", .*, met "deposits"; did you mean deposit'),
     ("deposit", {"grain": 3}, "packing.grain: no such parameter in this case; expected one of packing.grains"),
     ("deposit", {"grains": 0}, "packing.grains"),
     ("deposit", {"grains": 1.5}, "packing.grains"),

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The linear study of spheres as users run it: the verbs that take a packing in the plane take one in space.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <sstream>
+
+using namespace nscdd::testing;
+
+namespace {
+
+// 27 spheres of a face-centred cubic lattice: 3 layers of 12 contacts, and 2 x 25 between them.
+const std::string lattice =
+    "[packing]\n"
+    "generator = \"fcc\"\n"
+    "columns = 3\n"
+    "rows = 3\n"
+    "layers = 3\n"
+    "[partition]\n"
+    "grid = [2, 2, 2]\n"
+    "[loads]\n"
+    "compression = [1.0, 0.5, 0.25]\n"
+    "[[prescribed]]\n"
+    "grain = -1\n"
+    "velocity = [-1.0, 0.0, 0.5]\n";
+
+// The numbers of the row of `nscdd inspect` that begins with a word.
+std::vector<double> row_of(const std::string& report, const std::string& first) {
+  std::istringstream lines(report);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line);
+    std::string word;
+    std::vector<double> numbers;
+    if (!(cells >> word) || word != first) continue;
+    for (double number = 0; cells >> number;) numbers.push_back(number);
+    if (numbers.size() == 5) return numbers;
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("space: inspect counts ranks, six rigid motions and self-stresses") {
+  const Session session;
+  session.file("fcc.toml", lattice);
+  const std::string report = answer(session, "inspect fcc.toml");
+  // grains, contacts, rank, rigid modes, hyperstaticity
+  CHECK(row_of(report, "whole") == std::vector<double>{27, 86, 75, 6, 11});
+  const auto dense = row_of(answer(session, "inspect fcc.toml --set packing.columns=4 --subdomains 1x1x1"), "whole");
+  REQUIRE(dense.size() == 5);
+  CHECK(dense[3] == 6);
+  CHECK(dense[1] == 3 * (3 * 3 + 4 * 2) + 2 * 7 * 5);
+}
+
+TEST_CASE("space: sweeps agree by every solver, with all contacts and with those in compression") {
+  const Session session;
+  session.file("fcc.toml", lattice);
+  for (const std::string cut : {"", " --subdomains metis:5", " --subdomains 1x1x3"})
+    for (const std::string contacts : {"all", "active", "unilateral"}) {
+      const std::string line = "sweep fcc.toml --epsilon 1e-2,1 --eta 0.3,inf --contacts " + contacts + cut;
+      CAPTURE(line);
+      const CsvTable dense = table(session, line + " --solver dense");
+      const CsvTable proved = table(session, line + " --solver shift-invert --certify");
+      REQUIRE(dense.rows.size() == 4);
+      REQUIRE(proved.rows.size() == 4);
+      for (std::size_t row = 0; row < 4; ++row) {
+        const double radius = dense.number(row, "spectral_radius");
+        CHECK(radius > 0.01);
+        CHECK(std::abs(proved.number(row, "spectral_radius") - radius) < 1e-8 * std::max(1.0, radius));
+        CHECK(proved.text(row, "certified") == "true");
+        CHECK(dense.number(row, "contacts") == 86);
+        CHECK((contacts == "all") == (dense.number(row, "active_contacts") == 86));
+      }
+    }
+  const CsvTable best = table(session, "optimum fcc.toml");
+  CHECK(best.number(0, "best_radius") < 1);
+}
+
+TEST_CASE("space: a grid, a velocity or rates of two numbers are refused with file, line and key") {
+  const Session session;
+  const auto refused = [&](const std::string& from, const std::string& to, std::initializer_list<std::string> parts) {
+    session.file("bad.toml", replaced(lattice, from, to));
+    check_refused(session, "sweep bad.toml --epsilon 1 --csv -", parts);
+  };
+  refused("[2, 2, 2]", "[2, 2]",
+          {"bad.toml:7: partition.grid: expected three integers for a packing in space, met [2, 2]"});
+  refused("[1.0, 0.5, 0.25]", "[1.0, 0.5]",
+          {"bad.toml:9: loads.compression: expected three numbers for a packing in space, met [1, 0.5]"});
+  refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0]",
+          {"bad.toml:12: prescribed[0].velocity: expected three numbers for a packing in space, met [-1, 0]"});
+  refused("[-1.0, 0.0, 0.5]", "[-1.0, 0.0, 0.5, 0]",
+          {"bad.toml:12: prescribed[0].velocity: expected two numbers [a, b], or three in space, met an array of 4"});
+  refused("generator = \"fcc\"\ncolumns = 3\nrows = 3\nlayers = 3", "generator = \"strip\"",
+          {"bad.toml:9: prescribed[0].velocity: expected two numbers for a packing in the plane, met [-1, 0, 0.5]"});
+  session.file("fcc.toml", lattice);
+  const std::string sweep = "sweep fcc.toml --epsilon 1 --csv - ";
+  check_refused(session, sweep + "--subdomains 2x2", {"fcc.toml: partition.grid", "three integers", "met [2, 2]"});
+  check_refused(session, sweep + "--set partition.grid=4,2", {"fcc.toml: partition.grid", "met [4, 2]"});
+  check_refused(session, sweep + "--prescribed 3:1:0", {"fcc.toml: prescribed[0].velocity", "three numbers"});
+  check_refused(session, sweep + "--set loads.compression=1,1", {"fcc.toml: loads.compression", "three numbers"});
+  check_refused(session, "sweep disks4 --epsilon 1 --csv - --subdomains 2x1x1", {"partition.grid", "two integers"});
+  CHECK(contains(answer(session, "inspect fcc.toml --subdomains 1x1"), "1 subdomain(s)"));  // one cell is one
+}
+
+TEST_CASE("space: tables of contacts, grains and modes have columns along z") {
+  const Session session;
+  session.file("fcc.toml", lattice);
+  const CsvTable links = table(session, "network fcc.toml --grains grains.csv");
+  REQUIRE(links.rows.size() == 86);
+  for (std::size_t row = 0; row < 86; ++row) {
+    double square = 0;
+    for (const char* axis : {"x", "y", "z"}) {
+      const double n = links.number(row, std::string("normal_") + axis);
+      square += n * n;
+      const double distance = links.number(row, std::string(axis) + "_b") - links.number(row, std::string(axis) + "_a");
+      CHECK(std::abs(distance - n) < 1e-12);  // of diameter 1 m
+    }
+    CHECK(std::abs(square - 1) < 1e-12);
+  }
+  const CsvTable grains = read_table(session.read("grains.csv"));
+  REQUIRE(grains.rows.size() == 27);
+  CHECK(grains.number(26, "velocity_z") == 0.5);
+  CHECK(grains.number(26, "z") == doctest::Approx(std::sqrt(2.0)));
+  double momentum = 0;  // of the load, but for the grain that has a velocity of its own
+  for (std::size_t row = 0; row < 26; ++row) {
+    momentum += grains.number(row, "velocity_z");
+    CHECK(grains.number(row, "velocity_z") == doctest::Approx(-0.25 * (grains.number(row, "z") - std::sqrt(0.5))));
+  }
+  CHECK(momentum == doctest::Approx(0.25 * std::sqrt(0.5)));
+
+  answer(session, "modes fcc.toml --epsilon 0.1 --output slow");
+  const CsvTable impulses = read_table(session.read("slow-impulses.csv"));
+  const CsvTable velocities = read_table(session.read("slow-velocities.csv"));
+  const CsvTable swept = table(session, "sweep fcc.toml --epsilon 0.1");
+  CHECK(3 * static_cast<double>(impulses.rows.size()) == swept.number(0, "interface_dofs"));
+  double share = 0, along_z = 0;
+  for (std::size_t row = 0; row < impulses.rows.size(); ++row) {
+    share += impulses.number(row, "share");
+    along_z = std::max(along_z, std::abs(impulses.number(row, "impulse_z")));
+    CHECK(std::abs(impulses.number(row, "eigenvalue") - swept.number(0, "spectral_radius")) < 1e-12);
+  }
+  CHECK(share == doctest::Approx(1));
+  CHECK(along_z > 1e-3);
+  CHECK(velocities.number(0, "z") == 0);
+  CHECK(std::abs(velocities.number(0, "velocity_z")) > 0);
+}
+
+TEST_CASE("space: a study of links, and the radius from exported operators of a packing in space") {
+  const Session session;
+  session.file("study/study.toml",
+               "title = \"spheres\"\n"
+               "[[table]]\n"
+               "name = \"radius\"\n"
+               "cases = [\"fcc.toml\"]\n"
+               "epsilon = [0.1, 1]\n"
+               "vary = { \"packing.columns\" = [3, 4] }\n"
+               "[[table]]\n"
+               "name = \"network\"\n"
+               "observable = \"links\"\n"
+               "cases = [\"fcc.toml\"]\n");
+  session.file("study/fcc.toml", lattice);
+  answer(session, "run study");
+  const CsvTable radius = read_table(session.read("results/study/radius.csv"));
+  REQUIRE(radius.rows.size() == 4);
+  CHECK(radius.number(2, "packing.columns") == 4);
+  session.file("fcc.toml", lattice);
+  CHECK(radius.number(2, "spectral_radius") ==
+        table(session, "sweep fcc.toml --epsilon 0.1 --set packing.columns=4").number(0, "spectral_radius"));
+  const CsvTable network = read_table(session.read("results/study/network.csv"));
+  REQUIRE(network.rows.size() == 86);
+  CHECK(std::abs(network.number(85, "normal_z")) <= 1);
+
+  answer(session, "export fcc.toml --operators all --epsilon 0.1");
+  const std::string manifest = session.read("all/manifest.toml");
+  CHECK(contains(manifest, "dofs_per_grain = 3"));
+  CHECK(contains(manifest, "(v_x, v_y, v_z) of each in turn"));
+  CHECK(contains(manifest, "rows = 81\ncolumns = 86"));
+}
