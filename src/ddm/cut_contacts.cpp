@@ -5,6 +5,7 @@
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <numeric>
@@ -12,73 +13,107 @@
 namespace nscdd {
 namespace {
 
+template <int D>
+using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
+
 // E on the columns of a subdomain; zeros are stored, so that all matrices have one pattern.
-SparseMatrix blocks_of(const Subdomain& subdomain, const std::vector<Eigen::Matrix2d>& e) {
+template <int D>
+SparseMatrix blocks_of(const Subdomain& subdomain, const Blocks<D>& e) {
   SparseEntries entries;
-  for (Index k = 0; k < count(subdomain.contacts); k += 2) {
-    const Eigen::Matrix2d& block = e[at(subdomain.contacts[at(k)] / 2)];
-    for (Index i = 0; i < 2; ++i)
-      for (Index j = 0; j < 2; ++j) entries.add(k + i, k + j, block(i, j));
+  for (Index k = 0; k < count(subdomain.contacts); k += D) {
+    const auto& block = e[at(subdomain.contacts[at(k)] / D)];
+    for (Index i = 0; i < D; ++i)
+      for (Index j = 0; j < D; ++j) entries.add(k + i, k + j, block(i, j));
+  }
+  return entries.matrix(count(subdomain.contacts), count(subdomain.contacts));
+}
+
+// The root of what Stage 2 sees of a block of E: of its diagonal and, in space, of the symmetric part of its tangential
+// block.
+template <int D>
+Eigen::Matrix<double, D, D> root_of(const Eigen::Matrix<double, D, D>& e) {
+  Eigen::Matrix<double, D, D> root = e.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  if constexpr (D == 3) {
+    if (e(1, 2) + e(2, 1) == 0) return root;
+    const Eigen::Matrix2d tangential = e.template bottomRightCorner<2, 2>();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+    axes.computeDirect((tangential + tangential.transpose()) / 2);
+    const Eigen::Vector2d values = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    root.template bottomRightCorner<2, 2>() =
+        axes.eigenvectors() * values.asDiagonal() * axes.eigenvectors().transpose();
+  }
+  return root;
+}
+
+// Those of the columns of a subdomain; off the diagonal they are mostly nothing.
+template <int D>
+SparseMatrix roots_of(const Subdomain& subdomain, const Blocks<D>& roots) {
+  SparseEntries entries;
+  for (Index k = 0; k < count(subdomain.contacts); k += D) {
+    const auto& root = roots[at(subdomain.contacts[at(k)] / D)];
+    for (Index i = 0; i < D; ++i)
+      for (Index j = 0; j < D; ++j)
+        if (i == j || root(i, j) != 0) entries.add(k + i, k + j, root(i, j));
   }
   return entries.matrix(count(subdomain.contacts), count(subdomain.contacts));
 }
 
 // The contacts that Stage 2 sees, as links of flexibility 1: the columns of H times the roots of their conductances.
-Decomposition stage_two(const Decomposition& parts, const std::vector<Eigen::Matrix2d>& e, InterfaceNetwork network) {
+template <int D>
+Decomposition stage_two(const Decomposition& parts, const Blocks<D>& e, InterfaceNetwork network) {
   double sum = 0;
   Index carrying = 0;
-  for (const Eigen::Matrix2d& block : e)
+  for (const auto& block : e)
     if (block(0, 0) > 0) {
       sum += block(0, 0);
       ++carrying;
     }
   const double mean = carrying > 0 ? sum / static_cast<double>(carrying) : 0;
+  Blocks<D> roots;
+  for (const auto& block : e)
+    roots.push_back(network == InterfaceNetwork::all ? std::sqrt(mean) * Eigen::Matrix<double, D, D>::Identity()
+                                                     : root_of<D>(block));
   Decomposition result = parts;
-  for (Subdomain& subdomain : result.subdomains) {
-    Vector roots(count(subdomain.contacts));
-    for (Index k = 0; k < roots.size(); ++k) {
-      const Index column = subdomain.contacts[at(k)];
-      const double own = e[at(column / 2)](column % 2, column % 2);
-      roots[k] = std::sqrt(network == InterfaceNetwork::all ? mean : std::max(own, 0.0));
-    }
-    subdomain.h = subdomain.h * roots.asDiagonal();
-  }
+  for (Subdomain& subdomain : result.subdomains) subdomain.h = subdomain.h * roots_of<D>(subdomain, roots);
   return result;
 }
 
 }  // namespace
 
-CutContacts::CutContacts(Decomposition parts, const CutOptions& options)
+template <int D>
+CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     : parts_(std::move(parts)), options_(options), lu_(parts_.subdomains.size()) {
-  if (parts_.contacts % 2 != 0) fail("contacts: expected two columns for each, met {} columns", parts_.contacts);
+  if (parts_.contacts % D != 0) fail("contacts: expected {} columns for each, met {} columns", D, parts_.contacts);
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, whatever the relations are
 }
 
-bool CutContacts::factorise(std::vector<ContactRelation> relations) {
+template <int D>
+bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   ++work_.factorisations;
   relations_ = std::move(relations);
   longest_ = {};
   e_.clear();
-  for (const ContactRelation& relation : relations_) e_.push_back(relation.p.inverse() * relation.q);
+  for (const ContactRelation<D>& relation : relations_) e_.push_back(relation.p.inverse() * relation.q);
   std::vector<char> regular(parts_.subdomains.size(), 1);
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
     if (subdomain.grains.empty()) return;  // it has no contact, or another process has it
-    SparseMatrix k = subdomain.h * blocks_of(subdomain, e_) * SparseMatrix(subdomain.h.transpose());
+    SparseMatrix k = subdomain.h * blocks_of<D>(subdomain, e_) * SparseMatrix(subdomain.h.transpose());
     k.diagonal() += subdomain.inertia;
     k.makeCompressed();
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
-  symmetric_ = std::ranges::all_of(e_, [](const Eigen::Matrix2d& block) { return block(0, 1) == block(1, 0); });
+  symmetric_ = std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); });
   if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
     preconditioner_ =
-        InterfaceFamily(stage_two(parts_, e_, options_.network), 0, options_.inertia).at(options_.flexibility);
+        InterfaceFamily(stage_two<D>(parts_, e_, options_.network), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);
 }
 
-std::vector<Vector> CutContacts::velocities(const std::vector<Vector>& impulses) const {
+template <int D>
+std::vector<Vector> CutContacts<D>::velocities(const std::vector<Vector>& impulses) const {
   std::vector<Vector> result(impulses.size());
   for_each_in_parallel(count(impulses), [&](Index i) {
     result[at(i)] = lu_[at(i)] ? lu_[at(i)]->solve(impulses[at(i)]) : impulses[at(i)];
@@ -86,14 +121,16 @@ std::vector<Vector> CutContacts::velocities(const std::vector<Vector>& impulses)
   return result;
 }
 
-int CutContacts::determinant_sign() const {
+template <int D>
+int CutContacts<D>::determinant_sign() const {
   Index negative = 0;
   for (const std::optional<SparseLu>& lu : lu_) negative += lu && lu->determinant_sign() < 0;
   const bool odd = static_cast<Index>(processes().sum(static_cast<double>(negative))) % 2 != 0;
   return odd ? -longest_.determinant_sign : longest_.determinant_sign;
 }
 
-double CutContacts::take_operations() {
+template <int D>
+double CutContacts<D>::take_operations() {
   double sum = 0;
   for (const std::optional<SparseLu>& lu : lu_) sum += lu ? lu->operations() : 0;
   const double own = sum - std::exchange(work_.flops, sum);
@@ -102,15 +139,20 @@ double CutContacts::take_operations() {
   return std::accumulate(of_all.begin(), of_all.end(), 0.0);
 }
 
-Vector CutContacts::apply(const Vector& f) const {
+template <int D>
+Vector CutContacts<D>::apply(const Vector& f) const {
   std::vector<Vector> impulses;
   for (Index i = 0; i < count(parts_.subdomains); ++i) impulses.push_back(parts_.interface.distribute(i, f));
   return parts_.interface.exchange(velocities(impulses));
 }
 
-Vector CutContacts::precondition(const Vector& g) const { return preconditioner_->solve(g); }
+template <int D>
+Vector CutContacts<D>::precondition(const Vector& g) const {
+  return preconditioner_->solve(g);
+}
 
-Matrix CutContacts::dense() const {
+template <int D>
+Matrix CutContacts<D>::dense() const {
   Matrix s = Matrix::Zero(parts_.interface_size(), parts_.interface_size());
   for (Index i = 0; i < count(parts_.subdomains); ++i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
@@ -124,11 +166,12 @@ Matrix CutContacts::dense() const {
   return s;
 }
 
-Vector CutContacts::solve(const Vector& b) {
+template <int D>
+Vector CutContacts<D>::solve(const Vector& b) {
   ++work_.solves;
   Vector r(b.size());  // P^-1 b
   for (Index c = 0; c < count(relations_); ++c)
-    r.segment<2>(2 * c) = relations_[at(c)].p.inverse() * b.segment<2>(2 * c);
+    r.segment<D>(D * c) = relations_[at(c)].p.inverse() * b.segment<D>(D * c);
   std::vector<Vector> right;
   for (const Subdomain& subdomain : parts_.subdomains) right.push_back(subdomain.h * r(subdomain.contacts));
   std::vector<Vector> v = velocities(right);
@@ -150,13 +193,16 @@ Vector CutContacts::solve(const Vector& b) {
   for (std::size_t i = 0; i < parts_.subdomains.size(); ++i) {
     const Subdomain& subdomain = parts_.subdomains[i];
     const Vector u = subdomain.h.transpose() * v[i];
-    for (Index k = 0; k < count(subdomain.contacts); k += 2) {
-      const Index c = subdomain.contacts[at(k)] / 2;
-      caused.segment<2>(2 * c) = e_[at(c)] * u.segment<2>(k);
+    for (Index k = 0; k < count(subdomain.contacts); k += D) {
+      const Index c = subdomain.contacts[at(k)] / D;
+      caused.segment<D>(D * c) = e_[at(c)] * u.segment<D>(k);
     }
   }
   processes().add_up({caused.data(), at(caused.size())});  // a contact has its part in one process
   return r - caused;
 }
+
+template class CutContacts<2>;
+template class CutContacts<3>;
 
 }  // namespace nscdd

@@ -22,17 +22,19 @@ struct CutOptions {
 ///   Stage 1  K_E V_E = H_E P^-1 b - A_E^T F,  K_E = M_E + H_E E H_E^T: one factorised solve per subdomain
 ///   Stage 2  S F = g by a Krylov method,  S = sum_E A_E K_E^-1 A_E^T, preconditioned by
 ///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
-/// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. Then r = P^-1 b - E H_E^T V_E.
-/// No bit depends on the number of threads. Several processes each have their own subdomains, and vectors of all
-/// contacts and of the whole interface: they make the same calls together and get the same bits. With no network in
-/// Stage 2 these are the bits of one process; with one, the factor that they share rounds otherwise.
+/// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
+/// of the tangential blocks of E, for a contact that slides resists across its direction and not along it. Then r =
+/// P^-1 b - E H_E^T V_E. No bit depends on the number of threads. Several processes each have their own subdomains, and
+/// vectors of all contacts and of the whole interface: they make the same calls together and get the same bits. With no
+/// network in Stage 2 these are the bits of one process; with one, the factor that they share rounds otherwise.
+template <int D>
 class CutContacts {
  public:
-  /// `parts`: a decomposition of a problem with two columns per contact, normal and tangential, side by side.
+  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side.
   CutContacts(Decomposition parts, const CutOptions& options);
 
   /// As ContactMatrix::factorise.
-  bool factorise(std::vector<ContactRelation> relations);
+  bool factorise(std::vector<ContactRelation<D>> relations);
   /// As ContactMatrix::solve; the iterations may end before their tolerance, see `work`.
   Vector solve(const Vector& b);
 
@@ -43,7 +45,7 @@ class CutContacts {
   double take_operations();
 
   const Decomposition& parts() const { return parts_; }
-  const std::vector<ContactRelation>& relations() const { return relations_; }
+  const std::vector<ContactRelation<D>>& relations() const { return relations_; }
   Vector apply(const Vector& f) const;         ///< S F
   Vector precondition(const Vector& g) const;  ///< P^-1 g
   Matrix dense() const;                        ///< S
@@ -63,25 +65,29 @@ class CutContacts {
 
   Decomposition parts_;
   CutOptions options_;
-  std::vector<ContactRelation> relations_;
-  std::vector<Eigen::Matrix2d> e_;
+  std::vector<ContactRelation<D>> relations_;
+  std::vector<Eigen::Matrix<double, D, D>> e_;
   std::vector<std::optional<SparseLu>> lu_;
   std::optional<InterfaceOperator> preconditioner_;
   bool symmetric_ = false;
   IteratedSolution longest_;  // of the relations given last
   Work work_;
 };
+extern template class CutContacts<2>;
+extern template class CutContacts<3>;
 
 /// Its functions, for a contact solver. `cut` must outlive them.
-inline RelationSolver relation_solver(CutContacts& cut) {
-  return {[&cut](std::vector<ContactRelation> relations) { return cut.factorise(std::move(relations)); },
+template <int D>
+RelationSolver<D> relation_solver(CutContacts<D>& cut) {
+  return {[&cut](std::vector<ContactRelation<D>> relations) { return cut.factorise(std::move(relations)); },
           [&cut](const Vector& b) { return cut.solve(b); }, [&cut] { return cut.take_operations(); },
           [&cut] { return cut.determinant_sign(); }};
 }
 /// The same with one step of iterative refinement: where P is small impulses are velocities over it, and so are their
 /// errors. `w`: H^T M^-1 H; it too must outlive them.
-inline RelationSolver refined_solver(CutContacts& cut, const SparseMatrix& w) {
-  RelationSolver result = relation_solver(cut);
+template <int D>
+RelationSolver<D> refined_solver(CutContacts<D>& cut, const SparseMatrix& w) {
+  RelationSolver<D> result = relation_solver(cut);
   result.solve = [&cut, &w](const Vector& b) {
     const Vector r = cut.solve(b);
     return Vector(r + cut.solve(rest_of(cut.relations(), b, r, w * r)));

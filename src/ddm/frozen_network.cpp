@@ -5,10 +5,6 @@
 
 namespace nscdd {
 
-double sliding_slope(ContactStatus status, double friction) {
-  return status == ContactStatus::slide_forward ? -friction : status == ContactStatus::slide_backward ? friction : 0.0;
-}
-
 FrozenNetwork frozen_network(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses) {
   FrozenNetwork network;
   std::vector<double> root;

@@ -6,9 +6,6 @@
 
 namespace nscdd {
 
-/// Impulse along n + slope t per unit of its normal component, of a contact that slides; 0 for any other.
-double sliding_slope(ContactStatus status, double friction);
-
 /// The network of one subdomain at frozen statuses in y = M^1/2 V, which has x, y and rim of every free body. A contact
 /// that sticks has two columns (n, t), one that slides has one, an open one none (docs/theory.md, section 9).
 struct FrozenNetwork {

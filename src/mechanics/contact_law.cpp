@@ -12,7 +12,7 @@ constexpr double edge_tolerance = 1e-12;
 template <class Law>
 ContactStatus status_under(const Law&, const DiskContact& c) {
   if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status({c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
+  return contact_status(LocalVector<2>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
 }
 
 template <class Law>
@@ -30,13 +30,14 @@ void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<c
     sum.natural_map += squared(next - r);
   } else {
     const LocalVector<2> velocity = relative_velocity(c, v) + c.bias;
-    sum.natural_map += squared(natural_map({r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
+    sum.natural_map +=
+        squared(natural_map(LocalVector<2>{r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
   }
   if (r.n == 0 && r.t == 0) return;
   ++sum.active;
   const ContactStatus status = status_under(law, c);
   sum.stick += status == ContactStatus::stick;
-  sum.slide += status == ContactStatus::slide_forward || status == ContactStatus::slide_backward;
+  sum.slide += slides(status);
 }
 
 template <class Contact>
@@ -56,13 +57,6 @@ ContactLaw contact_law(const Interaction& interaction, double h, double scale) {
   ContactLaw law = Alternatives<ContactLaw>::at(static_cast<std::size_t>(LawName{interaction.law}));
   std::visit([&](auto& one) { one = one.of(interaction, h, scale); }, law);
   return law;
-}
-
-ContactStatus contact_status(LocalVector<2> impulse, double friction, double tolerance) {
-  if (impulse.n <= 0) return ContactStatus::open;
-  const double edge = friction * impulse.n;
-  if (std::abs(impulse.t) < edge * (1 - tolerance)) return ContactStatus::stick;
-  return impulse.t > 0 ? ContactStatus::slide_backward : ContactStatus::slide_forward;
 }
 
 ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {

@@ -83,7 +83,44 @@ ContactLaw contact_law(const Interaction& interaction, double h, double scale);
 
 /// Status of a contact under Coulomb's law, or under a cohesive one if the impulse is shifted. A contact slides if its
 /// impulse is within `tolerance` x friction r_n of the edge of the cone.
-ContactStatus contact_status(LocalVector<2> impulse, double friction, double tolerance = 0);
+template <int D>
+ContactStatus contact_status(LocalVector<D> impulse, double friction, double tolerance = 0) {
+  if (impulse.n <= 0) return ContactStatus::open;
+  const double edge = friction * impulse.n;
+  if (norm(impulse.t) < edge * (1 - tolerance)) return ContactStatus::stick;
+  if constexpr (D == 2)
+    return impulse.t > 0 ? ContactStatus::slide_backward : ContactStatus::slide_forward;
+  else
+    return ContactStatus::slide;
+}
+
+/// What stays of Coulomb's law for small changes of a contact (docs/theory.md, section 10): the status at
+/// z = r - rho u with, where it slides along d = z_t / |z_t|,
+///     r_t = slope r_n + turning (I - d d^T) (r_t - rho u_t),   slope = friction d.
+/// The last term is of space alone: an impulse turns with the velocity. In the plane I = d d^T.
+template <int D>
+struct FrozenContact {
+  ContactStatus status = ContactStatus::open;
+  Tangent<D> slope{};
+  double turning = 0;  ///< friction z_n / |z_t| <= 1
+};
+
+/// The slope of a contact that slides, in the plane by its status alone; 0 for any other.
+inline double sliding_slope(ContactStatus status, double friction) {
+  return status == ContactStatus::slide_forward ? -friction : status == ContactStatus::slide_backward ? friction : 0.0;
+}
+
+template <int D>
+FrozenContact<D> frozen_contact(LocalVector<D> z, double friction, double tolerance = 0) {
+  FrozenContact<D> result{.status = contact_status(z, friction, tolerance)};
+  if constexpr (D == 2) {
+    result.slope = sliding_slope(result.status, friction);
+  } else if (const double size = norm(z.t); slides(result.status) && size > 0) {
+    result.slope = (friction / size) * z.t;
+    result.turning = std::min(1.0, friction * z.n / size);
+  }
+  return result;
+}
 
 /// Orthogonal projection of an impulse on Coulomb's cone { |r_t| <= friction r_n }.
 template <int D>

@@ -143,33 +143,72 @@ void add_delassus(const PieceFactor& factor, const SparseMatrix& h, const std::v
 
 }  // namespace
 
-FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact) {
-  const Index n = 2 * contact, t = n + 1;
-  return {problem.w.coeff(n, n), (problem.w.coeff(n, t) + problem.w.coeff(t, n)) / 2, problem.w.coeff(t, t)};
+template <int D>
+FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact) {
+  const Index n = D * contact, t = n + 1;
+  const auto mean = [&](Index i, Index j) { return (problem.w.coeff(i, j) + problem.w.coeff(j, i)) / 2; };
+  if constexpr (D == 2)
+    return {problem.w.coeff(n, n), mean(n, t), problem.w.coeff(t, t)};
+  else
+    return {problem.w.coeff(n, n),
+            {mean(n, t), mean(n, t + 1)},
+            {problem.w.coeff(t, t), mean(t, t + 1), problem.w.coeff(t + 1, t + 1)}};
+}
+template FullDelassus<2> diagonal_block<2>(const LocalFrictionProblem&, Index);
+template FullDelassus<3> diagonal_block<3>(const LocalFrictionProblem&, Index);
+
+namespace {
+
+void require_dimension(const std::string& name, Index dimension) {
+  if (dimension != 2 && dimension != 3) fail("{}: dimension: expected 2 or 3, met {}", name, dimension);
 }
 
+bool positive_definite(const FullDelassus<2>& w) { return w.nn > 0 && w.tt > 0 && w.nn * w.tt - w.nt * w.nt > 0; }
+
+// By the principal minors of the block without its normal component.
+bool positive_definite(const FullDelassus<3>& w) {
+  const TangentVector over = (1 / w.nn) * w.nt;
+  const double first = w.tt.first - w.nt.first * over.first, mixed = w.tt.mixed - w.nt.first * over.second,
+               second = w.tt.second - w.nt.second * over.second;
+  return w.nn > 0 && first > 0 && second > 0 && first * second - mixed * mixed > 0;
+}
+
+std::string text_of(const FullDelassus<2>& w) { return fmt::format("[{} {}; {} {}]", w.nn, w.nt, w.nt, w.tt); }
+std::string text_of(const FullDelassus<3>& w) {
+  const auto& [first, mixed, second] = w.tt;
+  return fmt::format("[{} {} {}; {} {} {}; {} {} {}]", w.nn, w.nt.first, w.nt.second, w.nt.first, first, mixed,
+                     w.nt.second, mixed, second);
+}
+
+template <int D>
+void require_definite_blocks(const LocalFrictionProblem& problem, const std::string& name) {
+  for (Index c = 0; c < problem.contacts(); ++c)
+    if (const FullDelassus<D> block = diagonal_block<D>(problem, c); !positive_definite(block))
+      fail("{}: W: expected a positive definite block for every contact, met {} for contact {}", name, text_of(block),
+           c);
+}
+
+}  // namespace
+
 void check(const LocalFrictionProblem& problem, const std::string& name) {
-  const Index size = 2 * problem.contacts();
+  require_dimension(name, problem.dimension);
+  const Index size = problem.size();
   require_shape(name + ": W", problem.w, size, size);
-  require_size(name + ": q", problem.q.size(), "2 x contacts", size);
+  require_size(name + ": q", problem.q.size(), fmt::format("{} x contacts", problem.dimension), size);
   require_finite(name + ": W", problem.w);
   require_finite(name + ": q", problem.q);
   require_friction(name, problem.friction);
   require_symmetric(name + ": W", problem.w);
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    const FullDelassus block = diagonal_block(problem, c);
-    if (!(block.nn > 0 && block.tt > 0 && block.nn * block.tt - block.nt * block.nt > 0))
-      fail("{}: W: expected a positive definite block for every contact, met [{} {}; {} {}] for contact {}", name,
-           block.nn, block.nt, block.nt, block.tt, c);
-  }
+  problem.dimension == 3 ? require_definite_blocks<3>(problem, name) : require_definite_blocks<2>(problem, name);
 }
 
 void check(const GlobalFrictionProblem& problem, const std::string& name) {
-  const Index size = 2 * problem.contacts(), dofs = problem.mass.rows();
+  require_dimension(name, problem.dimension);
+  const Index size = problem.size(), dofs = problem.mass.rows();
   require_shape(name + ": M", problem.mass, dofs, dofs);
   require_shape(name + ": H", problem.h, dofs, size);
   require_size(name + ": f", problem.f.size(), "rows of M", dofs);
-  require_size(name + ": w", problem.w.size(), "2 x contacts", size);
+  require_size(name + ": w", problem.w.size(), fmt::format("{} x contacts", problem.dimension), size);
   require_finite(name + ": M", problem.mass);
   require_finite(name + ": H", problem.h);
   require_finite(name + ": f", problem.f);
@@ -180,9 +219,11 @@ void check(const GlobalFrictionProblem& problem, const std::string& name) {
 
 ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name) {
   check(problem, name);
-  constexpr Index dofs = 3;
+  const Index dofs = problem.dimension == 3 ? 6 : 3;
   if (problem.mass.rows() == 0 || problem.mass.rows() % dofs != 0)
-    fail("{}: M: expected three rows per body (two translations and a rotation), met {} rows", name,
+    fail("{}: M: expected {}, met {} rows", name,
+         dofs == 6 ? "six rows per body (three translations and three rotations)"
+                   : "three rows per body (two translations and a rotation)",
          problem.mass.rows());
   for_entries(problem.mass, [&](Index i, Index j, double value) {
     if (i != j && value != 0) fail("{}: M: expected a diagonal matrix, met {} at row {}, column {}", name, value, i, j);
@@ -191,8 +232,9 @@ ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const s
   for (Index i = 0; i < inertia.size(); ++i)
     if (!(inertia[i] > 0))
       fail("{}: M: expected positive numbers on the diagonal, met {} at row {}", name, inertia[i], i);
-  return {.dofs_per_grain = dofs,
-          .columns_per_contact = 2,
+  return {.dimension = problem.dimension,
+          .dofs_per_grain = dofs,
+          .columns_per_contact = problem.dimension,
           .inertia = inertia,
           .h = problem.h,
           .arriving_velocity = problem.f.cwiseQuotient(inertia)};
@@ -217,6 +259,7 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   local.friction = problem.friction;
   local.mass = problem.mass;
   local.h = problem.h;
+  local.dimension = problem.dimension;
   check(local, name);
   return local;
 }

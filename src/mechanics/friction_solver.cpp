@@ -12,21 +12,31 @@ constexpr double largest_impulses = 1e8;  // over those that are to be expected
 constexpr Index checks_looked_back = 10;
 
 // The solvers by the places of FrictionAlgorithm.
-constexpr void (*contact_solvers[])(SolverRun&) = {automatic, continuation, newton, nlgs, admm, apgd};
+template <int D>
+constexpr void (*contact_solvers[])(SolverRun<D>&) = {automatic<D>, continuation<D>, newton<D>,
+                                                      nlgs<D>,      admm<D>,         apgd<D>};
+
+// What `function` returns, called as function.template operator()<D>() with the dimension of the problem.
+template <class Function>
+auto in_dimension_of(const LocalFrictionProblem& problem, const Function& function) {
+  return problem.dimension == 3 ? function.template operator()<3>() : function.template operator()<2>();
+}
 
 // || r^1 ||: impulses of the contacts, each alone.
+template <int D>
 double lone_impulses(const LocalFrictionProblem& problem) {
   double squares = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const FullDelassus w = diagonal_block(problem, c);
-    squares += squared(Coulomb{}.impulse(stopping(w, {}, component(problem.q, c)), w, problem.friction[c]));
+    const FullDelassus<D> w = diagonal_block<D>(problem, c);
+    squares += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(problem.q, c)), w, problem.friction[c]));
   }
   return std::sqrt(squares);
 }
 
-JudgedProblem judged_problem(const LocalFrictionProblem& problem) {
-  JudgedProblem judged{ContactBlocks(problem.w), Vector(problem.contacts()), lone_impulses(problem)};
-  for (Index c = 0; c < problem.contacts(); ++c) judged.normal[c] = problem.w.coeff(2 * c, 2 * c);
+template <int D>
+JudgedProblem<D> judged_problem(const LocalFrictionProblem& problem) {
+  JudgedProblem<D> judged{ContactBlocks<D>(problem.w), Vector(problem.contacts()), lone_impulses<D>(problem)};
+  for (Index c = 0; c < problem.contacts(); ++c) judged.normal[c] = problem.w.coeff(D * c, D * c);
   return judged;
 }
 
@@ -37,14 +47,16 @@ struct ContactCheck {
 };
 
 // The contacts by themselves, in threads.
-std::vector<ContactCheck> checked_contacts(const JudgedProblem& judged, const LocalFrictionProblem& problem,
+template <int D>
+std::vector<ContactCheck> checked_contacts(const JudgedProblem<D>& judged, const LocalFrictionProblem& problem,
                                            const Vector& impulses, Vector& velocities) {
   const Index contacts = problem.contacts();
   std::vector<ContactCheck> checks(at(contacts));
   for_parts(contacts, [&](const ContactRange& range) {
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector<2> r = component(impulses, c), u = judged.w.add_row(c, impulses, {}) + component(problem.q, c);
-      velocities.segment<2>(2 * c) << u.n, u.t;
+      const LocalVector<D> r = component<D>(impulses, c);
+      const LocalVector<D> u = judged.w.add_row(c, impulses, {}) + component<D>(problem.q, c);
+      set_component(velocities, c, u);
       const double mu = problem.friction[c];
       checks[at(c)] = {squared(natural_map(r, u, mu, 1 / judged.normal[c])), squared(natural_map(r, u, mu, 1)),
                        contact_status(r, mu)};
@@ -53,7 +65,8 @@ std::vector<ContactCheck> checked_contacts(const JudgedProblem& judged, const Lo
   return checks;
 }
 
-FrictionState state_of(const JudgedProblem& judged, const LocalFrictionProblem& problem, const Vector& impulses) {
+template <int D>
+FrictionState state_of(const JudgedProblem<D>& judged, const LocalFrictionProblem& problem, const Vector& impulses) {
   FrictionState state;
   state.velocities.resize(impulses.size());
   const std::vector<ContactCheck> checks = checked_contacts(judged, problem, impulses, state.velocities);
@@ -77,8 +90,10 @@ FrictionState state_of(const JudgedProblem& judged, const LocalFrictionProblem& 
 }
 
 void check_options(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess) {
-  if (guess.size() != 0 && guess.size() != 2 * problem.contacts())
-    fail("guess of the impulses: expected 2 x contacts = {} numbers, met {}", 2 * problem.contacts(), guess.size());
+  if (problem.dimension != 2 && problem.dimension != 3) fail("dimension: expected 2 or 3, met {}", problem.dimension);
+  if (guess.size() != 0 && guess.size() != problem.size())
+    fail("guess of the impulses: expected {} x contacts = {} numbers, met {}", problem.dimension, problem.size(),
+         guess.size());
   if (!(options.tolerance > 0)) fail("tolerance: expected a number > 0, met {}", options.tolerance);
   if (!(options.relaxation > 0 && options.relaxation < 2))
     fail("relaxation: expected a number between 0 and 2, met {}", options.relaxation);
@@ -93,7 +108,7 @@ void check_options(const LocalFrictionProblem& problem, const FrictionSolverOpti
 }  // namespace
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
-  return state_of(judged_problem(problem), problem, impulses);
+  return in_dimension_of(problem, [&]<int D>() { return state_of(judged_problem<D>(problem), problem, impulses); });
 }
 
 std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, const FrictionSolution& solution,
@@ -101,10 +116,12 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
   std::vector<std::pair<double, Index>> carried;  // squares, with a sign that sorts
   double sum = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector<2> m = natural_map(component(solution.impulses, c), component(solution.state.velocities, c),
-                                         problem.friction[c], 1 / problem.w.coeff(2 * c, 2 * c));
-    carried.emplace_back(-squared(m), c);
-    sum += squared(m);
+    const double square = in_dimension_of(problem, [&]<int D>() {
+      return squared(natural_map(component<D>(solution.impulses, c), component<D>(solution.state.velocities, c),
+                                 problem.friction[c], 1 / problem.w.coeff(D * c, D * c)));
+    });
+    carried.emplace_back(-square, c);
+    sum += square;
   }
   std::sort(carried.begin(), carried.end());
   std::vector<Index> contacts;
@@ -116,28 +133,36 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
   return contacts;
 }
 
-SolverRun::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
-                     const FrictionObserver& observer, const RelationSolver& relations)
-    : problem(given), options(chosen), linear(relations), judged(judged_problem(given)), observer_(observer) {
+template <int D>
+SolverRun<D>::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
+                        const FrictionObserver& observer, const RelationSolver<D>& relations)
+    : problem(given), options(chosen), linear(relations), judged(judged_problem<D>(given)), observer_(observer) {
   const Index contacts = given.contacts();
-  now.impulses = guess.size() == 0 ? Vector::Zero(2 * contacts) : guess;
+  now.impulses = guess.size() == 0 ? Vector::Zero(D * contacts) : guess;
   now.status = FrictionStatus::maximum_reached;
   scale_ = std::max(judged.alone, now.impulses.norm());
   if (contacts > 0)
-    scale_ = std::max(scale_, given.q.norm() * static_cast<double>(2 * contacts) / given.w.diagonal().sum());
+    scale_ = std::max(scale_, given.q.norm() * static_cast<double>(D * contacts) / given.w.diagonal().sum());
 }
 
-double SolverRun::natural_maps() const { return now.state.residual * std::max(now.impulses.norm(), judged.alone); }
+template <int D>
+double SolverRun<D>::natural_maps() const {
+  return now.state.residual * std::max(now.impulses.norm(), judged.alone);
+}
 
-bool SolverRun::plausible(const Vector& impulses) const { return impulses.norm() <= largest_impulses * scale_; }
+template <int D>
+bool SolverRun<D>::plausible(const Vector& impulses) const {
+  return impulses.norm() <= largest_impulses * scale_;
+}
 
-Index SolverRun::changes_of_status() {
+template <int D>
+Index SolverRun<D>::changes_of_status() {
   const bool is_first = statuses_.empty();
   statuses_.resize(at(problem.contacts()));
   changed_.resize(at(problem.contacts()));
   Index changes = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const ContactStatus status = contact_status(component(now.impulses, c), problem.friction[c]);
+    const ContactStatus status = contact_status(component<D>(now.impulses, c), problem.friction[c]);
     if (std::exchange(statuses_[at(c)], status) == status) continue;
     ++changes;
     changed_[at(c)] = checks_;
@@ -146,14 +171,16 @@ Index SolverRun::changes_of_status() {
   return is_first ? 0 : changes;
 }
 
-std::vector<Index> SolverRun::unsettled() const {
+template <int D>
+std::vector<Index> SolverRun<D>::unsettled() const {
   std::vector<Index> contacts;
   for (Index c = 0; c < count(changed_); ++c)  // at the first check all were unknown
     if (changed_[at(c)] > std::max<Index>(0, checks_ - 1 - checks_looked_back)) contacts.push_back(c);
   return contacts;
 }
 
-bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
+template <int D>
+bool SolverRun<D>::judge(const Vector& impulses, const FrictionStep& step) {
   using Clock = std::chrono::steady_clock;
   now.seconds += std::chrono::duration<double>(Clock::now() - resumed_).count();
   const bool over = decide(impulses, step);
@@ -161,7 +188,8 @@ bool SolverRun::judge(const Vector& impulses, const FrictionStep& step) {
   return over;
 }
 
-bool SolverRun::decide(const Vector& impulses, const FrictionStep& step) {
+template <int D>
+bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
   now.state = state_of(judged, problem, impulses);
   now.step = step;
@@ -185,18 +213,19 @@ bool SolverRun::decide(const Vector& impulses, const FrictionStep& step) {
   return true;
 }
 
-Vector SolverRun::projected() const {
+template <int D>
+Vector SolverRun<D>::projected() const {
   Vector result(now.impulses.size());
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector<2> r = component(now.impulses, c);
-    const LocalVector<2> m =
-        natural_map(r, component(now.state.velocities, c), problem.friction[c], 1 / judged.normal[c]);
-    result.segment<2>(2 * c) << r.n - m.n, r.t - m.t;
+    const LocalVector<D> r = component<D>(now.impulses, c);
+    const LocalVector<D> u = component<D>(now.state.velocities, c);
+    set_component(result, c, r - natural_map(r, u, problem.friction[c], 1 / judged.normal[c]));
   }
   return result;
 }
 
-FrictionSolution SolverRun::best() const {
+template <int D>
+FrictionSolution SolverRun<D>::best() const {
   FrictionSolution solution = now.status == FrictionStatus::converged || best_maps_ == infinity ? now : best_;
   solution.sweeps = now.sweeps;
   solution.factorisations = now.factorisations;
@@ -206,20 +235,22 @@ FrictionSolution SolverRun::best() const {
   return solution;
 }
 
-void SolverRun::go_back(const FrictionSolution& earlier) {
+template <int D>
+void SolverRun<D>::go_back(const FrictionSolution& earlier) {
   now.impulses = earlier.impulses;
   now.state = earlier.state;
 }
 
-Couplings::Couplings(const LocalFrictionProblem& problem, const RelationSolver& solver)
+template <int D>
+Couplings<D>::Couplings(const LocalFrictionProblem& problem, const RelationSolver<D>& solver)
     : symmetric(0.5 * (problem.w + SparseMatrix(problem.w.transpose()))),
       rest(problem.w - symmetric),
       blocks(symmetric),
-      normal(2 * problem.contacts()),
+      normal(D * problem.contacts()),
       matrix(solver) {
   if (!matrix.factorise) {
-    const auto whole = std::make_shared<std::optional<ContactMatrix>>();  // made when it is asked for
-    matrix.factorise = [whole, this, &problem](std::vector<ContactRelation> relations) {
+    const auto whole = std::make_shared<std::optional<ContactMatrix<D>>>();  // made when it is asked for
+    matrix.factorise = [whole, this, &problem](std::vector<ContactRelation<D>> relations) {
       if (!*whole) whole->emplace(problem, symmetric);
       return (*whole)->factorise(std::move(relations));
     };
@@ -227,22 +258,36 @@ Couplings::Couplings(const LocalFrictionProblem& problem, const RelationSolver& 
     matrix.take_operations = [whole] { return (*whole)->take_operations(); };
     matrix.determinant_sign = [whole] { return (*whole)->determinant_sign(); };
   }
-  for (Index c = 0; c < problem.contacts(); ++c) normal[2 * c] = normal[2 * c + 1] = problem.w.coeff(2 * c, 2 * c);
+  for (Index c = 0; c < problem.contacts(); ++c) normal.segment<D>(D * c).setConstant(problem.w.coeff(D * c, D * c));
 }
 
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
                                 const Vector& guess, const FrictionObserver& observer) {
-  return solve_friction(problem, options, guess, observer, {});
+  check_options(problem, options, guess);
+  return in_dimension_of(
+      problem, [&]<int D>() { return solve_friction(problem, options, guess, observer, RelationSolver<D>{}); });
 }
 
+template <int D>
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
-                                const Vector& guess, const FrictionObserver& observer, const RelationSolver& linear) {
+                                const Vector& guess, const FrictionObserver& observer,
+                                const RelationSolver<D>& linear) {
   check_options(problem, options, guess);
-  SolverRun run(problem, options, guess, observer, linear);
-  contact_solvers[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](run);
+  if (problem.dimension != D) fail("linear systems of contacts: expected dimension {}, met {}", problem.dimension, D);
+  SolverRun<D> run(problem, options, guess, observer, linear);
+  contact_solvers<D>[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](run);
   FrictionSolution solution = options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
   solution.unsettled = run.unsettled();
   return solution;
 }
+
+template class SolverRun<2>;
+template class SolverRun<3>;
+template struct Couplings<2>;
+template struct Couplings<3>;
+template FrictionSolution solve_friction(const LocalFrictionProblem&, const FrictionSolverOptions&, const Vector&,
+                                         const FrictionObserver&, const RelationSolver<2>&);
+template FrictionSolution solve_friction(const LocalFrictionProblem&, const FrictionSolverOptions&, const Vector&,
+                                         const FrictionObserver&, const RelationSolver<3>&);
 
 }  // namespace nscdd

@@ -91,8 +91,8 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   StepReport& report = step.report;
   const auto start = Clock::now();
   const LocalFrictionProblem contacts = contact_problem(problem, simulation.system);
-  std::optional<CutContacts> cut;
-  RelationSolver linear;
+  std::optional<CutContacts<2>> cut;
+  RelationSolver<2> linear;
   if (decomposes(solver.algorithm)) {
     cut.emplace(linear_decomposition(simulation, problem, step.partition),
                 cut_options(solver, stage_two_inertia(simulation)));

@@ -14,7 +14,7 @@ constexpr Index most_iterations = 3000;
 
 // A linear system of Newton's method at the end of a step: its relations and its right-hand side.
 struct FrozenSystem {
-  std::vector<ContactRelation> relations;
+  std::vector<ContactRelation<2>> relations;
   Vector right;
 };
 
@@ -23,7 +23,9 @@ FrozenSystem frozen_system(const SolvedStep& step) {
   FrozenSystem system{{}, Vector(2 * count(step.contacts))};
   for (Index c = 0; c < count(step.contacts); ++c) {
     const DiskContact& contact = step.contacts[at(c)];
-    const ContactRelation relation = relation_of(status_of(step.problem.law, contact), contact.friction, alpha);
+    const ContactStatus status = status_of(step.problem.law, contact);
+    const FrozenContact<2> frozen{.status = status, .slope = sliding_slope(status, contact.friction)};
+    const ContactRelation<2> relation = relation_of(frozen, alpha, 0);
     const LocalVector<2> u = relative_velocity(contact, step.problem.free) + contact.bias;
     const LocalVector<2> b = alpha * contact.impulse - u;
     system.right.segment<2>(2 * c) = relation.q * Eigen::Vector2d(b.n, b.t);
@@ -34,7 +36,7 @@ FrozenSystem frozen_system(const SolvedStep& step) {
 
 FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem& system, InterfaceNetwork network,
                                  double flexibility) {
-  CutContacts cut(parts, {network, flexibility, frozen_tolerance, most_iterations, multifrontal()});
+  CutContacts<2> cut(parts, {network, flexibility, frozen_tolerance, most_iterations, multifrontal()});
   FrozenInterface result;
   if (parts.interface_size() == 0 || !cut.factorise(system.relations)) return result;
   cut.solve(system.right);

@@ -12,7 +12,7 @@ using namespace nscdd::testing;
 namespace {
 
 // The same cut, with the subdomains of this process alone.
-CutContacts shared_cut(const Cut& one, CutOptions options) {
+CutContacts<2> shared_cut(const Cut& one, CutOptions options) {
   const Processes all = mpi::processes_of(MPI_COMM_WORLD);
   options.inertia = mpi::multifrontal(MPI_COMM_WORLD);
   Decomposition parts = one.parts;
@@ -28,8 +28,8 @@ TEST_CASE("shared: linear systems of contacts have the solutions of one process,
   for (const bool slides : {false, true})
     for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
       const CutOptions options{.network = network, .tolerance = 1e-12};
-      CutContacts alone(one.parts, options), together = shared_cut(one, options);
-      const std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 1e-3, slides);
+      CutContacts<2> alone(one.parts, options), together = shared_cut(one, options);
+      const std::vector<ContactRelation<2>> relation = relations(one.parts.contacts / 2, 1e-3, slides);
       REQUIRE(alone.factorise(relation));
       REQUIRE(together.factorise(relation));
       const Vector b = random_vector(stream, one.parts.contacts);
@@ -49,10 +49,10 @@ TEST_CASE("shared: all processes know the sign of the determinant, and whether o
   const Cut one = cut_lattice({4, 2});
   int negative = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 0.1, true);
-    for (ContactRelation& each : relation)  // sliding with frictions that turn the determinant now and then
+    std::vector<ContactRelation<2>> relation = relations(one.parts.contacts / 2, 0.1, true);
+    for (ContactRelation<2>& each : relation)  // sliding with frictions that turn the determinant now and then
       if (each.p(1, 0) != 0) each.p(1, 0) = 6 * random_of(stream);
-    CutContacts alone(one.parts, {.tolerance = 1e-10}), together = shared_cut(one, {.tolerance = 1e-10});
+    CutContacts<2> alone(one.parts, {.tolerance = 1e-10}), together = shared_cut(one, {.tolerance = 1e-10});
     REQUIRE(alone.factorise(relation));
     REQUIRE(together.factorise(relation));
     const Vector b = random_vector(stream, one.parts.contacts);
@@ -63,8 +63,8 @@ TEST_CASE("shared: all processes know the sign of the determinant, and whether o
   }
   CHECK(negative > 3);
   // A relation that cannot be factorised, of a contact that one process has.
-  std::vector<ContactRelation> relation(at(one.parts.contacts / 2));
+  std::vector<ContactRelation<2>> relation(at(one.parts.contacts / 2));
   relation[at(one.parts.subdomains.back().contacts.front() / 2)].q(0, 0) = not_a_number;
-  CutContacts together = shared_cut(one, {.network = InterfaceNetwork::none});
+  CutContacts<2> together = shared_cut(one, {.network = InterfaceNetwork::none});
   CHECK(!together.factorise(relation));
 }

@@ -18,11 +18,11 @@ inline Vector random_vector(RandomStream& stream, Index size) {
 }
 
 // A third of the contacts open, a third sticks, a third slides.
-inline std::vector<ContactRelation> relations(Index contacts, double alpha, bool slides) {
-  std::vector<ContactRelation> result(at(contacts));
+inline std::vector<ContactRelation<2>> relations(Index contacts, double alpha, bool slides) {
+  std::vector<ContactRelation<2>> result(at(contacts));
   for (Index c = 0; c < contacts; ++c) {
     if (c % 3 == 0) continue;
-    ContactRelation& one = result[at(c)];
+    ContactRelation<2>& one = result[at(c)];
     one.p(0, 0) = alpha;
     one.q(0, 0) = 1;
     if (c % 3 == 1 || !slides) {

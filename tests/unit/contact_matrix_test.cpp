@@ -13,9 +13,9 @@ using namespace nscdd::testing;
 namespace {
 
 // Contacts that open, stick and slide under a proximal term, and full blocks as a smoothed law has them.
-std::vector<ContactRelation> random_relations(RandomStream& random, Index contacts, double smallest) {
-  std::vector<ContactRelation> relations(static_cast<std::size_t>(contacts));
-  for (ContactRelation& relation : relations) {
+std::vector<ContactRelation<2>> random_relations(RandomStream& random, Index contacts, double smallest) {
+  std::vector<ContactRelation<2>> relations(static_cast<std::size_t>(contacts));
+  for (ContactRelation<2>& relation : relations) {
     const double kind = random.uniform(), size = std::pow(smallest, random.uniform());
     if (kind < 0.2) continue;  // open
     relation.q(0, 0) = 1;
@@ -32,7 +32,7 @@ std::vector<ContactRelation> random_relations(RandomStream& random, Index contac
   return relations;
 }
 
-Matrix literal(const Matrix& w, const std::vector<ContactRelation>& relations) {
+Matrix literal(const Matrix& w, const std::vector<ContactRelation<2>>& relations) {
   Matrix p = Matrix::Zero(w.rows(), w.cols()), q = p;
   for (Index c = 0; c < count(relations); ++c) {
     p.block<2, 2>(2 * c, 2 * c) = relations[at(c)].p;
@@ -55,7 +55,7 @@ TEST_CASE("linear systems of contacts are solved alike with contacts and with bo
       LocalFrictionProblem without = problem;
       without.mass = without.h = SparseMatrix();
       RandomStream random(100 + seed);
-      ContactMatrix matrix(problem, problem.w), of_contacts(without, without.w);
+      ContactMatrix<2> matrix(problem, problem.w), of_contacts(without, without.w);
       for (const double smallest : {1e-2, 1e-7}) {
         const auto relations = random_relations(random, contacts, smallest);
         const Vector r = random.normal_vector(2 * contacts);
@@ -80,8 +80,8 @@ TEST_CASE("linear systems of contacts are solved alike with contacts and with bo
 TEST_CASE("a contact of which nothing is asked leaves a matrix that is not factorised") {
   LocalFrictionProblem problem = reduce(random_bodies_problem(1, 10, 40));
   problem.mass = problem.h = SparseMatrix();
-  std::vector<ContactRelation> relations(40);
-  ContactMatrix matrix(problem, problem.w);
+  std::vector<ContactRelation<2>> relations(40);
+  ContactMatrix<2> matrix(problem, problem.w);
   CHECK(matrix.factorise(relations));
   relations[7].p.setZero();
   CHECK_FALSE(matrix.factorise(relations));

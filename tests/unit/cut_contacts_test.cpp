@@ -18,7 +18,7 @@ TEST_CASE("linear systems of contacts that are cut have the solutions of the who
       for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
         const Cut one = cut_lattice(grid);
         const Index contacts = one.parts.contacts / 2;
-        const std::vector<ContactRelation> relation = relations(contacts, 1e-3, slides);
+        const std::vector<ContactRelation<2>> relation = relations(contacts, 1e-3, slides);
         Matrix p = Matrix::Zero(2 * contacts, 2 * contacts), q = p;
         for (Index c = 0; c < contacts; ++c) {
           p.block<2, 2>(2 * c, 2 * c) = relation[at(c)].p;
@@ -26,7 +26,7 @@ TEST_CASE("linear systems of contacts that are cut have the solutions of the who
         }
         const Vector b = random_vector(stream, 2 * contacts);
         const Vector expected = (p + q * one.w).lu().solve(b);
-        CutContacts cut(one.parts, {.network = network, .tolerance = 1e-13});
+        CutContacts<2> cut(one.parts, {.network = network, .tolerance = 1e-13});
         REQUIRE(cut.factorise(relation));
         const Vector found = cut.solve(b);
         CHECK((found - expected).norm() < 1e-8 * expected.norm());
@@ -46,8 +46,8 @@ TEST_CASE("the sign of the determinant of systems that are cut is that of the wh
   std::array<int, 2> seen{};
   const Cut one = cut_lattice({3, 2});
   for (int trial = 0; trial < 40; ++trial) {
-    std::vector<ContactRelation> relation = relations(one.parts.contacts / 2, 0.1, true);
-    for (ContactRelation& each : relation)  // sliding with frictions that turn the determinant now and then
+    std::vector<ContactRelation<2>> relation = relations(one.parts.contacts / 2, 0.1, true);
+    for (ContactRelation<2>& each : relation)  // sliding with frictions that turn the determinant now and then
       if (each.p(1, 0) != 0) each.p(1, 0) = 6 * random_of(stream);
     const Index size = one.parts.contacts;
     Matrix p = Matrix::Zero(size, size), q = p;
@@ -56,7 +56,7 @@ TEST_CASE("the sign of the determinant of systems that are cut is that of the wh
       q.block<2, 2>(2 * c, 2 * c) = relation[at(c)].q;
     }
     const double determinant = (p + q * one.w).partialPivLu().determinant();
-    CutContacts cut(one.parts, {.tolerance = 1e-10});
+    CutContacts<2> cut(one.parts, {.tolerance = 1e-10});
     REQUIRE(cut.factorise(relation));
     cut.solve(random_vector(stream, size));
     CHECK(cut.determinant_sign() == (determinant < 0 ? -1 : 1));
@@ -69,7 +69,7 @@ TEST_CASE("the sign of the determinant of systems that are cut is that of the wh
 TEST_CASE("on active contacts of equal flexibility Stage 2 is Stage 1, and one iteration does") {
   RandomStream stream(5);
   const Cut one = cut_lattice({3, 2});
-  CutContacts cut(one.parts, {.flexibility = 1, .tolerance = 1e-8});
+  CutContacts<2> cut(one.parts, {.flexibility = 1, .tolerance = 1e-8});
   REQUIRE(cut.factorise(relations(one.parts.contacts / 2, 1e-2, false)));
   cut.solve(random_vector(stream, one.parts.contacts));
   CHECK(cut.work().iterations == 1);

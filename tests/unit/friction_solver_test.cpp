@@ -208,8 +208,8 @@ TEST_CASE("auto leaves very many contacts to accelerated gradients") {
   const FrictionSolution steps = solve_friction(problem, {.tolerance = 1e-9, .maximum_sweeps = 0});
   CHECK(steps.status == FrictionStatus::converged);  // without a sweep there are still Newton's steps
   CHECK(steps.factorisations > 0);
-  RelationSolver cut;  // what is to be cut into subdomains is not solved without linear systems
-  cut.factorise = [](const std::vector<ContactRelation>&) { return false; };
+  RelationSolver<2> cut;  // what is to be cut into subdomains is not solved without linear systems
+  cut.factorise = [](const std::vector<ContactRelation<2>>&) { return false; };
   cut.take_operations = [] { return 0.0; };
   CHECK(solve_friction(problem, {.tolerance = 1e-9}, {}, {}, cut).impulses == sweeps.impulses);
 }
@@ -361,7 +361,7 @@ TEST_CASE("an observer stops every solver, and the best impulses remain") {
   const LocalFrictionProblem problem = solvable_problem(5, 40, 50, false);
   double alone = 0;  // || r^1 ||
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const FullDelassus w = diagonal_block(problem, c);
+    const FullDelassus<2> w = diagonal_block<2>(problem, c);
     const LocalVector<2> stop = w.solve({-problem.q[2 * c], -problem.q[2 * c + 1]});
     alone += squared(Coulomb{}.impulse(stop, w, problem.friction[c]));
   }
@@ -392,7 +392,7 @@ TEST_CASE("one contact: the local solution obeys the law for any friction, on th
   RandomStream random(5);
   for (Index k = 0; k < 4000; ++k) {
     const double nn = 0.1 + random.uniform(), tt = 0.1 + random.uniform();
-    const FullDelassus w{nn, (2 * random.uniform() - 1) * 0.999 * std::sqrt(nn * tt), tt};
+    const FullDelassus<2> w{nn, (2 * random.uniform() - 1) * 0.999 * std::sqrt(nn * tt), tt};
     const double friction = k % 5 == 0 ? 0.0 : 6 * random.uniform() * random.uniform();
     LocalVector<2> stop{random.normal(), random.normal()};
     if (k % 3 == 0)

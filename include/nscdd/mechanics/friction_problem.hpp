@@ -6,54 +6,59 @@
 
 namespace nscdd {
 
-/// A plane frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities u = W r + q
-/// such that every contact obeys Signorini's and Coulomb's laws. Rows 2 c and 2 c + 1 are the normal and the tangential
-/// component of contact c; W is stored in full. Impulses are in N s and velocities in m/s, or forces in N and
-/// displacements in m.
+/// A frictional contact problem in the unknowns of its contacts alone: find impulses r and velocities u = W r + q such
+/// that every contact obeys Signorini's and Coulomb's laws. A contact c has D rows from D c on, its normal component
+/// and then its tangential ones: (n, t) in the plane, D = 2, and (n, t_1, t_2) in space, D = 3. W is stored in full.
+/// Impulses are in N s and velocities in m/s, or forces in N and displacements in m.
 struct LocalFrictionProblem {
-  SparseMatrix w;   ///< W, 2c x 2c, symmetric, 1/kg
-  Vector q;         ///< relative velocities without contact impulses, 2c entries
+  SparseMatrix w;   ///< W, D c x D c, symmetric, 1/kg
+  Vector q;         ///< relative velocities without contact impulses, D c entries
   Vector friction;  ///< coefficient of friction >= 0, c entries
   /// M and H where W = H^T M^-1 H is known to come from them, as `reduce` knows; else 0 x 0. Solvers that factorise
   /// are faster with them.
   SparseMatrix mass{}, h{};
+  Index dimension = 2;  ///< D: 2 or 3
 
   Index contacts() const { return friction.size(); }
+  Index size() const { return dimension * contacts(); }  ///< D c
 };
 
 /// The same problem with the velocities v of the bodies as unknowns:
 ///     M v = H r + f,   u = H^T v + w.
 struct GlobalFrictionProblem {
-  SparseMatrix mass;  ///< M, n x n, symmetric positive definite, stored in full, kg (kg m^2)
-  SparseMatrix h;     ///< H, n x 2c
-  Vector f;           ///< impulses of the loads and the momentum before, n entries
-  Vector w;           ///< relative velocities that moving supports add, 2c entries
-  Vector friction;    ///< c entries
+  SparseMatrix mass;    ///< M, n x n, symmetric positive definite, stored in full, kg (kg m^2)
+  SparseMatrix h;       ///< H, n x D c
+  Vector f;             ///< impulses of the loads and the momentum before, n entries
+  Vector w;             ///< relative velocities that moving supports add, D c entries
+  Vector friction;      ///< c entries
+  Index dimension = 2;  ///< D: 2 or 3
 
   Index contacts() const { return friction.size(); }
+  Index size() const { return dimension * contacts(); }
 };
 
 /// Largest difference of entries (i, j) and (j, i) of W or M, relative to the largest entry. Siconos writes six digits.
 inline constexpr double symmetry_tolerance = 1e-5;
 
 /// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a
-/// negative coefficient of friction, W or M that is not symmetric, and a contact whose 2 x 2 block of W is
+/// negative coefficient of friction, W or M that is not symmetric, and a contact whose D x D block of W is
 /// not positive definite. Whether M is positive definite is left to `reduce`.
 void check(const LocalFrictionProblem& problem, const std::string& name);
 void check(const GlobalFrictionProblem& problem, const std::string& name);
 
-/// The diagonal block W_c of a contact; its off-diagonal entry is the mean of both stored ones.
-FullDelassus diagonal_block(const LocalFrictionProblem& problem, Index contact);
+/// The diagonal block W_c of a contact; an off-diagonal entry is the mean of both stored ones.
+template <int D>
+FullDelassus<D> diagonal_block(const LocalFrictionProblem& problem, Index contact);
 
 /// Eliminates the velocities:  W = H^T M^-1 H,  q = H^T M^-1 f + w. Each connected piece of the pattern of M, in most
 /// problems one body, is factorised alone, densely if it is small: W couples only contacts that share a piece. Throws
 /// Error, beginning with `name`, for a problem that `check` refuses and for an M that is not positive definite.
 LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
-/// A problem of plane bodies as the linear study takes it: M is diagonal with three rows per body (two translations and
-/// a rotation), V^- = M^-1 f, and a contact is two links, its normal and its tangent. The velocities w of supports
-/// change no operator and are left out. Throws Error, beginning with `name`, for a problem that `check` refuses, an M
-/// that is not diagonal and positive, and rows that are not three per body.
+/// A problem of bodies as the linear study takes it: M is diagonal with three rows per body in the plane (two
+/// translations and a rotation) and six in space (three of each), V^- = M^-1 f, and a contact is two links, its normal
+/// and its tangent, or three. The velocities w of supports change no operator and are left out. Throws Error, beginning
+/// with `name`, for a problem that `check` refuses, an M that is not diagonal and positive, and other rows per body.
 ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name = "problem");
 
 /// v = M^-1 (H r + f), n entries. The problem must be one that `reduce` accepts.

@@ -50,13 +50,13 @@ struct FrictionSolverOptions {
 
 /// How well impulses solve the problem, and what the contacts do under them.
 struct FrictionState {
-  Vector velocities;  ///< u = W r + q, 2c entries
+  Vector velocities;  ///< u = W r + q, D c entries
   /// Natural map m_c of every contact with rho_c = 1 / W_nn of that contact, N s:
   ///     || m || / max(|| r ||, || r^1 ||),   r^1_c the impulse of contact c if it were the only one.
   /// The latter is a scale for impulses near zero. The residual is 0 if m = 0.
   double residual = 0;
-  /// As Siconos 4.4 computes it (fc2d_compute_error, called with the norm of q): || m || with rho = 1 for
-  /// every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
+  /// As Siconos 4.4 computes it (fc2d_compute_error, fc3d_compute_error, called with the norm of q): || m || with rho =
+  /// 1 for every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
   /// divided by || q ||.) It mixes velocities and impulses: its value depends on the units.
   double siconos_residual = 0;
   bool siconos_relative = true;          ///< whether it was divided
@@ -64,7 +64,7 @@ struct FrictionState {
   Index worst = -1;                      ///< the contact with the largest || m_c ||; -1 if all vanish
 };
 
-/// Evaluates impulses r, 2c entries. Sums in a fixed order: equal input gives equal bits.
+/// Evaluates impulses r, D c entries. Sums in a fixed order: equal input gives equal bits.
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses);
 
 enum class FrictionStatus {
@@ -88,7 +88,7 @@ struct FrictionStep {
 };
 
 struct FrictionSolution {
-  Vector impulses;           ///< r, 2c entries: of `nlgs` those of the last sweep, else the best that were met
+  Vector impulses;           ///< r, D c entries: of `nlgs` those of the last sweep, else the best that were met
   FrictionState state;       ///< of these impulses
   FrictionStep step;         ///< the step that led to them
   Index status_changes = 0;  ///< contacts that open, stick or slide otherwise than at the check before
@@ -115,11 +115,11 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
 using FrictionObserver = std::function<bool(const FrictionSolution&)>;
 
 /// Solves a contact problem by one of the algorithms (see docs/algorithms.md).
-/// In a Gauss-Seidel sweep (Jean and Moreau) each contact in turn takes the impulse that solves its own 2 x 2 problem
-/// exactly while the others keep theirs, relaxed by omega.
-/// `guess`: impulses to start from, 2c entries, or empty for zero. The problem must pass `check`. If friction is large,
-/// a solution need not exist nor be unique, and no algorithm need converge; the status says how it ended. Throws Error
-/// for a guess of another length and bad options.
+/// In a Gauss-Seidel sweep (Jean and Moreau) each contact in turn takes the impulse that solves its own problem of D
+/// components exactly while the others keep theirs, relaxed by omega.
+/// `guess`: impulses to start from, D c entries, or empty for zero. The problem must pass `check`. If friction is
+/// large, a solution need not exist nor be unique, and no algorithm need converge; the status says how it ended. Throws
+/// Error for a guess of another length and bad options.
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options = {},
                                 const Vector& guess = {}, const FrictionObserver& observer = {});
 

@@ -62,13 +62,16 @@ double squared(LocalVector<D> a) {
   return dot(a, a);
 }
 
-/// Status of a contact with Coulomb friction. Open: r = 0. Stick: v = 0, the impulse inside the cone. Slide:
-/// v_n = 0 and r_t = -friction r_n (forward, v_t >= 0) or +friction r_n (backward, v_t <= 0).
-enum class ContactStatus : signed char { open, stick, slide_forward, slide_backward };
+/// Status of a contact with Coulomb friction. Open: r = 0. Stick: v = 0, the impulse inside the cone. Slide: v_n = 0
+/// and |r_t| = friction r_n against the velocity. In the plane r_t = -friction r_n (forward, v_t >= 0) or +friction r_n
+/// (backward, v_t <= 0); in space there is one `slide`, whose direction is that of the impulse.
+enum class ContactStatus : signed char { open, stick, slide_forward, slide_backward, slide };
 
 constexpr auto names_of(ContactStatus) {
-  return std::to_array<std::string_view>({"open", "stick", "slide_forward", "slide_backward"});
+  return std::to_array<std::string_view>({"open", "stick", "slide_forward", "slide_backward", "slide"});
 }
+
+constexpr bool slides(ContactStatus status) { return status > ContactStatus::stick; }
 
 /// The diagonal block W_c of the Delassus operator of one contact, symmetric and positive definite, 1/kg. Of two disks
 /// or spheres it is diagonal, for the contact point lies on the line of centres: normal impulses cause no spin. In
@@ -98,18 +101,46 @@ struct DiagonalDelassus {
   }
 };
 
-/// The block of plane bodies of any other shape.
+/// A symmetric matrix of the tangent plane of a contact in space, [first mixed; mixed second].
+struct TangentMatrix {
+  double first = 0, mixed = 0, second = 0;
+};
+inline TangentVector operator*(const TangentMatrix& m, TangentVector a) {
+  return {m.first * a.first + m.mixed * a.second, m.mixed * a.first + m.second * a.second};
+}
+
+/// The block of bodies of any other shape: W_nn, the coupling W_nt, and W_tt.
+template <int D>
 struct FullDelassus {
   static constexpr bool coupled = true;
-  double nn = 0, nt = 0, tt = 0;
+  double nn = 0;
+  Tangent<D> nt{};
+  std::conditional_t<D == 2, double, TangentMatrix> tt{};
 
-  LocalVector<2> apply(LocalVector<2> r) const { return {nn * r.n + nt * r.t, nt * r.n + tt * r.t}; }
-  LocalVector<2> solve(LocalVector<2> v) const {
-    const double determinant = nn * tt - nt * nt;
-    return {(tt * v.n - nt * v.t) / determinant, (nn * v.t - nt * v.n) / determinant};
+  LocalVector<D> apply(LocalVector<D> r) const { return {nn * r.n + dot(nt, r.t), r.n * nt + tt * r.t}; }
+  LocalVector<D> solve(LocalVector<D> v) const {
+    if constexpr (D == 2) {
+      const double determinant = nn * tt - nt * nt;
+      return {(tt * v.n - nt * v.t) / determinant, (nn * v.t - nt * v.n) / determinant};
+    } else {  // by elimination, first of the normal component
+      const TangentVector over = (1 / nn) * nt, rest = v.t - v.n * over;
+      const double first = tt.first - nt.first * over.first, mixed = tt.mixed - nt.first * over.second;
+      const double lower = mixed / first, second = (tt.second - nt.second * over.second) - mixed * lower;
+      const double t2 = (rest.second - lower * rest.first) / second;
+      const TangentVector t{(rest.first - mixed * t2) / first, t2};
+      return {v.n / nn - dot(over, t), t};
+    }
   }
-  LocalVector<2> soften(LocalVector<2> r, double epsilon) const {
-    return FullDelassus{nn + epsilon, nt, tt + epsilon}.solve(apply(r));
+  LocalVector<D> soften(LocalVector<D> r, double epsilon) const {
+    FullDelassus softer = *this;
+    softer.nn += epsilon;
+    if constexpr (D == 2) {
+      softer.tt += epsilon;
+    } else {
+      softer.tt.first += epsilon;
+      softer.tt.second += epsilon;
+    }
+    return softer.solve(apply(r));
   }
 };
 

@@ -18,9 +18,10 @@ constexpr Index first_wait = 500;     // iterations with the first rho; then twi
 constexpr double unbalanced = 10;     // the primal residual |x - z| over the dual one, the change of z, or the reverse
 constexpr double fall_wanted = 0.3;   // of the smallest residual while rho stands
 
+template <int D>
 class AlternatingDirections {
  public:
-  AlternatingDirections(SolverRun& run, const Couplings& w);
+  AlternatingDirections(SolverRun<D>& run, const Couplings<D>& w);
 
   void iterate();
   /// rho that would balance the primal and the dual residual of the last iteration.
@@ -35,8 +36,8 @@ class AlternatingDirections {
  private:
   bool factorise();
 
-  SolverRun& run_;
-  const Couplings& w_;
+  SolverRun<D>& run_;
+  const Couplings<D>& w_;
   std::optional<CholeskyAnalysis> analysis_;  // none where M and H are known, or the system is cut
   std::optional<SparseCholesky> cholesky_;
   double weight_ = first_weight;
@@ -44,7 +45,8 @@ class AlternatingDirections {
   double primal_ = 0, dual_ = 0;                 // squares
 };
 
-AlternatingDirections::AlternatingDirections(SolverRun& run, const Couplings& w)
+template <int D>
+AlternatingDirections<D>::AlternatingDirections(SolverRun<D>& run, const Couplings<D>& w)
     : run_(run),
       w_(w),
       impulses_(run.now.impulses),
@@ -55,16 +57,18 @@ AlternatingDirections::AlternatingDirections(SolverRun& run, const Couplings& w)
   if (impulses_.isZero(0)) return;  // the velocities of no impulses are far from those of a solution
   multiplier_ = -run.now.state.velocities.cwiseQuotient(weight_ * w.normal);
   for (Index c = 0; c < run.problem.contacts(); ++c) {
-    shift_[c] = run.problem.friction[c] * std::abs(run.now.state.velocities[2 * c + 1]);
-    multiplier_[2 * c] -= shift_[c] / (weight_ * w.normal[2 * c]);
+    shift_[c] = run.problem.friction[c] * norm(component<D>(run.now.state.velocities, c).t);
+    multiplier_[D * c] -= shift_[c] / (weight_ * w.normal[D * c]);
   }
 }
 
-bool AlternatingDirections::factorise() {
+template <int D>
+bool AlternatingDirections<D>::factorise() {
   ++run_.now.factorisations;
   if (!analysis_) {
-    std::vector<ContactRelation> relations(at(run_.problem.contacts()), {.q = Eigen::Matrix2d::Identity()});
-    for (Index c = 0; c < count(relations); ++c) relations[at(c)].p *= weight_ * w_.normal[2 * c];
+    using Relation = ContactRelation<D>;
+    std::vector<Relation> relations(at(run_.problem.contacts()), {.q = Relation::Block::Identity()});
+    for (Index c = 0; c < count(relations); ++c) relations[at(c)].p *= weight_ * w_.normal[D * c];
     return w_.matrix.factorise(std::move(relations));
   }
   SparseMatrix matrix = w_.symmetric;
@@ -74,7 +78,8 @@ bool AlternatingDirections::factorise() {
   return cholesky_->positive_definite();
 }
 
-bool AlternatingDirections::change_weight(double weight) {
+template <int D>
+bool AlternatingDirections<D>::change_weight(double weight) {
   for (; weight <= most_weight && !run_.spent(); weight *= 10) {
     multiplier_ *= weight_ / weight;
     weight_ = weight;
@@ -83,19 +88,19 @@ bool AlternatingDirections::change_weight(double weight) {
   return false;
 }
 
-void AlternatingDirections::iterate() {
+template <int D>
+void AlternatingDirections<D>::iterate() {
   const Vector scaled = weight_ * w_.normal, velocities = -scaled.cwiseProduct(multiplier_);
   Vector right = scaled.cwiseProduct(impulses_ - multiplier_) - run_.problem.q - rest_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    shift_[c] += renewed_part * (run_.problem.friction[c] * std::abs(velocities[2 * c + 1]) - shift_[c]);
-    right[2 * c] -= shift_[c];
+    shift_[c] += renewed_part * (run_.problem.friction[c] * norm(component<D>(velocities, c).t) - shift_[c]);
+    right[D * c] -= shift_[c];
   }
   const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : w_.matrix.solve(right);
   const Vector relaxed = relaxation * coupled + (1 - relaxation) * impulses_, before = impulses_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    const LocalVector<2> moved = component(relaxed, c) + component(multiplier_, c);
-    const LocalVector<2> r = project_on_cone(moved, run_.problem.friction[c]);
-    impulses_.segment<2>(2 * c) << r.n, r.t;
+    const LocalVector<D> moved = component<D>(relaxed, c) + component<D>(multiplier_, c);
+    set_component(impulses_, c, project_on_cone(moved, run_.problem.friction[c]));
   }
   multiplier_ += relaxed - impulses_;
   primal_ = (coupled - impulses_).cwiseAbs2().dot(w_.normal);
@@ -103,7 +108,8 @@ void AlternatingDirections::iterate() {
   run_.now.operations += cholesky_ ? cholesky_->solve_operations() : w_.matrix.take_operations();
 }
 
-double AlternatingDirections::balanced_weight() const {
+template <int D>
+double AlternatingDirections<D>::balanced_weight() const {
   const double ratio = std::sqrt(primal_ / dual_);
   if (!(ratio > unbalanced || ratio < 1 / unbalanced)) return weight_;
   return weight_ * std::clamp(std::sqrt(ratio), 0.1, 10.0);
@@ -111,14 +117,15 @@ double AlternatingDirections::balanced_weight() const {
 
 }  // namespace
 
-void admm(SolverRun& run) {
+template <int D>
+void admm(SolverRun<D>& run) {
   const FrictionSolverOptions& options = run.options;
   if (run.judge(run.now.impulses) || run.spent()) return;
   const OneBlasThread serial_blas;  // for all solves: that of each is then cheap
-  const Couplings w(run.problem, run.linear);
-  AlternatingDirections directions(run, w);
+  const Couplings<D> w(run.problem, run.linear);
+  AlternatingDirections<D> directions(run, w);
   bool regular = directions.change_weight(first_weight);
-  StallWatch watch(run);
+  StallWatch<D> watch(run);
   double smallest = infinity, smallest_before = infinity;
   for (Index wait = first_wait, next = wait; regular && run.now.sweeps < options.maximum_sweeps;) {
     const Index many = std::min(options.check_every, options.maximum_sweeps - run.now.sweeps);
@@ -137,5 +144,8 @@ void admm(SolverRun& run) {
   }
   if (!regular && !run.spent()) run.now.status = FrictionStatus::stalled;
 }
+
+template void admm(SolverRun<2>&);
+template void admm(SolverRun<3>&);
 
 }  // namespace nscdd

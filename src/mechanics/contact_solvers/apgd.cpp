@@ -11,16 +11,17 @@ namespace {
 constexpr double inner_part = 0.3;
 
 // Norms and gradients are those of impulses times the root of W_nn of their contact: masses may be very unequal.
+template <int D>
 class ProjectedGradients {
  public:
-  explicit ProjectedGradients(const SolverRun& run) : run_(run), shift_(Vector::Zero(run.problem.q.size())) {
+  explicit ProjectedGradients(const SolverRun<D>& run) : run_(run), shift_(Vector::Zero(run.problem.q.size())) {
     restart(run.now.impulses, run.judged.w * run.now.impulses + run.problem.q);
     next_ = next_velocity_ = Vector::Zero(run.problem.q.size());
   }
 
   void renew_shift() {
     for (Index c = 0; c < run_.problem.contacts(); ++c)
-      shift_[2 * c] = run_.problem.friction[c] * std::abs(velocity_[2 * c + 1]);
+      shift_[D * c] = run_.problem.friction[c] * norm(component<D>(velocity_, c).t);
     restart(impulses_, velocity_);
   }
 
@@ -43,13 +44,14 @@ class ProjectedGradients {
     velocity_ = velocity_ahead_ = velocity;
     momentum_ = 1;
   }
-  LocalVector<2> projected(Index c, const Vector& from, LocalVector<2> gradient, double length) const {
-    return project_on_cone(component(from, c) - (length / run_.judged.normal[c]) * gradient, run_.problem.friction[c]);
+  LocalVector<D> projected(Index c, const Vector& from, LocalVector<D> gradient, double length) const {
+    return project_on_cone(component<D>(from, c) - (length / run_.judged.normal[c]) * gradient,
+                           run_.problem.friction[c]);
   }
-  LocalVector<2> gradient_ahead(Index c) const { return component(velocity_ahead_, c) + component(shift_, c); }
+  LocalVector<D> gradient_ahead(Index c) const { return component<D>(velocity_ahead_, c) + component<D>(shift_, c); }
   Sums step_ahead();
 
-  const SolverRun& run_;
+  const SolverRun<D>& run_;
   Vector shift_;
   Vector impulses_, ahead_;           // the last ones, and where Nesterov's momentum leads
   Vector velocity_, velocity_ahead_;  // W r + q of both
@@ -58,33 +60,36 @@ class ProjectedGradients {
   Index products_ = 1;
 };
 
-double ProjectedGradients::natural_maps() const {
+template <int D>
+double ProjectedGradients<D>::natural_maps() const {
   double squares = 0;
   for (Index c = 0; c < run_.problem.contacts(); ++c)
-    squares +=
-        squared(component(impulses_, c) - projected(c, impulses_, component(velocity_, c) + component(shift_, c), 1));
+    squares += squared(component<D>(impulses_, c) -
+                       projected(c, impulses_, component<D>(velocity_, c) + component<D>(shift_, c), 1));
   return std::sqrt(squares);
 }
 
 // Sums are those of the parts in their order, so the number of threads changes no bit.
-ProjectedGradients::Sums ProjectedGradients::step_ahead() {
+template <int D>
+typename ProjectedGradients<D>::Sums ProjectedGradients<D>::step_ahead() {
   const Index contacts = run_.problem.contacts();
   for_parts(contacts, [&](const ContactRange& range) {
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector<2> r = projected(c, ahead_, gradient_ahead(c), length_);
-      next_.segment<2>(2 * c) << r.n, r.t;
+      const LocalVector<D> r = projected(c, ahead_, gradient_ahead(c), length_);
+      set_component(next_, c, r);
     }
   });
   std::vector<Sums> of_parts(at(parts_of(contacts)));
   for_parts(contacts, [&](const ContactRange& range) {
     Sums sums;
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector<2> r = component(next_, c), u = run_.judged.w.add_row(c, next_, component(run_.problem.q, c));
-      next_velocity_.segment<2>(2 * c) << u.n, u.t;
-      const LocalVector<2> change = r - component(ahead_, c);
-      sums.curved += dot(change, u - component(velocity_ahead_, c));
+      const LocalVector<D> r = component<D>(next_, c),
+                           u = run_.judged.w.add_row(c, next_, component<D>(run_.problem.q, c));
+      set_component(next_velocity_, c, u);
+      const LocalVector<D> change = r - component<D>(ahead_, c);
+      sums.curved += dot(change, u - component<D>(velocity_ahead_, c));
       sums.metric += run_.judged.normal[c] * squared(change);
-      sums.uphill += dot(gradient_ahead(c), r - component(impulses_, c));
+      sums.uphill += dot(gradient_ahead(c), r - component<D>(impulses_, c));
     }
     of_parts[at(range.part)] = sums;
   });
@@ -98,7 +103,8 @@ ProjectedGradients::Sums ProjectedGradients::step_ahead() {
   return total;
 }
 
-double ProjectedGradients::advance() {
+template <int D>
+double ProjectedGradients<D>::advance() {
   length_ /= 0.9;  // it may grow again
   Sums sums = step_ahead();
   for (; sums.curved * length_ > sums.metric; sums = step_ahead()) length_ /= 2;
@@ -109,7 +115,7 @@ double ProjectedGradients::advance() {
   const double before = std::exchange(momentum_, (1 + std::sqrt(1 + 4 * momentum_ * momentum_)) / 2);
   const double beta = (before - 1) / momentum_;
   for_parts(run_.problem.contacts(), [&](const ContactRange& range) {
-    const Index first = 2 * range.first, size = 2 * range.last - first;
+    const Index first = D * range.first, size = D * range.last - first;
     const auto go = [&](const Vector& next, Vector& last, Vector& ahead) {
       ahead.segment(first, size) = (1 + beta) * next.segment(first, size) - beta * last.segment(first, size);
     };
@@ -123,10 +129,11 @@ double ProjectedGradients::advance() {
 
 }  // namespace
 
-void apgd(SolverRun& run) {
+template <int D>
+void apgd(SolverRun<D>& run) {
   const FrictionSolverOptions& options = run.options;
-  ProjectedGradients gradients(run);
-  StallWatch watch(run);
+  ProjectedGradients<D> gradients(run);
+  StallWatch<D> watch(run);
   double length = not_a_number;
   for (;;) {
     if (run.judge(gradients.impulses(), {.length = length}) || watch.ends(run)) return;
@@ -138,5 +145,8 @@ void apgd(SolverRun& run) {
     run.now.operations += run.product_operations() * static_cast<double>(gradients.products());
   }
 }
+
+template void apgd(SolverRun<2>&);
+template void apgd(SolverRun<3>&);
 
 }  // namespace nscdd

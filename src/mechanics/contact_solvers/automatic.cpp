@@ -14,10 +14,11 @@ constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10
 
 }  // namespace
 
-void automatic(SolverRun& run) {
+template <int D>
+void automatic(SolverRun<D>& run) {
   const FrictionSolverOptions& options = run.options;
   const auto& smoothings = run.now.impulses.isZero(0) ? cold_smoothings : warm_smoothings;
-  std::optional<Couplings> w;
+  std::optional<Couplings<D>> w;
   std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they are of no more use
   // Whether that is the end of the run. Where they stalled, there are other ways.
   const auto is_over = [&] {
@@ -47,5 +48,8 @@ void automatic(SolverRun& run) {
   const bool limited = run.spent() || (run.now.sweeps >= options.maximum_sweeps && !given_up);
   run.now.status = limited ? FrictionStatus::maximum_reached : given_up.value_or(FrictionStatus::stalled);
 }
+
+template void automatic(SolverRun<2>&);
+template void automatic(SolverRun<3>&);
 
 }  // namespace nscdd

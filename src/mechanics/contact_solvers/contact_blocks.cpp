@@ -23,20 +23,25 @@ void for_parts(Index contacts, const std::function<void(const ContactRange&)>& v
   for (Index k = 0; k < parts_of(contacts); ++k) part(k);
 }
 
-ContactBlocks::ContactBlocks(const SparseMatrix& w, const std::vector<Index>& contact) {
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> rows = w;
-  std::vector<int> place_of(at(rows.rows() / 2));
+template <int D>
+ContactBlocks<D>::ContactBlocks(const SparseMatrix& w, const std::vector<Index>& contact) {
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  const Rows rows = w;
+  std::vector<int> place_of(at(rows.rows() / D));
   std::iota(place_of.begin(), place_of.end(), 0);
   for (std::size_t place = 0; place < contact.size(); ++place) place_of[at(contact[place])] = static_cast<int>(place);
   for (Index place = 0; place < count(place_of); ++place) {
     const Index c = contact.empty() ? place : contact[at(place)];
-    decltype(rows)::InnerIterator n(rows, 2 * c), t(rows, 2 * c + 1);
-    const auto next = [](const auto& e) { return e ? e.col() / 2 : std::numeric_limits<Index>::max(); };
-    while (n || t) {
-      const Index other = std::min(next(n), next(t));
+    std::vector<Rows::InnerIterator> own;
+    for (Index k = 0; k < D; ++k) own.emplace_back(rows, D * c + k);
+    for (;;) {
+      Index other = std::numeric_limits<Index>::max();
+      for (const auto& e : own)
+        if (e) other = std::min(other, e.col() / D);
+      if (other == std::numeric_limits<Index>::max()) break;
       Block block{};
-      for (; n && n.col() / 2 == other; ++n) block[0][at(n.col() % 2)] = n.value();
-      for (; t && t.col() / 2 == other; ++t) block[1][at(t.col() % 2)] = t.value();
+      for (std::size_t k = 0; k < D; ++k)
+        for (auto& e = own[k]; e && e.col() / D == other; ++e) block[k][at(e.col() % D)] = e.value();
       column_.push_back(place_of[at(other)]);
       block_.push_back(block);
     }
@@ -46,15 +51,16 @@ ContactBlocks::ContactBlocks(const SparseMatrix& w, const std::vector<Index>& co
   block_.shrink_to_fit();
 }
 
-Vector ContactBlocks::operator*(const Vector& x) const {
-  Vector result(2 * places());
+template <int D>
+Vector ContactBlocks<D>::operator*(const Vector& x) const {
+  Vector result(D * places());
   for_parts(places(), [&](const ContactRange& range) {
-    for (Index place = range.first; place < range.last; ++place) {
-      const LocalVector<2> sum = add_row(place, x, {});
-      result.segment<2>(2 * place) << sum.n, sum.t;
-    }
+    for (Index place = range.first; place < range.last; ++place) set_component(result, place, add_row(place, x, {}));
   });
   return result;
 }
+
+template class ContactBlocks<2>;
+template class ContactBlocks<3>;
 
 }  // namespace nscdd

@@ -10,8 +10,25 @@
 
 namespace nscdd {
 
-inline LocalVector<2> component(const Vector& values, Index contact) {
-  return {values[2 * contact], values[2 * contact + 1]};
+/// Of a vector with D entries per contact.
+template <int D>
+LocalVector<D> component(const Vector& values, Index contact) {
+  const double* own = values.data() + D * contact;
+  if constexpr (D == 2)
+    return {own[0], own[1]};
+  else
+    return {own[0], {own[1], own[2]}};
+}
+template <int D>
+void set_component(Vector& values, Index contact, const LocalVector<D>& value) {
+  double* own = values.data() + D * contact;
+  own[0] = value.n;
+  if constexpr (D == 2) {
+    own[1] = value.t;
+  } else {
+    own[1] = value.t.first;
+    own[2] = value.t.second;
+  }
 }
 
 /// Contacts, or places, that one thread takes at a time.
@@ -24,12 +41,13 @@ Index parts_of(Index contacts);
 /// Calls visit(range) for all parts, in threads where contacts are many.
 void for_parts(Index contacts, const std::function<void(const ContactRange&)>& visit);
 
-/// A matrix of contacts, as W is, by rows of 2 x 2 blocks (n, t) x (n, t) of pairs of contacts, with zeros where only a
+/// A matrix of contacts, as W is, by rows of D x D blocks (n, t) x (n, t) of pairs of contacts, with zeros where only a
 /// part of a block is stored. A product takes a third of the time that one with single entries does. Contacts may be
 /// in another order than in the matrix: a "place" is a position in it.
+template <int D>
 class ContactBlocks {
  public:
-  using Block = std::array<std::array<double, 2>, 2>;
+  using Block = std::array<std::array<double, D>, D>;
 
   ContactBlocks() = default;
   /// `contact`: at each place; by default as they are numbered.
@@ -40,15 +58,22 @@ class ContactBlocks {
   std::span<const int> row(Index place) const {
     return std::span(column_).subspan(at(start_[at(place)]), at(start_[at(place + 1)] - start_[at(place)]));
   }
-  /// sum + the row of a place times x (two components per place), block by block from the left. Sweeps spend their time
+  /// sum + the row of a place times x (D components per place), block by block from the left. Sweeps spend their time
   /// here: a call would take as long as what it does.
-  LocalVector<2> add_row(Index place, const Vector& x, LocalVector<2> sum) const {
+  LocalVector<D> add_row(Index place, const Vector& x, LocalVector<D> sum) const {
     for (Index k = start_[at(place)]; k < start_[at(place + 1)]; ++k) {
       const Block& b = block_[at(k)];
-      const Index other = 2 * static_cast<Index>(column_[at(k)]);
-      const double n = x[other], t = x[other + 1];
-      sum.n += b[0][0] * n + b[0][1] * t;
-      sum.t += b[1][0] * n + b[1][1] * t;
+      const double* other = x.data() + D * static_cast<Index>(column_[at(k)]);
+      if constexpr (D == 2) {
+        const double n = other[0], t = other[1];
+        sum.n += b[0][0] * n + b[0][1] * t;
+        sum.t += b[1][0] * n + b[1][1] * t;
+      } else {
+        const double n = other[0], s = other[1], t = other[2];
+        sum.n += b[0][0] * n + b[0][1] * s + b[0][2] * t;
+        sum.t.first += b[1][0] * n + b[1][1] * s + b[1][2] * t;
+        sum.t.second += b[2][0] * n + b[2][1] * s + b[2][2] * t;
+      }
     }
     return sum;
   }
@@ -59,5 +84,7 @@ class ContactBlocks {
   std::vector<int> column_;
   std::vector<Block> block_;
 };
+extern template class ContactBlocks<2>;
+extern template class ContactBlocks<3>;
 
 }  // namespace nscdd

@@ -12,23 +12,26 @@ constexpr int most_refinements = 5;
 constexpr double refined = 1e-11;  // of b: a solver sees the rest and takes another step if it matters
 
 // W in whole blocks, zeros where it has none, and the blocks of all contacts with themselves.
+template <int D>
 SparseMatrix whole_blocks(const SparseMatrix& w) {
   SparseEntries entries;
   const auto add_block = [&](Index c, Index d) {
-    for (const Index j : {2 * d, 2 * d + 1})
-      for (const Index i : {2 * c, 2 * c + 1}) entries.add(i, j, 0);
+    for (Index j = D * d; j < D * (d + 1); ++j)
+      for (Index i = D * c; i < D * (c + 1); ++i) entries.add(i, j, 0);
   };
+  std::pair<Index, Index> last{-1, -1};  // contact and column: entries come column by column
   for_entries(w, [&](Index i, Index j, double value) {
-    if (i % 2 == 0 || j % 2 != 0) add_block(i / 2, j / 2);
+    if (std::exchange(last, {i / D, j}) != std::pair(i / D, j)) add_block(i / D, j / D);
     entries.add(i, j, value);
   });
-  for (Index c = 0; c < w.rows() / 2; ++c) add_block(c, c);
+  for (Index c = 0; c < w.rows() / D; ++c) add_block(c, c);
   return entries.matrix(w.rows(), w.cols());
 }
 
+template <int D>
 std::vector<Index> rows_of(const SparseMatrix& h, Index contact) {
   std::vector<Index> rows;
-  for (const Index j : {2 * contact, 2 * contact + 1})
+  for (Index j = D * contact; j < D * (contact + 1); ++j)
     for (SparseMatrix::InnerIterator e(h, j); e; ++e) rows.push_back(e.row());
   std::ranges::sort(rows);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
@@ -36,11 +39,12 @@ std::vector<Index> rows_of(const SparseMatrix& h, Index contact) {
 }
 
 // M with a place for every product of two rows of H that share a contact.
+template <int D>
 SparseMatrix with_places(const SparseMatrix& mass, const SparseMatrix& h) {
   SparseEntries entries;
   entries.add_block(mass, 0, 0);
-  for (Index c = 0; c < h.cols() / 2; ++c) {
-    const std::vector<Index> rows = rows_of(h, c);
+  for (Index c = 0; c < h.cols() / D; ++c) {
+    const std::vector<Index> rows = rows_of<D>(h, c);
     for (const Index j : rows)
       for (const Index i : rows) entries.add(i, j, 0);
   }
@@ -49,33 +53,36 @@ SparseMatrix with_places(const SparseMatrix& mass, const SparseMatrix& h) {
 
 }  // namespace
 
-Vector rest_of(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u) {
+template <int D>
+Vector rest_of(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r, const Vector& u) {
   Vector rest = b;
   for (Index c = 0; c < count(relations); ++c)
-    rest.segment<2>(2 * c) -= relations[at(c)].p * r.segment<2>(2 * c) + relations[at(c)].q * u.segment<2>(2 * c);
+    rest.segment<D>(D * c) -= relations[at(c)].p * r.segment<D>(D * c) + relations[at(c)].q * u.segment<D>(D * c);
   return rest;
 }
 
-ContactMatrix::ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w) : problem_(problem), w_(w) {
-  if (problem.h.cols() > 0) constant_ = with_places(problem.mass, problem.h);
+template <int D>
+ContactMatrix<D>::ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w) : problem_(problem), w_(w) {
+  if (problem.h.cols() > 0) constant_ = with_places<D>(problem.mass, problem.h);
   if (problem.h.cols() > 0 && constant_.nonZeros() < w.nonZeros())
     bodies_.resize(at(problem.contacts()));
   else
-    constant_ = whole_blocks(w);
+    constant_ = whole_blocks<D>(w);
   matrix_ = constant_;
   for (Index c = 0; c < count(bodies_); ++c) {
     Bodies& own = bodies_[at(c)];
-    own.rows = rows_of(problem.h, c);
-    own.h.resize(count(own.rows), 2);
+    own.rows = rows_of<D>(problem.h, c);
+    own.h.resize(count(own.rows), D);
     for (Index i = 0; i < count(own.rows); ++i)
-      for (const Index k : {0, 1}) own.h(i, k) = problem.h.coeff(own.rows[at(i)], 2 * c + k);
+      for (Index k = 0; k < D; ++k) own.h(i, k) = problem.h.coeff(own.rows[at(i)], D * c + k);
     for (const Index j : own.rows)
       for (const Index i : own.rows) own.places.push_back(&matrix_.coeffRef(i, j) - matrix_.valuePtr());
   }
   lu_.emplace(matrix_);
 }
 
-void ContactMatrix::assemble_bodies() {
+template <int D>
+void ContactMatrix<D>::assemble_bodies() {
   std::copy_n(constant_.valuePtr(), constant_.nonZeros(), matrix_.valuePtr());
   inverse_.resize(bodies_.size());
   stiffness_.resize(bodies_.size());
@@ -89,33 +96,38 @@ void ContactMatrix::assemble_bodies() {
   }
 }
 
-void ContactMatrix::assemble_contacts() {
+template <int D>
+void ContactMatrix<D>::assemble_contacts() {
   for (Index j = 0; j < matrix_.cols(); ++j)
-    for (Index k = matrix_.outerIndexPtr()[j]; k < matrix_.outerIndexPtr()[j + 1]; k += 2) {
-      const Index contact = matrix_.innerIndexPtr()[k] / 2;
-      const ContactRelation& relation = relations_[at(contact)];
-      Eigen::Vector2d column = relation.q * Eigen::Vector2d::Map(constant_.valuePtr() + k);
-      if (contact == j / 2) column += relation.p.col(j % 2);
-      Eigen::Vector2d::Map(matrix_.valuePtr() + k) = column;
+    for (Index k = matrix_.outerIndexPtr()[j]; k < matrix_.outerIndexPtr()[j + 1]; k += D) {
+      const Index contact = matrix_.innerIndexPtr()[k] / D;
+      const ContactRelation<D>& relation = relations_[at(contact)];
+      using Column = Eigen::Matrix<double, D, 1>;
+      Column column = relation.q * Column::Map(constant_.valuePtr() + k);
+      if (contact == j / D) column += relation.p.col(j % D);
+      Column::Map(matrix_.valuePtr() + k) = column;
     }
 }
 
-bool ContactMatrix::factorise(std::vector<ContactRelation> relations) {
+template <int D>
+bool ContactMatrix<D>::factorise(std::vector<ContactRelation<D>> relations) {
   relations_ = std::move(relations);
   bodies_.empty() ? assemble_contacts() : assemble_bodies();
   return lu_->factorise(matrix_);
 }
 
-Vector ContactMatrix::solve_once(const Vector& b) const {
+template <int D>
+Vector ContactMatrix<D>::solve_once(const Vector& b) const {
   if (bodies_.empty()) return lu_->solve(b);
   Vector r(b.size());
-  for (Index c = 0; c < count(relations_); ++c) r.segment<2>(2 * c) = inverse_[at(c)] * b.segment<2>(2 * c);
+  for (Index c = 0; c < count(relations_); ++c) r.segment<D>(D * c) = inverse_[at(c)] * b.segment<D>(D * c);
   const Vector u = problem_.h.transpose() * lu_->solve(problem_.h * r);
-  for (Index c = 0; c < count(relations_); ++c) r.segment<2>(2 * c) -= stiffness_[at(c)] * u.segment<2>(2 * c);
+  for (Index c = 0; c < count(relations_); ++c) r.segment<D>(D * c) -= stiffness_[at(c)] * u.segment<D>(D * c);
   return r;
 }
 
-Vector ContactMatrix::solve(const Vector& b) const {
+template <int D>
+Vector ContactMatrix<D>::solve(const Vector& b) const {
   Vector r = solve_once(b), rest = rest_of(relations_, b, r, w_ * r);
   for (int step = 0; step < most_refinements && rest.norm() > refined * b.norm(); ++step) {
     Vector next = r + solve_once(rest), next_rest = rest_of(relations_, b, next, w_ * next);
@@ -128,9 +140,15 @@ Vector ContactMatrix::solve(const Vector& b) const {
   return r;
 }
 
-double ContactMatrix::take_operations() {
+template <int D>
+double ContactMatrix<D>::take_operations() {
   const double before = std::exchange(taken_, lu_->operations());
   return taken_ - before;
 }
+
+template Vector rest_of(const std::vector<ContactRelation<2>>&, const Vector&, const Vector&, const Vector&);
+template Vector rest_of(const std::vector<ContactRelation<3>>&, const Vector&, const Vector&, const Vector&);
+template class ContactMatrix<2>;
+template class ContactMatrix<3>;
 
 }  // namespace nscdd

@@ -8,28 +8,32 @@
 namespace nscdd {
 
 /// What a linear step of a contact solver asks of a contact:  P r + Q u = b, with u = W r and an invertible P. Rows and
-/// columns: normal, tangential.
+/// columns: normal, then tangential.
+template <int D>
 struct ContactRelation {
-  Eigen::Matrix2d p = Eigen::Matrix2d::Identity(), q = Eigen::Matrix2d::Zero();
+  using Block = Eigen::Matrix<double, D, D>;
+  Block p = Block::Identity(), q = Block::Zero();
 };
 
-/// b - P r - Q u, 2c entries, for a relation of each contact and u = W r.
-Vector rest_of(const std::vector<ContactRelation>& relations, const Vector& b, const Vector& r, const Vector& u);
+/// b - P r - Q u, D c entries, for a relation of each contact and u = W r.
+template <int D>
+Vector rest_of(const std::vector<ContactRelation<D>>& relations, const Vector& b, const Vector& r, const Vector& u);
 
-/// The linear system  P r + Q W r = b  of all contacts, P and Q with a 2 x 2 block per contact, for many P and Q. It is
+/// The linear system  P r + Q W r = b  of all contacts, P and Q with a D x D block per contact, for many P and Q. It is
 /// factorised as it stands or, where M and H are known and leave fewer entries, with the velocities v of the bodies as
 /// unknowns:
 ///     (M + H P^-1 Q H^T) v = H P^-1 b,   r = P^-1 (b - Q H^T v).
 /// Steps of iterative refinement on the first form follow either, as long as they halve the rest. W stands for its
 /// symmetric part, see Couplings.
+template <int D>
 class ContactMatrix {
  public:
   /// `w`: the symmetric part of problem.w. The problem must outlive this.
   ContactMatrix(const LocalFrictionProblem& problem, const SparseMatrix& w);
 
   /// Returns false for a matrix that is singular to rounding; `solve` must not be called then. One relation a contact.
-  bool factorise(std::vector<ContactRelation> relations);
-  /// r, 2c entries, for b of the same length and the relations given last.
+  bool factorise(std::vector<ContactRelation<D>> relations);
+  /// r, D c entries, for b of the same length and the relations given last.
   Vector solve(const Vector& b) const;
   /// Of P + Q W with the relations given last, 1 or -1, for P with positive determinants.
   int determinant_sign() const { return lu_->determinant_sign(); }
@@ -37,10 +41,12 @@ class ContactMatrix {
   double take_operations();
 
  private:
+  using Block = Eigen::Matrix<double, D, D>;
+
   // The k rows of H that a contact has, and where their products lie among the values of the matrix.
   struct Bodies {
     std::vector<Index> rows;
-    Eigen::Matrix<double, Eigen::Dynamic, 2> h;
+    Eigen::Matrix<double, Eigen::Dynamic, D> h;
     std::vector<std::ptrdiff_t> places;  // k x k, column by column
   };
 
@@ -49,20 +55,23 @@ class ContactMatrix {
   Vector solve_once(const Vector& b) const;
 
   const LocalFrictionProblem& problem_;
-  const ContactBlocks w_;
+  const ContactBlocks<D> w_;
   std::vector<Bodies> bodies_;  // of each contact; none where the unknowns are those of the contacts
-  SparseMatrix constant_;       // M or W, with a place for every entry of the matrix: W in whole 2 x 2 blocks
+  SparseMatrix constant_;       // M or W, with a place for every entry of the matrix: W in whole D x D blocks
   SparseMatrix matrix_;
-  std::vector<ContactRelation> relations_;
-  std::vector<Eigen::Matrix2d> inverse_, stiffness_;  // P^-1 and P^-1 Q of each contact, where bodies are unknowns
+  std::vector<ContactRelation<D>> relations_;
+  std::vector<Block> inverse_, stiffness_;  // P^-1 and P^-1 Q of each contact, where bodies are unknowns
   std::optional<SparseLu> lu_;
   double taken_ = 0;  // of its operations
 };
+extern template class ContactMatrix<2>;
+extern template class ContactMatrix<3>;
 
 /// What solves such systems: a ContactMatrix, or another way with the same answers. A solution that is not found is not
 /// finite.
+template <int D>
 struct RelationSolver {
-  std::function<bool(std::vector<ContactRelation>)> factorise;
+  std::function<bool(std::vector<ContactRelation<D>>)> factorise;
   std::function<Vector(const Vector&)> solve;
   std::function<double()> take_operations;
   std::function<int()> determinant_sign = [] { return 1; };  ///< by default: not known

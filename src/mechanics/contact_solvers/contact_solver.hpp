@@ -11,28 +11,32 @@
 namespace nscdd {
 
 /// The impulse that would bring a contact to rest, the others held:  r_c - W_c^-1 u_c.
-inline LocalVector<2> stopping(const FullDelassus& w, LocalVector<2> impulse, LocalVector<2> u) {
+template <int D>
+LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalVector<D> u) {
   return impulse - w.solve(u);
 }
 
 /// What every evaluation of impulses needs of a problem.
+template <int D>
 struct JudgedProblem {
-  ContactBlocks w;
+  ContactBlocks<D> w;
   Vector normal;     ///< W_nn of each contact, 1/kg
   double alone = 0;  ///< || r^1 ||, the impulses of the contacts each alone, N s
 };
 
 /// The run of a contact solver: what it solves, from where, and what it has found so far. A contact solver is one file
-/// in this folder, a function of a run, and one word in the list of friction_solver.cpp.
+/// in this folder, a function of a run in the plane (D = 2) and in space (D = 3), and one word in the list of
+/// friction_solver.cpp.
+template <int D>
 class SolverRun {
  public:
   SolverRun(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess,
-            const FrictionObserver& observer, const RelationSolver& linear = {});
+            const FrictionObserver& observer, const RelationSolver<D>& linear = {});
 
   const LocalFrictionProblem& problem;
   const FrictionSolverOptions& options;
-  const RelationSolver linear;  ///< see Couplings
-  const JudgedProblem judged;
+  const RelationSolver<D> linear;  ///< see Couplings
+  const JudgedProblem<D> judged;
   FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
 
   /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
@@ -70,42 +74,54 @@ class SolverRun {
 
 /// W as W_s + W_a with a symmetric W_s, as files of six digits need it, W_nn of its contact at each component, and what
 /// solves linear systems of contacts.
+template <int D>
 struct Couplings {
   /// `solver`: what solves the linear systems; by default a ContactMatrix.
-  explicit Couplings(const LocalFrictionProblem& problem, const RelationSolver& solver = {});
+  explicit Couplings(const LocalFrictionProblem& problem, const RelationSolver<D>& solver = {});
   Couplings(const Couplings&) = delete;  // `matrix` looks at `symmetric`
   Couplings& operator=(const Couplings&) = delete;
 
   SparseMatrix symmetric, rest;
-  ContactBlocks blocks;  ///< of W_s
-  Vector normal;         ///< 2c entries, 1/kg
-  RelationSolver matrix;
+  ContactBlocks<D> blocks;  ///< of W_s
+  Vector normal;            ///< D c entries, 1/kg
+  RelationSolver<D> matrix;
 };
 
-/// As the public function of this name, with another way to solve the linear systems.
+/// As the public function of this name, with another way to solve the linear systems. D: the dimension of the problem.
+template <int D>
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
-                                const Vector& guess, const FrictionObserver& observer, const RelationSolver& linear);
+                                const Vector& guess, const FrictionObserver& observer, const RelationSolver<D>& linear);
 
 /// Sweeps until the run is over or `most` more are done. Returns whether it is over. See nlgs.cpp.
-bool sweep(SolverRun& run, Index most);
+template <int D>
+bool sweep(SolverRun<D>& run, Index most);
 
 /// What Newton's steps ask of a contact, u = W r + q + proximal (r - r_now). Open: r = 0. Stick: u = 0. Slide: u_n = 0
-/// and r_t = +- friction r_n.
-ContactRelation relation_of(ContactStatus status, double friction, double proximal);
+/// and the tangential law of a FrozenContact, of which `rho` is that of z (kg; of no meaning in the plane).
+template <int D>
+ContactRelation<D> relation_of(const FrozenContact<D>& frozen, double proximal, double rho);
 
 /// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
-bool finish_by_newton(SolverRun& run, Couplings& w);
+template <int D>
+bool finish_by_newton(SolverRun<D>& run, Couplings<D>& w);
 
 /// Follows the curve of a smoothed contact law from the present impulses (if they are next to none: equal ones), where
 /// the smoothing is so many times their mean square. Returns whether the run is over. See continuation.cpp.
-bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing);
+template <int D>
+bool follow_curve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing);
 
 /// The solvers.
-void nlgs(SolverRun& run);
-void continuation(SolverRun& run);
-void newton(SolverRun& run);
-void automatic(SolverRun& run);
-void admm(SolverRun& run);
-void apgd(SolverRun& run);
+template <int D>
+void nlgs(SolverRun<D>& run);
+template <int D>
+void continuation(SolverRun<D>& run);
+template <int D>
+void newton(SolverRun<D>& run);
+template <int D>
+void automatic(SolverRun<D>& run);
+template <int D>
+void admm(SolverRun<D>& run);
+template <int D>
+void apgd(SolverRun<D>& run);
 
 }  // namespace nscdd

@@ -28,16 +28,20 @@ constexpr double newton_from = 1e-4;      // residual from which Newton's method
 constexpr double newton_after = 0.1;      // ... and again at this part of the residual of the last trial
 
 // P_t(z) of a contact and its derivatives by z, and by t.
+template <int D>
 struct SmoothedLaw {
-  LocalVector<2> impulse;
-  Eigen::Matrix2d by_z;
-  Eigen::Vector2d by_t;
+  using Block = Eigen::Matrix<double, D, D>;
+  LocalVector<D> impulse;
+  Block by_z, rest;  // rest: 1 - P', regular whatever the rounding
+  Eigen::Matrix<double, D, 1> by_t;
 };
 
-SmoothedLaw smoothed_law(LocalVector<2> z, double friction, double t) {
+constexpr double least_rest = 1e-14;
+
+SmoothedLaw<2> smoothed_law(LocalVector<2> z, double friction, double t) {
   const auto length = [&](double x) { return std::sqrt(x * x + 4 * t); };
   const double h = length(z.n);
-  SmoothedLaw law;
+  SmoothedLaw<2> law;
   law.impulse.n = z.n > 0 ? (z.n + h) / 2 : 2 * t / (h - z.n);
   const double edge = friction * law.impulse.n, n = law.impulse.n / h;
   const double forward = length(z.t + edge), backward = length(z.t - edge);
@@ -45,6 +49,27 @@ SmoothedLaw smoothed_law(LocalVector<2> z, double friction, double t) {
   const double f = (z.t + edge) / forward, b = (z.t - edge) / backward;
   law.by_z << n, 0, friction * n * (f + b) / 2, (f - b) / 2;
   law.by_t << 1 / h, 1 / forward - 1 / backward + friction * (f + b) / (2 * h);
+  law.rest = Eigen::Matrix2d::Identity() - law.by_z;
+  law.rest.diagonal() = law.rest.diagonal().cwiseMax(least_rest);
+  return law;
+}
+
+// The same along d = z_t / |z_t|; across it the derivative is |r_t| / |z_t|.
+SmoothedLaw<3> smoothed_law(LocalVector<3> z, double friction, double t) {
+  const double size = norm(z.t);
+  const SmoothedLaw<2> along = smoothed_law(LocalVector<2>{z.n, size}, friction, t);
+  const auto length = [&](double x) { return std::sqrt(x * x + 4 * t); };
+  const double edge = friction * along.impulse.n;
+  const double across = 2 * edge / (length(size + edge) + length(size - edge));
+  const Eigen::Vector2d d = size > 0 ? Eigen::Vector2d(z.t.first / size, z.t.second / size) : Eigen::Vector2d(1, 0);
+  const auto turned = [&](double in_direction, double beside) -> Eigen::Matrix2d {
+    return beside * Eigen::Matrix2d::Identity() + (in_direction - beside) * d * d.transpose();
+  };
+  SmoothedLaw<3> law;
+  law.impulse = {along.impulse.n, across * z.t};
+  law.by_z << along.by_z(0, 0), 0, 0, along.by_z(1, 0) * d, turned(along.by_z(1, 1), across);
+  law.by_t << along.by_t[0], along.by_t[1] * d;
+  law.rest << along.rest(0, 0), 0, 0, along.rest(1, 0) * d, turned(along.rest(1, 1), std::max(1 - across, least_rest));
   return law;
 }
 
@@ -64,9 +89,10 @@ struct Course {
   double length = first_length;
 };
 
+template <int D>
 class SmoothedCurve {
  public:
-  SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoothing);
+  SmoothedCurve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing);
 
   const Point& start() const { return start_; }
   /// None if the matrix is singular to rounding.
@@ -82,56 +108,56 @@ class SmoothedCurve {
   Vector defect(const Point& point, const Vector& impulses) const;
   Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.blocks * r); }  // rho W r
 
-  SolverRun& run_;
-  Couplings& w_;
+  SolverRun<D>& run_;
+  Couplings<D>& w_;
   Vector rho_, q_, slope_;  // slope_: F_0 / t_0
   Point start_;
 };
 
-SmoothedCurve::SmoothedCurve(SolverRun& run, Couplings& w, double relative_smoothing)
+template <int D>
+SmoothedCurve<D>::SmoothedCurve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing)
     : run_(run), w_(w), rho_(w.normal.cwiseInverse()) {
   Vector r = run.now.impulses;
   q_ = rho_.cwiseProduct(run.problem.q + w.rest * r);
   // Sweeps know better than any rule how small impulses are.
   if (r.norm() <= (run.now.sweeps > 0 ? 0.0 : least_start) * q_.norm())
     for (Index c = 0; c < run.problem.contacts(); ++c)
-      r[2 * c] = std::max(r[2 * c], q_.norm() / std::sqrt(static_cast<double>(q_.size())));
+      r[D * c] = std::max(r[D * c], q_.norm() / std::sqrt(static_cast<double>(q_.size())));
   start_ = {r - velocities(r) - q_, relative_smoothing * r.squaredNorm() / static_cast<double>(r.size())};
   slope_ = Vector::Zero(r.size());
   slope_ = defect(start_, impulses(start_)) / start_.t;
 }
 
-Vector SmoothedCurve::impulses(const Point& point) const {
+template <int D>
+Vector SmoothedCurve<D>::impulses(const Point& point) const {
   Vector r(point.z.size());
-  for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    const LocalVector<2> own = smoothed_law(component(point.z, c), run_.problem.friction[c], point.t).impulse;
-    r.segment<2>(2 * c) << own.n, own.t;
-  }
+  for (Index c = 0; c < run_.problem.contacts(); ++c)
+    set_component(r, c, smoothed_law(component<D>(point.z, c), run_.problem.friction[c], point.t).impulse);
   return r;
 }
 
 // F - t F_0 / t_0, N s.
-Vector SmoothedCurve::defect(const Point& point, const Vector& r) const {
+template <int D>
+Vector SmoothedCurve<D>::defect(const Point& point, const Vector& r) const {
   return velocities(r) + q_ - r + point.z - point.t * slope_;
 }
 
-double SmoothedCurve::residual(const Point& point, const Vector& r) const {
-  return defect(point, r).cwiseProduct(weight(point)).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+template <int D>
+double SmoothedCurve<D>::residual(const Point& point, const Vector& r) const {
+  return defect(point, r).cwiseProduct(weight(point)).cwiseAbs().template maxCoeff<Eigen::PropagateNaN>();
 }
 
 // With r = P_t(z), dr = P' dz + dP/dt dt leaves  (1 - P') dr + P' rho W dr = ...  of the derivatives of F.
-std::optional<Course> SmoothedCurve::course(const Point& point) {
+template <int D>
+std::optional<Course> SmoothedCurve<D>::course(const Point& point) {
   const Vector defects = defect(point, impulses(point));
-  std::vector<ContactRelation> relations(at(run_.problem.contacts()));
+  std::vector<ContactRelation<D>> relations(at(run_.problem.contacts()));
   Vector along(point.z.size()), across(point.z.size());
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
-    const SmoothedLaw law = smoothed_law(component(point.z, c), run_.problem.friction[c], point.t);
-    ContactRelation& relation = relations[at(c)];
-    relation.p = Eigen::Matrix2d::Identity() - law.by_z;
-    relation.p.diagonal() = relation.p.diagonal().cwiseMax(1e-14);
-    relation.q = rho_[2 * c] * law.by_z;
-    along.segment<2>(2 * c) = point.t * (law.by_t + law.by_z * slope_.segment<2>(2 * c));
-    across.segment<2>(2 * c) = -law.by_z * defects.segment<2>(2 * c);
+    const SmoothedLaw<D> law = smoothed_law(component<D>(point.z, c), run_.problem.friction[c], point.t);
+    relations[at(c)] = {law.rest, rho_[D * c] * law.by_z};
+    along.segment<D>(D * c) = point.t * (law.by_t + law.by_z * slope_.template segment<D>(D * c));
+    across.segment<D>(D * c) = -law.by_z * defects.segment<D>(D * c);
   }
   ++run_.now.factorisations;
   if (!w_.matrix.factorise(std::move(relations))) {
@@ -156,14 +182,16 @@ std::optional<Course> SmoothedCurve::course(const Point& point) {
   return found;
 }
 
-Point SmoothedCurve::ahead(const Course& course, double length) {
+template <int D>
+Point SmoothedCurve<D>::ahead(const Course& course, double length) {
   const double change = course.direction * length;
   return {course.point.z + course.correction + change * course.tangent,
           course.point.t * std::exp(change + course.log_correction)};
 }
 
 // Judges impulses of a point. Returns whether the run is over.
-bool judge_point(SolverRun& run, const Vector& impulses, double length) {
+template <int D>
+bool judge_point(SolverRun<D>& run, const Vector& impulses, double length) {
   if (!run.judge(impulses, {.length = length})) return false;
   if (run.now.status != FrictionStatus::converged) return true;
   const FrictionSolution smooth = run.now;  // no contact is open or slides while t > 0
@@ -172,8 +200,9 @@ bool judge_point(SolverRun& run, const Vector& impulses, double length) {
 }
 
 // Steps along a curve: where they lead, and back from where the curve is lost.
+template <int D>
 struct Walk {
-  const SmoothedCurve& curve;
+  const SmoothedCurve<D>& curve;
   Point point;
   Vector impulses = {};             // there
   std::optional<Course> safe = {};  // the last one on the curve
@@ -198,7 +227,7 @@ struct Walk {
     move(here, 0);
     return true;
   }
-  void go_on(const SolverRun& run, Course here) {
+  void go_on(const SolverRun<D>& run, Course here) {
     corrections = 0;
     ++calm;
     const double longest = std::min(largest_change / here.steepest, growth * length);
@@ -214,17 +243,18 @@ struct Walk {
     if (!safe || here.off <= on_curve) safe = std::move(here);
   }
   void move(const Course& from, double by) {
-    point = SmoothedCurve::ahead(from, by);
+    point = SmoothedCurve<D>::ahead(from, by);
     impulses = curve.impulses(point);
   }
 };
 
 }  // namespace
 
-bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
+template <int D>
+bool follow_curve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing) {
   if (run.problem.q.isZero(0)) return run.judge(Vector::Zero(run.now.impulses.size()));
-  SmoothedCurve curve(run, w, relative_smoothing);
-  Walk walk{curve, curve.start()};
+  SmoothedCurve<D> curve(run, w, relative_smoothing);
+  Walk<D> walk{curve, curve.start()};
   double last_trial = newton_from / newton_after;
   for (Index step = 0; step < most_factorisations && !run.spent(); ++step) {
     std::optional<Course> here = curve.course(walk.point);
@@ -244,14 +274,20 @@ bool follow_curve(SolverRun& run, Couplings& w, double relative_smoothing) {
   return false;
 }
 
-void continuation(SolverRun& run) {
+template <int D>
+void continuation(SolverRun<D>& run) {
   if (run.judge(run.now.impulses)) return;
-  Couplings w(run.problem, run.linear);
+  Couplings<D> w(run.problem, run.linear);
   for (const double relative_smoothing : {3.0, 0.3, 0.03}) {
     if (follow_curve(run, w, relative_smoothing)) return;
     run.go_back(run.best());
   }
   if (!run.spent()) run.now.status = FrictionStatus::stalled;
 }
+
+template bool follow_curve(SolverRun<2>&, Couplings<2>&, double);
+template bool follow_curve(SolverRun<3>&, Couplings<3>&, double);
+template void continuation(SolverRun<2>&);
+template void continuation(SolverRun<3>&);
 
 }  // namespace nscdd

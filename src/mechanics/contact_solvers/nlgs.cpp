@@ -6,13 +6,14 @@
 
 namespace nscdd {
 
-bool sweep(SolverRun& run, Index most) {
+template <int D>
+bool sweep(SolverRun<D>& run, Index most) {
   const FrictionSolverOptions& options = run.options;
-  const SweepRows rows = sweep_rows(run.problem, options.order, options.seed);
+  const SweepRows<D> rows = sweep_rows<D>(run.problem, options.order, options.seed);
   const OneBlasThread serial_blas;  // for all sweeps: that of each is then cheap
   Vector impulses = rows.in_order(run.now.impulses);
   const Index end = run.now.sweeps + most;
-  StallWatch watch(run);
+  StallWatch<D> watch(run);
   for (;;) {
     if (run.judge(rows.by_contact(impulses)) || watch.ends(run)) return true;
     if (run.now.sweeps >= end) return false;
@@ -23,6 +24,14 @@ bool sweep(SolverRun& run, Index most) {
   }
 }
 
-void nlgs(SolverRun& run) { sweep(run, run.options.maximum_sweeps); }
+template <int D>
+void nlgs(SolverRun<D>& run) {
+  sweep(run, run.options.maximum_sweeps);
+}
+
+template bool sweep(SolverRun<2>&, Index);
+template bool sweep(SolverRun<3>&, Index);
+template void nlgs(SolverRun<2>&);
+template void nlgs(SolverRun<3>&);
 
 }  // namespace nscdd

@@ -9,9 +9,10 @@ namespace nscdd {
 /// Tells whether iterations whose impulses are judged one after the other still get on. Where a soft mode drifts the
 /// residual may stand still for long, but the way of the impulses since its last progress is straight. Where statuses
 /// cycle, or nothing but rounding is left, the way comes back.
+template <int D>
 class StallWatch {
  public:
-  explicit StallWatch(const SolverRun& run)
+  explicit StallWatch(const SolverRun<D>& run)
       : scale_(std::max(run.judged.alone, run.now.impulses.norm())),
         watch_({.tolerance = -1,  // `judge` says what has converged
                 .growth = growth_allowed,
@@ -24,7 +25,7 @@ class StallWatch {
 
   /// To be called after every judgement that ends nothing. Returns whether the run is over and why it is, as its
   /// status.
-  bool ends(SolverRun& run) {
+  bool ends(SolverRun<D>& run) {
     const Vector& impulses = run.now.impulses;
     length_ += (impulses - last_).norm();
     last_ = impulses;

@@ -17,11 +17,12 @@ constexpr Index interleaved_block = 256;
 constexpr Index places_at_a_time = 256;
 
 // Contacts that W couples, in either direction and each with itself.
+template <int D>
 std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& problem) {
   std::vector<std::vector<Index>> coupled(at(problem.contacts()));
   for_entries(problem.w, [&](Index i, Index j, double) {
-    coupled[at(i / 2)].push_back(j / 2);
-    coupled[at(j / 2)].push_back(i / 2);
+    coupled[at(i / D)].push_back(j / D);
+    coupled[at(j / D)].push_back(i / D);
   });
   for (std::vector<Index>& others : coupled) {
     std::sort(others.begin(), others.end());
@@ -31,8 +32,9 @@ std::vector<std::vector<Index>> coupled_contacts(const LocalFrictionProblem& pro
 }
 
 // Each contact takes the least colour that no coupled contact of its block before it has.
+template <int D>
 std::vector<Index> colours_of(const LocalFrictionProblem& problem, Index block) {
-  const std::vector<std::vector<Index>> coupled = coupled_contacts(problem);
+  const std::vector<std::vector<Index>> coupled = coupled_contacts<D>(problem);
   std::vector<Index> colours(coupled.size()), taken;
   for (Index c = 0; c < problem.contacts(); ++c) {
     taken.clear();
@@ -63,40 +65,46 @@ std::vector<Index> shuffled(Index contacts, Index seed) {
   return order;
 }
 
-template <bool relaxed>
-void take_turns(const SweepRows& rows, double relaxation, Index first, Index last, Index step, Vector& impulses) {
+template <bool relaxed, int D>
+void take_turns(const SweepRows<D>& rows, double relaxation, Index first, Index last, Index step, Vector& impulses) {
   for (Index place = first; place != last; place += step) {
-    const FullDelassus& w = rows.diagonal[at(place)];
-    LocalVector<2> r = component(impulses, place);
-    const LocalVector<2> stop = stopping(w, r, rows.w.add_row(place, impulses, component(rows.q, place)));
-    take_impulse<relaxed>(r, Coulomb{}.impulse(stop, w, rows.friction[place]), relaxation);
-    impulses[2 * place] = r.n;
-    impulses[2 * place + 1] = r.t;
+    const FullDelassus<D>& w = rows.diagonal[at(place)];
+    LocalVector<D> r = component<D>(impulses, place), wanted;
+    const LocalVector<D> u = rows.w.add_row(place, impulses, component<D>(rows.q, place));
+    if constexpr (D == 2)
+      wanted = Coulomb{}.impulse(stopping(w, r, u), w, rows.friction[place]);
+    else
+      wanted = rows.cones[at(place)].impulse(u - w.apply(r), rows.friction[place]);
+    take_impulse<relaxed>(r, wanted, relaxation);
+    set_component(impulses, place, r);
   }
 }
 
 }  // namespace
 
-Vector SweepRows::in_order(const Vector& impulses) const {
+template <int D>
+Vector SweepRows<D>::in_order(const Vector& impulses) const {
   Vector result(impulses.size());
   for (Index place = 0; place < size(); ++place)
-    result.segment<2>(2 * place) = impulses.segment<2>(2 * contact[at(place)]);
+    result.segment<D>(D * place) = impulses.segment<D>(D * contact[at(place)]);
   return result;
 }
 
-Vector SweepRows::by_contact(const Vector& impulses) const {
+template <int D>
+Vector SweepRows<D>::by_contact(const Vector& impulses) const {
   Vector result(impulses.size());
   for (Index place = 0; place < size(); ++place)
-    result.segment<2>(2 * contact[at(place)]) = impulses.segment<2>(2 * place);
+    result.segment<D>(D * contact[at(place)]) = impulses.segment<D>(D * place);
   return result;
 }
 
-SweepRows sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Index seed) {
+template <int D>
+SweepRows<D> sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Index seed) {
   const Index contacts = problem.contacts();
-  SweepRows rows;
+  SweepRows<D> rows;
   if (order == SweepOrder::coloured || order == SweepOrder::interleaved) {
     const Index block = order == SweepOrder::coloured ? std::max<Index>(1, contacts) : interleaved_block;
-    const std::vector<Index> colours = colours_of(problem, block);
+    const std::vector<Index> colours = colours_of<D>(problem, block);
     rows.contact = by_colour(colours, block);
     if (order == SweepOrder::coloured)
       for (Index place = 0; place <= contacts; ++place)
@@ -110,14 +118,17 @@ SweepRows sweep_rows(const LocalFrictionProblem& problem, SweepOrder order, Inde
     std::iota(rows.contact.begin(), rows.contact.end(), Index{0});
     if (order == SweepOrder::reverse) std::reverse(rows.contact.begin(), rows.contact.end());
   }
-  rows.w = ContactBlocks(problem.w, rows.contact);
+  rows.w = ContactBlocks<D>(problem.w, rows.contact);
   rows.q = rows.in_order(problem.q);
   rows.friction = problem.friction(rows.contact);
-  for (const Index c : rows.contact) rows.diagonal.push_back(diagonal_block(problem, c));
+  for (const Index c : rows.contact) rows.diagonal.push_back(diagonal_block<D>(problem, c));
+  if constexpr (D == 3)
+    for (const FullDelassus<D>& w : rows.diagonal) rows.cones.emplace_back(w);
   return rows;
 }
 
-void sweep_once(const SweepRows& rows, SweepOrder order, double relaxation, Index number, Vector& impulses) {
+template <int D>
+void sweep_once(const SweepRows<D>& rows, SweepOrder order, double relaxation, Index number, Vector& impulses) {
   const auto turns = [&](Index first, Index last, Index step) {
     relaxation == 1 ? take_turns<false>(rows, relaxation, first, last, step, impulses)
                     : take_turns<true>(rows, relaxation, first, last, step, impulses);
@@ -137,5 +148,12 @@ void sweep_once(const SweepRows& rows, SweepOrder order, double relaxation, Inde
       });
   }
 }
+
+template struct SweepRows<2>;
+template struct SweepRows<3>;
+template SweepRows<2> sweep_rows<2>(const LocalFrictionProblem&, SweepOrder, Index);
+template SweepRows<3> sweep_rows<3>(const LocalFrictionProblem&, SweepOrder, Index);
+template void sweep_once(const SweepRows<2>&, SweepOrder, double, Index, Vector&);
+template void sweep_once(const SweepRows<3>&, SweepOrder, double, Index, Vector&);
 
 }  // namespace nscdd

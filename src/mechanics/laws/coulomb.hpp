@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/mechanics/law.hpp>
+#include "mechanics/cone_contact.hpp"
 
 namespace nscdd {
 
@@ -16,10 +16,13 @@ struct Coulomb {
 
   /// Solves v = W (r - stop) together with the law, exactly. `stop` = r - W^-1 v of the present state is the
   /// impulse that would bring the contact to rest, N s. There is always a solution. If W is coupled and
-  /// friction > W_nn / |W_nt|, there may be several, the open one among them, which is then taken.
+  /// friction > W_nn / |W_nt|, there may be several, the open one among them, which is then taken. In space see
+  /// ConeContact for a coupled W.
   template <int D, class Delassus>
   LocalVector<D> impulse(LocalVector<D> stop, const Delassus& w, double friction) const {
-    if constexpr (Delassus::coupled) {
+    if constexpr (Delassus::coupled && D == 3) {
+      return ConeContact(w).impulse(w.apply(-1.0 * stop), friction);
+    } else if constexpr (Delassus::coupled) {
       const LocalVector<D> free = w.apply(LocalVector<D>{-stop.n, -stop.t});
       if (free.n >= 0) return {};
       if (std::abs(stop.t) <= friction * stop.n) return stop;
