@@ -23,14 +23,21 @@ ContactProblem checked(Problem problem) {
   return ContactProblem(std::move(file));
 }
 
+// Matrices tell: three columns per contact are of a problem in space.
+Index dimension_of(Index columns, Index contacts) { return contacts > 0 && columns == 3 * contacts ? 3 : 2; }
+
 ContactProblem local_problem(const py::object& w, const py::object& q, const py::object& friction) {
-  return checked(LocalFrictionProblem{sparse_matrix(columns_of(w), "W"), vector(q, "q"), vector(friction, "mu")});
+  LocalFrictionProblem problem{sparse_matrix(columns_of(w), "W"), vector(q, "q"), vector(friction, "mu")};
+  problem.dimension = dimension_of(problem.w.cols(), problem.contacts());
+  return checked(std::move(problem));
 }
 
 ContactProblem global_problem(const py::object& mass, const py::object& h, const py::object& f, const py::object& w,
                               const py::object& friction) {
-  return checked(GlobalFrictionProblem{sparse_matrix(columns_of(mass), "M"), sparse_matrix(columns_of(h), "H"),
-                                       vector(f, "f"), vector(w, "w"), vector(friction, "mu")});
+  GlobalFrictionProblem problem{sparse_matrix(columns_of(mass), "M"), sparse_matrix(columns_of(h), "H"), vector(f, "f"),
+                                vector(w, "w"), vector(friction, "mu")};
+  problem.dimension = dimension_of(problem.h.cols(), problem.contacts());
+  return checked(std::move(problem));
 }
 
 // Files of HDF5 are read and written with the interpreter lock: its library takes one call at a time, and h5py is
@@ -43,8 +50,9 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
     if (name == "description") file.info.description = text;
     if (name == "math_info") file.info.math_info = text;
   }
-  if (solution != nullptr && solution->impulses.size() != 2 * file.contacts())
-    fail("solution: expected that of a problem of {} contacts, met {}", file.contacts(), solution->impulses.size() / 2);
+  if (solution != nullptr && solution->impulses.size() != file.dimension() * file.contacts())
+    fail("solution: expected that of a problem of {} contacts, {} impulses, met {}", file.contacts(),
+         file.dimension() * file.contacts(), solution->impulses.size());
   if (has_siconos_name(path)) {
     if (solution != nullptr)
       fail("{}: expected .h5 or .hdf5 for a solution: .dat of Siconos has no place for it", path);
@@ -104,6 +112,7 @@ void bind_contact_problems(py::module_& module) {
   using Global = GlobalFrictionProblem;
   py::class_<P>(module, "ContactProblem")
       .def_property_readonly("contacts", [](const P& p) { return p.file()->contacts(); })
+      .def_property_readonly("dimension", [](const P& p) { return p.file()->dimension(); })
       .def_property_readonly("is_global", [](const P& p) { return std::holds_alternative<Global>(p.file()->problem); })
       .def_property_readonly("W", member(&Local::w))
       .def_property_readonly("q", member(&Local::q))

@@ -65,9 +65,10 @@ void bind_solution(py::module_& module) {
                         "Impulses r of a contact problem and how well they solve it. Whether they do, `status` says.")
       .def_property_readonly(
           "impulses", [](const Shared& s) { return view(s, s->impulses); },
-          "r, 2c entries, N s: normal and tangential component of each contact in turn")
+          "r, N s: normal and tangential component of each contact in turn, in space both tangential ones")
       .def_property_readonly(
-          "velocities", [](const Shared& s) { return view(s, s->state.velocities); }, "u = W r + q, 2c entries, m/s")
+          "velocities", [](const Shared& s) { return view(s, s->state.velocities); },
+          "u = W r + q, m/s, in the same order")
       .def_property_readonly(
           "status", [](const S& s) { return std::string(to_string(s.status)); },
           "converged, stalled, maximum_reached, diverged, not_finite or stopped")

@@ -34,15 +34,16 @@ def _each(mu: ArrayLike, contacts: int) -> ArrayLike:
 
 
 class ContactProblem:
-    """A plane contact problem with friction, from arrays or a file: impulses r and velocities u = W r + q such that every
-    contact obeys Signorini's and Coulomb's laws. Rows 2c and 2c + 1 are the normal and the tangential component of
-    contact c. `ContactProblem(W, q, mu)` has the unknowns of the contacts alone, `ContactProblem.of_bodies(M, H, f, w,
+    """A contact problem with friction, in the plane or in space, from arrays or a file: impulses r and velocities
+    u = W r + q such that every contact obeys Signorini's and Coulomb's laws. A contact has a row of its normal component
+    and then one of its tangential component, or two in space: a problem is in space where W (or H) has three columns for
+    each coefficient of `mu`, and plane otherwise. `ContactProblem(W, q, mu)` has the unknowns of the contacts alone, `ContactProblem.of_bodies(M, H, f, w,
     mu)` the velocities v of the bodies too: M v = H r + f, u = H^T v + w. Arrays that come out cannot be written to.
 
     W, M   symmetric, 1/kg or kg, an array or any matrix of scipy.sparse, stored in full
     q, w   relative velocities without contact impulses, or of moving supports, m/s
     f      impulses of the loads and the momentum before
-    mu     coefficient of friction, one for all contacts or one for each
+    mu     coefficient of friction, one for each contact, or one number for all of a plane problem
 
     Raises Error for sizes that do not fit together, numbers that are not finite, W or M that is not symmetric, and a
     contact whose block of W is not positive definite.
@@ -70,13 +71,18 @@ class ContactProblem:
         return self._core.contacts
 
     @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space: rows per contact."""
+        return self._core.dimension
+
+    @property
     def has_bodies(self) -> bool:
         """Whether M, H, f and w are known; W and q are None then, and else these are."""
         return self._core.is_global
 
     @property
     def W(self) -> scipy.sparse.csc_matrix | None:
-        """2c x 2c, 1/kg; None for a problem with bodies, see `reduced`."""
+        """2c x 2c or 3c x 3c, 1/kg; None for a problem with bodies, see `reduced`."""
         return self._core.W
 
     @property
@@ -91,7 +97,7 @@ class ContactProblem:
 
     @property
     def H(self) -> scipy.sparse.csc_matrix | None:
-        """n x 2c."""
+        """n x 2c or n x 3c."""
         return self._core.H
 
     @property
@@ -150,8 +156,8 @@ class ContactProblem:
 
 
 def read_contact_problem(path: str | os.PathLike[str]) -> ContactProblem:
-    """The plane contact problem of a file: HDF5 of FCLIB (.h5, .hdf5), or a text of Siconos (.dat). Raises Error naming
-    the file, and line or dataset, for what cannot be used or is not supported, such as three dimensions."""
+    """The contact problem of a file: HDF5 of FCLIB (.h5, .hdf5), or a text of Siconos (.dat). Raises Error naming
+    the file, and line or dataset, for what cannot be used or is not supported, such as rolling friction."""
     return ContactProblem._of(_core.read_contact_problem(_arguments.path(path)))
 
 

@@ -17,7 +17,7 @@ struct TrialOptions {
 };
 
 /// Writes the table, one row per problem and solver, the solvers running fastest, and prints how many problems each
-/// solver brought to each of the compared residuals. A file that is no plane contact problem is named in a note, and
+/// solver brought to each of the compared residuals. A file that is no contact problem is named in a note, and
 /// its rows have the status "refused". Returns 0, or 1 if files were refused. Throws Error for a folder without files.
 int solve_trials(const TrialOptions& options);
 

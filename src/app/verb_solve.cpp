@@ -52,12 +52,14 @@ Vector starting_impulses(const FclibFile& file, const Options& options) {
   return file.guesses[at(options.guess - 1)].r;
 }
 
+const char* in_space(const LocalFrictionProblem& local) { return local.dimension == 3 ? ", in space" : ""; }
+
 void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
   if (file.info.title) fmt::print("title                {}\n", *file.info.title);
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
-    fmt::print("problem              global, {} velocities of bodies\n", global->mass.rows());
+    fmt::print("problem              global, {} velocities of bodies{}\n", global->mass.rows(), in_space(local));
   else
-    fmt::print("problem              local\n");
+    fmt::print("problem              local{}\n", in_space(local));
   fmt::print("contacts             {}\n", local.contacts());
   if (local.contacts() > 0)
     fmt::print("friction             {} ... {}\n", field_text(local.friction.minCoeff()),
@@ -206,9 +208,9 @@ int run(const Options& options, const Context& context) {
 
 Action declare_solve(Command& command) {
   auto options = std::make_shared<Options>();
-  command.required(
-      "FILE", options->file,
-      "plane contact problem with friction, HDF5 of FCLIB or .dat of Siconos; with --csv also a folder of them");
+  command.required("FILE", options->file,
+                   "contact problem with friction, in the plane or in space, HDF5 of FCLIB or .dat of Siconos; with "
+                   "--csv also a folder of them");
   Option& solver = command.add("--solver", options->algorithms,
                                "auto (the default): sweeps, then continuation; or another alone; with --csv it "
                                "may be named again, and all stands for every one");

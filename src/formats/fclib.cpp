@@ -111,33 +111,33 @@ SparseMatrix read_matrix(const Group& parent, const std::string& name) {
   return matrix;
 }
 
-// The number of contacts. Refuses everything but a plane problem with contacts alone.
-Index plane_contacts(const Group& group, const std::string& kind, const std::string& matrix,
-                     std::initializer_list<std::pair<const char*, const char*>> refused) {
+// What kind of problem it is. Refuses everything but contacts alone.
+struct Kind {
+  Index dimension, contacts;
+};
+Kind kind_of(const Group& group, const std::string& kind, const std::string& matrix,
+             std::initializer_list<std::pair<const char*, const char*>> refused) {
   const std::int64_t dimension = group.integer("spacedim");
   const Group counted = group.group(matrix);
   const std::int64_t columns = size_of(counted, "n");
-  const auto require_absent = [&](bool met, const std::string& what) {
-    if (met)
-      fail(
-          "{}: not supported: a {} problem {} ({} contacts, spacedim {}); expected a plane problem, spacedim 2, with "
-          "contacts alone",
-          group.path(), kind, what, columns / dimension, dimension);
-  };
-  require_absent(dimension == 3, "in three dimensions");
-  if (dimension != 2) fail("{}: expected 2, met {}", group.of("spacedim"), dimension);
+  if (dimension != 2 && dimension != 3) fail("{}: expected 2 or 3, met {}", group.of("spacedim"), dimension);
   for (const auto& [member, meaning] : refused)
-    require_absent(group.has(member), fmt::format("with {} ({})", meaning, member));
-  if (columns % 2 != 0) fail("{}: expected two columns per contact, met {} columns", counted.of("n"), columns);
-  return columns / 2;
+    if (group.has(member))
+      fail("{}: not supported: a {} problem with {} ({}) ({} contacts, spacedim {}); expected contacts alone",
+           group.path(), kind, meaning, member, columns / dimension, dimension);
+  if (columns % dimension != 0)
+    fail("{}: expected {} columns per contact, met {} columns", counted.of("n"), dimension == 2 ? "two" : "three",
+         columns);
+  return {dimension, columns / dimension};
 }
 
 LocalFrictionProblem read_local(const Group& group) {
-  const Index contacts =
-      plane_contacts(group, "local", "W", {{"V", "equality constraints"}, {"R", "equality constraints"}});
+  const auto [dimension, contacts] =
+      kind_of(group, "local", "W", {{"V", "equality constraints"}, {"R", "equality constraints"}});
   const Group vectors = group.group("vectors");
   LocalFrictionProblem problem;
-  problem.q = numbers_of(vectors, "q", 2 * contacts);  // first: they bound the sizes of the matrix
+  problem.dimension = dimension;
+  problem.q = numbers_of(vectors, "q", dimension * contacts);  // first: they bound the sizes of the matrix
   problem.friction = numbers_of(vectors, "mu", contacts);
   problem.w = read_matrix(group, "W");
   check(problem, group.path());
@@ -145,11 +145,12 @@ LocalFrictionProblem read_local(const Group& group) {
 }
 
 GlobalFrictionProblem read_global(const Group& group) {
-  const Index contacts = plane_contacts(group, "global", "H", {{"G", "equality constraints"}});
+  const auto [dimension, contacts] = kind_of(group, "global", "H", {{"G", "equality constraints"}});
   const Group vectors = group.group("vectors");
   GlobalFrictionProblem problem;
+  problem.dimension = dimension;
   problem.f = numbers_of(vectors, "f", size_of(group.group("M"), "m"));
-  problem.w = numbers_of(vectors, "w", 2 * contacts);
+  problem.w = numbers_of(vectors, "w", dimension * contacts);
   problem.friction = numbers_of(vectors, "mu", contacts);
   problem.mass = read_matrix(group, "M");
   problem.h = read_matrix(group, "H");
@@ -170,8 +171,8 @@ FclibSolution read_solution(const Group& group, const FclibFile& file) {
   const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem);
   FclibSolution solution;
   if (global != nullptr && global->mass.rows() > 0) solution.v = numbers_of(group, "v", global->mass.rows());
-  solution.u = numbers_of(group, "u", 2 * file.contacts());
-  solution.r = numbers_of(group, "r", 2 * file.contacts());
+  solution.u = numbers_of(group, "u", file.dimension() * file.contacts());
+  solution.r = numbers_of(group, "r", file.dimension() * file.contacts());
   for (const Vector* values : {&solution.v, &solution.u, &solution.r})
     if (!values->allFinite()) fail("{}: expected finite numbers, met others", group.path());
   return solution;
@@ -209,8 +210,8 @@ template <class Value>
 using Named = std::vector<std::pair<const char*, const Value*>>;
 
 void write_problem(const Group& group, const Named<SparseMatrix>& matrices, const Named<Vector>& vectors,
-                   const FclibInfo& info) {
-  write_integer(group, "spacedim", 2);
+                   Index dimension, const FclibInfo& info) {
+  write_integer(group, "spacedim", dimension);
   for (const auto& [name, matrix] : matrices) write_matrix(group, name, *matrix);
   const Group parent = group.make_group("vectors");
   for (const auto& [name, values] : vectors) write_numbers(parent, name, *values);
@@ -229,6 +230,10 @@ void write_solution(const Group& parent, const std::string& name, const FclibSol
 
 Index FclibFile::contacts() const {
   return std::visit([](const auto& one) { return one.contacts(); }, problem);
+}
+
+Index FclibFile::dimension() const {
+  return std::visit([](const auto& one) { return one.dimension; }, problem);
 }
 
 bool holds_fclib(std::string_view bytes, const std::string& name) {
@@ -274,10 +279,10 @@ std::string to_hdf5(const FclibFile& content, const Provenance& provenance) {
     if (!provenance.empty()) hdf5::put_provenance(root, provenance);
     if (const auto* local = std::get_if<LocalFrictionProblem>(&content.problem))
       write_problem(root.make_group("fclib_local"), {{"W", &local->w}}, {{"q", &local->q}, {"mu", &local->friction}},
-                    content.info);
+                    local->dimension, content.info);
     else if (const auto* global = std::get_if<GlobalFrictionProblem>(&content.problem))
       write_problem(root.make_group("fclib_global"), {{"M", &global->mass}, {"H", &global->h}},
-                    {{"f", &global->f}, {"w", &global->w}, {"mu", &global->friction}}, content.info);
+                    {{"f", &global->f}, {"w", &global->w}, {"mu", &global->friction}}, global->dimension, content.info);
     if (content.solution) write_solution(root, "solution", *content.solution);
     if (content.guesses.empty()) return;
     const Group guesses = root.make_group("guesses");

@@ -227,27 +227,26 @@ void read_end(Words& words) {
 
 std::variant<LocalFrictionProblem, GlobalFrictionProblem> read_problem(Words& words) {
   const Index dimension = words.integer("dimension", 1, 6), contacts = words.size("contacts");
-  if (dimension == 3)
-    fail("{}: not supported: a problem in three dimensions ({} contacts); expected a plane one, dimension 2",
-         words.where(), contacts);
   if (dimension == 5)
-    fail("{}: not supported: rolling friction ({} contacts, dimension 5); expected dimension 2", words.where(),
+    fail("{}: not supported: rolling friction ({} contacts, dimension 5); expected dimension 2 or 3", words.where(),
          contacts);
-  if (dimension != 2) fail("{}: expected 2, met {}", words.named("dimension"), dimension);
+  if (dimension != 2 && dimension != 3) fail("{}: expected 2 or 3, met {}", words.named("dimension"), dimension);
   SparseMatrix matrix = read_matrix(words, "the first matrix");
-  const Index numbers = 3 * contacts;  // of q and mu
-  if (matrix.rows() == 2 * contacts && words.left() <= numbers + 1) {
+  const Index numbers = (dimension + 1) * contacts;  // of q and mu
+  if (matrix.rows() == dimension * contacts && words.left() <= numbers + 1) {
     LocalFrictionProblem local;
+    local.dimension = dimension;
     local.w = std::move(matrix);
-    local.q = read_numbers(words, "q", 2 * contacts);
+    local.q = read_numbers(words, "q", dimension * contacts);
     local.friction = read_numbers(words, "mu", contacts);
     return local;
   }
   GlobalFrictionProblem global;
+  global.dimension = dimension;
   global.mass = std::move(matrix);
   global.h = read_matrix(words, "H");
   global.f = read_numbers(words, "f", global.mass.rows());
-  global.w = read_numbers(words, "w", 2 * contacts);
+  global.w = read_numbers(words, "w", dimension * contacts);
   global.friction = read_numbers(words, "mu", contacts);
   return global;
 }
@@ -286,7 +285,7 @@ FclibFile siconos_from_text(std::string_view text, const std::string& name) {
 }
 
 std::string siconos_text(const FclibFile& file, const std::string& program) {
-  std::string text = fmt::format("2\n{}\n", file.contacts());
+  std::string text = fmt::format("{}\n{}\n", file.dimension(), file.contacts());
   if (const auto* local = std::get_if<LocalFrictionProblem>(&file.problem)) {
     write_matrix(text, local->w, program);
     write_numbers(text, local->q);

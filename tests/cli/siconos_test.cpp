@@ -76,8 +76,11 @@ TEST_CASE("siconos: a folder of problems, and what is refused by name") {
   CHECK(rows.text(0, "problem") == "a.dat");
   CHECK(rows.text(0, "status") == "converged");
   session.file("space.dat", "3\n1\n0\n3\n3\n3\t3\n1 0 0\n0 1 0\n0 0 1\n-1 0 0\n0.5\n");
-  for (const std::string verb : {"solve space.dat", "sweep space.dat --subdomains metis:2 --epsilon 1 --csv -"})
-    check_refused(session, verb, {"space.dat", "not supported: a problem in three dimensions (1 contacts)"});
+  const std::string sweep = "sweep space.dat --subdomains metis:2 --epsilon 1 --csv -";
+  check_refused(session, sweep, {"space.dat: expected a global problem"});
+  CHECK(session.run(words("solve space.dat")).exit_code == 0);  // r = (1, 0, 0)
+  session.file("rolling.dat", "5\n1\n0\n5\n5\n5\t5\n1 0 0 0 0\n");
+  check_refused(session, "solve rolling.dat", {"rolling.dat", "not supported: rolling friction (1 contacts"});
   session.file("notes.pdf", "no problem\n");
   check_refused(session, "sweep notes.pdf --epsilon 1 --csv -", {"notes.pdf: expected a case file", ".dat"});
 }

@@ -105,7 +105,7 @@ std::string RawFclib::bytes() const {
 
 RawFclib raw_local(const LocalFrictionProblem& problem, Storage storage) {
   RawFclib raw;
-  raw.integers["fclib_local/spacedim"] = {2};
+  raw.integers["fclib_local/spacedim"] = {static_cast<int>(problem.dimension)};
   put_matrix(raw, "fclib_local/W", problem.w, storage);
   raw.numbers["fclib_local/vectors/q"] = list(problem.q);
   raw.numbers["fclib_local/vectors/mu"] = list(problem.friction);
@@ -114,7 +114,7 @@ RawFclib raw_local(const LocalFrictionProblem& problem, Storage storage) {
 
 RawFclib raw_global(const GlobalFrictionProblem& problem, Storage storage) {
   RawFclib raw;
-  raw.integers["fclib_global/spacedim"] = {2};
+  raw.integers["fclib_global/spacedim"] = {static_cast<int>(problem.dimension)};
   put_matrix(raw, "fclib_global/M", problem.mass, storage);
   put_matrix(raw, "fclib_global/H", problem.h, storage);
   raw.numbers["fclib_global/vectors/f"] = list(problem.f);

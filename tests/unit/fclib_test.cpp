@@ -112,9 +112,9 @@ TEST_CASE("entries of a matrix that are given in parts add up") {
 
 TEST_CASE("problems of another kind are named and refused") {
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
-          "p.hdf5: fclib_global: not supported: a global problem in three dimensions (2 contacts, spacedim 3)");
+          "p.hdf5: fclib_global/H/n: expected three columns per contact, met 8 columns");
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {7}; }),
-          "fclib_global/spacedim: expected 2, met 7");
+          "fclib_global/spacedim: expected 2 or 3, met 7");
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/G/m"] = {15}; }),
           "not supported: a global problem with equality constraints (G) (4 contacts, spacedim 2)");
   refused(changed([](RawFclib& raw) { raw.move("fclib_global", "fclib_global_rolling"); }),

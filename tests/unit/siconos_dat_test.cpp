@@ -244,9 +244,8 @@ TEST_CASE("problems of another kind are named and refused") {
   refused("3\n52\n1\n156\n156\n" + std::string(400, ' ') + std::string(120, '1'), "p.dat:2: contacts");
   std::string words;
   for (int k = 0; k < 60; ++k) words += "0 ";
-  refused("3\n1\n0\n3\n3\n3 3\n" + words, "not supported: a problem in three dimensions (1 contacts)");
   refused("5\n1\n0\n5\n5\n5 5\n" + words, "not supported: rolling friction (1 contacts, dimension 5)");
-  refused("4\n1\n0\n4\n4\n4 4\n" + words, "dimension: expected 2, met 4");
+  refused("4\n1\n0\n4\n4\n4 4\n" + words, "dimension: expected 2 or 3, met 4");
   refused("1000\n0.0\n", "dimension: expected an integer from 1 to 6, met 1000");
   const LocalFrictionProblem local = reduce(random_bodies_problem(2, 3, 4));
   refused(changed(local_text(local, columns), "8\n8\n2\n", "8\n8\n4\n"), "not supported: half of a symmetric matrix");

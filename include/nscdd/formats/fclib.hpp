@@ -11,8 +11,8 @@ namespace nscdd {
 /// Impulses and velocities as a file of FCLIB keeps them.
 struct FclibSolution {
   Vector v;  ///< velocities of the bodies, global problems only
-  Vector u;  ///< relative velocities of the contacts, 2c entries
-  Vector r;  ///< impulses of the contacts, 2c entries
+  Vector u;  ///< relative velocities of the contacts, D c entries
+  Vector r;  ///< impulses of the contacts, D c entries
 };
 
 /// Texts of a file, each present or not.
@@ -30,17 +30,18 @@ struct FclibFile {
   std::vector<FclibSolution> guesses;
 
   Index contacts() const;
+  Index dimension() const;  ///< D: `spacedim` of FCLIB, 2 or 3
 };
 
 /// Whether these bytes of an HDF5 file hold a problem of FCLIB. Throws Error naming `name` for bytes of another kind.
 bool holds_fclib(std::string_view bytes, const std::string& name);
 
-/// Reads a plane problem, local or global, with matrices by columns, by rows or as triplets. Triplets are
-/// (row, column) = (p, i) as FCLIB documents them. If these do not fit the matrix but (i, p) do, they are
+/// Reads a problem in the plane or in space, local or global, with matrices by columns, by rows or as triplets.
+/// Triplets are (row, column) = (p, i) as FCLIB documents them. If these do not fit the matrix but (i, p) do, they are
 /// those of CSparse, which Siconos writes. Numbers are as in the file, and `check` has been passed. Throws
 /// Error "name: group/dataset: expected ..., met ..." if the bytes are not a whole HDF5 file with exactly one problem,
-/// if a member is missing, has a wrong length or an index out of range, and for what is not supported: three
-/// dimensions, rolling friction, equality constraints G, couplings V and R.
+/// if a member is missing, has a wrong length or an index out of range, and for what is not supported:
+/// rolling friction, equality constraints G, couplings V and R.
 FclibFile fclib_from_hdf5(std::string_view bytes, const std::string& name);
 
 /// Reads a file of FCLIB, whatever its name. Throws Error as `fclib_from_hdf5` does.
