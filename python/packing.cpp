@@ -11,26 +11,34 @@ namespace nscdd::python {
 namespace {
 
 std::shared_ptr<Packing> packing_of(const py::object& x, const py::object& y, const py::object& radius,
-                                    const py::object& mass) {
-  const bool with_masses = !mass.is_none();
-  auto packing = std::make_shared<Packing>(Packing{numbers(x, "x"), numbers(y, "y"), numbers(radius, "radius"),
-                                                   with_masses ? numbers(mass, "mass") : std::vector<double>()});
+                                    const py::object& mass, const py::object& z) {
+  const bool with_masses = !mass.is_none(), in_space = !z.is_none();
+  const auto given = [](const py::object& values, const char* name) {
+    return values.is_none() ? std::vector<double>() : numbers(values, name);
+  };
+  auto packing = std::make_shared<Packing>(
+      Packing{numbers(x, "x"), numbers(y, "y"), numbers(radius, "radius"), given(mass, "mass"), given(z, "z")});
   const std::size_t n = packing->x.size();
-  if (packing->y.size() != n || packing->radius.size() != n || (with_masses && packing->mass.size() != n))
-    fail("packing: expected arrays of one length, met x of {}, y of {}, radius of {}{}", n, packing->y.size(),
-         packing->radius.size(), with_masses ? fmt::format(", mass of {}", packing->mass.size()) : "");
+  if (packing->y.size() != n || packing->radius.size() != n || (with_masses && packing->mass.size() != n) ||
+      (in_space && packing->z.size() != n))
+    fail("packing: expected arrays of one length, met x of {}, y of {}, radius of {}{}{}", n, packing->y.size(),
+         packing->radius.size(), with_masses ? fmt::format(", mass of {}", packing->mass.size()) : "",
+         in_space ? fmt::format(", z of {}", packing->z.size()) : "");
   check(*packing);
   return packing;
 }
 
-py::object masses(const std::shared_ptr<Packing>& packing) {
-  if (packing->mass.empty()) return py::none();
-  return view(packing, packing->mass);
+// An array that a packing may be without.
+py::object optional_view(const std::shared_ptr<Packing>& packing, const std::vector<double>& values) {
+  if (values.empty()) return py::none();
+  return view(packing, values);
 }
+py::object masses(const std::shared_ptr<Packing>& packing) { return optional_view(packing, packing->mass); }
+py::object depths(const std::shared_ptr<Packing>& packing) { return optional_view(packing, packing->z); }
 
 std::string shown(const Packing& packing) {
-  return fmt::format("<nscdd.Packing of {} grains, {} masses>", packing.size(),
-                     packing.mass.empty() ? "without" : "with");
+  return fmt::format("<nscdd.Packing of {} {}, {} masses>", packing.size(),
+                     packing.dimension() == 2 ? "disks" : "spheres", packing.mass.empty() ? "without" : "with");
 }
 
 std::shared_ptr<Packing> generated(const std::string& generator,
@@ -106,11 +114,13 @@ void bind_network(py::module_& module) {
 void bind_packing(py::module_& module) {
   using Shared = std::shared_ptr<Packing>;
   py::class_<Packing, Shared>(module, "Packing",
-                              "Disks in the plane, grain i at (x[i], y[i]): m, m, m and kg. Without `mass` every grain "
-                              "has 1 kg where a mass is needed. Arrays are copied in; those that come out cannot be "
-                              "written to and copy nothing. Raises Error naming the grain where a coordinate is not "
-                              "finite or a radius or mass is not finite and positive.")
-      .def(py::init(&packing_of), py::arg("x"), py::arg("y"), py::arg("radius"), py::arg("mass") = py::none())
+                              "Disks in the plane, grain i at (x[i], y[i]), or with `z` spheres in space, grain i at "
+                              "(x[i], y[i], z[i]): m, m, m, kg and m. Without `mass` every grain has 1 kg where a mass "
+                              "is needed. Arrays are copied in; those that come out cannot be written to and copy "
+                              "nothing. Raises Error naming the grain where a coordinate is not finite or a radius or "
+                              "mass is not finite and positive.")
+      .def(py::init(&packing_of), py::arg("x"), py::arg("y"), py::arg("radius"), py::arg("mass") = py::none(),
+           py::arg("z") = py::none())
       .def_property_readonly(
           "x", [](const Shared& p) { return view(p, p->x); }, "centres, m")
       .def_property_readonly(
@@ -118,11 +128,15 @@ void bind_packing(py::module_& module) {
       .def_property_readonly(
           "radius", [](const Shared& p) { return view(p, p->radius); }, "m")
       .def_property_readonly("mass", &masses, "kg, or None where no masses were given")
+      .def_property_readonly("z", &depths, "centres, m, or None in the plane")
+      .def_property_readonly("dimension", &Packing::dimension, "2 for disks in the plane, 3 for spheres in space")
       .def("__len__", [](const Packing& p) { return p.size(); })
       .def("__repr__", &shown)
       .def(py::pickle(
-          [](const Shared& p) { return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p)); },
-          [](const py::tuple& state) { return packing_of(state[0], state[1], state[2], state[3]); }));
+          [](const Shared& p) {
+            return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p), depths(p));
+          },
+          [](const py::tuple& state) { return packing_of(state[0], state[1], state[2], state[3], state[4]); }));
   bind_network(module);
   module.def(
       "read_packing", [](const std::string& path) { return std::make_shared<Packing>(read_packing(path)); },

@@ -12,9 +12,10 @@ from ._core import ContactNetwork, Decomposition, Packing
 
 
 def read_packing(path: str | os.PathLike[str]) -> Packing:
-    """The packing of a file: CSV with columns x, y, radius and maybe mass, HDF5 (.h5, .hdf5) with datasets of these
-    names in the group `packing`, a text with lines "x y radius", or the free disks of a folder DATBOX of LMGC90. Raises
-    Error naming file and line, or dataset, for what cannot be used."""
+    """The packing of a file: CSV with columns x, y, radius and maybe z and mass, HDF5 (.h5, .hdf5) with datasets of
+    these names in the group `packing`, a text with lines "x y radius" or "x y z radius", or the free disks of a folder
+    DATBOX of LMGC90. What has a z is in space; in text it must differ between grains. Raises Error naming file and
+    line, or dataset, for what cannot be used."""
     return _core.read_packing(_arguments.path(path))
 
 

@@ -21,10 +21,17 @@ constexpr Field packing_positive(std::string_view name, std::string_view unit) {
   return {.description = name, .unit = unit, .minimum = 0, .minimum_excluded = true, .maximum = 1e100};
 }
 
-inline constexpr PackingColumn packing_columns[] = {{&Packing::x, true, "x", packing_place},
-                                                    {&Packing::y, true, "y", packing_place},
-                                                    {&Packing::radius, true, "radius", packing_positive("radius", "m")},
-                                                    {&Packing::mass, false, "mass", packing_positive("mass", "kg")}};
+inline constexpr PackingColumn packing_columns[] = {
+    {&Packing::x, true, "x", packing_place},
+    {&Packing::y, true, "y", packing_place},
+    {&Packing::z, false, "z", packing_place},  // what has it is in space
+    {&Packing::radius, true, "radius", packing_positive("radius", "m")},
+    {&Packing::mass, false, "mass", packing_positive("mass", "kg")}};
+
+/// The column of that name, which there is.
+constexpr PackingColumn packing_column(std::string_view name) {
+  return *std::ranges::find(packing_columns, name, &PackingColumn::name);
+}
 
 /// The number that a text of a packing file is. Throws Error "name:line: column: ..." for another text and for a number
 /// out of its bounds.

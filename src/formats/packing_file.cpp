@@ -28,7 +28,7 @@ void require_columns(const std::vector<const PackingColumn*>& met, std::string_v
 std::vector<const PackingColumn*> columns_of(const Packing& packing) {
   std::vector<const PackingColumn*> columns;
   for (const PackingColumn& column : packing_columns)
-    if (column.required || !packing.mass.empty()) columns.push_back(&column);
+    if (column.required || !(packing.*(column.values)).empty()) columns.push_back(&column);
   return columns;
 }
 
@@ -76,7 +76,7 @@ Packing parse_packing(std::string_view text, const std::string& name) {
     try {
       return CsvReader(text, name);
     } catch (const Error& error) {
-      fail("{}; expected columns x, y, radius and optionally mass, named in line 1", error.what());
+      fail("{}; expected columns x, y, radius and optionally z and mass, named in line 1", error.what());
     }
   }();
   const std::string header = fmt::format("{}:{}", name, reader.line());
@@ -84,7 +84,7 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   for (const std::string& column : reader.columns()) {
     meaning.push_back(find_column(column));
     if (meaning.back() == nullptr)
-      fail("{}: expected columns x, y, radius and optionally mass, met '{}'", header, column);
+      fail("{}: expected columns x, y, radius and optionally z and mass, met '{}'", header, column);
   }
   require_columns(meaning, header, "column");
   Packing packing;
@@ -104,7 +104,8 @@ Packing packing_from_hdf5(std::string_view bytes, const std::string& name) {
     std::vector<double> values = group.numbers<double>(dataset);
     const std::string where = group.of(dataset);
     met.push_back(find_column(dataset));
-    if (met.back() == nullptr) fail("{}: expected datasets x, y, radius and optionally mass, met '{}'", where, dataset);
+    if (met.back() == nullptr)
+      fail("{}: expected datasets x, y, radius and optionally z and mass, met '{}'", where, dataset);
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!in_bounds(values[i], met.back()->field))
         check_bounds(values[i], met.back()->field, fmt::format("{}: grain {}", where, i));

@@ -51,7 +51,10 @@ bool is_number(std::string_view text) {
   return status == std::errc() && end == text.data() + text.size();
 }
 
-constexpr PackingColumn depth{nullptr, true, "z", packing_place};
+// Of a line "x y radius" and of one "x y z radius".
+constexpr std::array plane_columns{packing_column("x"), packing_column("y"), packing_column("radius")};
+constexpr std::array space_columns{packing_column("x"), packing_column("y"), packing_column("z"),
+                                   packing_column("radius")};
 
 }  // namespace
 
@@ -65,33 +68,25 @@ bool is_text_packing(std::string_view text) {
 Packing parse_text_packing(std::string_view text, const std::string& name) {
   Packing packing;
   Lines lines(text);
-  std::size_t width = 0, first_line = 0;
-  double z = 0;
+  std::span<const PackingColumn> columns;
+  std::size_t first_line = 0;
   while (lines.next()) {
     const std::vector<std::string_view> words = lines.words();
-    const auto value = [&](std::size_t k, const PackingColumn& column) {
-      return packing_value(words[k], column, name, lines.number());
-    };
-    if (width == 0) {
-      width = words.size();
+    if (columns.empty()) {
       first_line = lines.number();
-      if (width != 3 && width != 4)
-        fail("{}:{}: expected lines 'x y radius' or 'x y z radius', met {} numbers", name, first_line, width);
-      if (width == 4) z = value(2, depth);
+      if (words.size() != plane_columns.size() && words.size() != space_columns.size())
+        fail("{}:{}: expected lines 'x y radius' or 'x y z radius', met {} numbers", name, first_line, words.size());
+      columns = words.size() == plane_columns.size() ? std::span<const PackingColumn>(plane_columns) : space_columns;
     }
-    if (words.size() != width)
-      fail("{}:{}: expected {} numbers as in line {}, met {}", name, lines.number(), width, first_line, words.size());
-    if (width == 4)
-      if (const double met = value(2, depth); met != z)
-        fail(
-            "{}:{}: z: expected the {} of line {} for all grains, met {}: packings are plane, spheres in space are not "
-            "supported",
-            name, lines.number(), z, first_line, met);
-    packing.x.push_back(value(0, packing_columns[0]));
-    packing.y.push_back(value(1, packing_columns[1]));
-    packing.radius.push_back(value(width - 1, packing_columns[2]));
+    if (words.size() != columns.size())
+      fail("{}:{}: expected {} numbers as in line {}, met {}", name, lines.number(), columns.size(), first_line,
+           words.size());
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      (packing.*(columns[k].values)).push_back(packing_value(words[k], columns[k], name, lines.number()));
   }
   if (packing.size() == 0) fail("{}: expected at least one grain, met none", name);
+  // One z for all is how plane packings are exchanged.
+  if (std::ranges::all_of(packing.z, [&](double z) { return z == packing.z.front(); })) packing.z.clear();
   return packing;
 }
 

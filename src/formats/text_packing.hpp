@@ -10,9 +10,9 @@ namespace nscdd {
 bool is_text_packing(std::string_view text);
 
 /// A packing of lines "x y radius" or "x y z radius" (m), apart by blanks or tabs. Remarks ('#') and blank lines are
-/// left out. z must be the same for all grains, which are then disks in one plane. Throws Error "name:line: ..." for a
-/// line with more or fewer numbers than the first or with another word, for numbers out of bounds as `parse_packing`
-/// has them, and for a z that differs.
+/// left out. Where z is the same for all grains they are disks in one plane, else spheres in space. Throws Error
+/// "name:line: ..." for a line with more or fewer numbers than the first or with another word, and for numbers out of
+/// bounds as `parse_packing` has them.
 Packing parse_text_packing(std::string_view text, const std::string& name);
 
 }  // namespace nscdd

@@ -85,18 +85,28 @@ TEST_CASE("siconos: a folder of problems, and what is refused by name") {
   check_refused(session, "sweep notes.pdf --epsilon 1 --csv -", {"notes.pdf: expected a case file", ".dat"});
 }
 
-TEST_CASE("text packings are read as CSV is, and spheres in space are refused") {
+TEST_CASE("text packings are read as CSV is, and one whose z differs is in space") {
   const Session session;
   session.file("p.csv", "x,y,radius\n0,0,0.5\n1,0,0.5\n2,0,0.5\n1,1,0.5\n");
   session.file("p.txt", "# x y r\n0 0 0.5\n1 0 0.5\n2 0 0.5\n1 1 0.5\n");
   session.file("q.dat", "#format x_y_z_r\n0 0 3 0.5\n1 0 3 0.5\n2 0 3 0.5\n1 1 3 0.5\n");
   session.file("case.toml", "[packing]\nfile = \"p.txt\"\n[partition]\ngrid = [2, 1]\n");
-  session.file("space.txt", "0 0 0 0.5\n1 0 0.1 0.5\n");
+  session.file("space.txt", "0 0 0 0.5\n0 0 1 0.5\n0 1 0 0.5\n");
+  session.file("space.csv", "x,y,radius,z\n0,0,0.5,0\n0,0,0.5,1\n0,1,0.5,0\n");
   const auto radius = [&](const std::string& name) {
     return table(session, "sweep " + name + " --epsilon 1 --subdomains 2x1").text(0, "spectral_radius");
   };
   const std::string expected = radius("p.csv");
   CHECK(std::stod(expected) > 0);
   for (const std::string name : {"p.txt", "q.dat", "case.toml"}) CHECK(radius(name) == expected);
-  check_refused(session, "inspect space.txt", {"space.txt:2: z:", "packings are plane"});
+  session.file("broken.txt", "0 0 0 0.5\n1 0 0.1.2 0.5\n");
+  check_refused(session, "inspect broken.txt", {"broken.txt:2: z:", "0.1.2"});
+  CHECK(answer(session, "generate space.csv -o -").ends_with("x,y,z,radius\n0,0,0,0.5\n0,0,1,0.5\n0,1,0,0.5\n"));
+  answer(session, "generate space.txt -o space.h5");
+  for (const std::string name : {"space.txt", "space.csv", "space.h5"}) {
+    const CsvTable links = table(session, "network " + name + " --csv -");
+    REQUIRE(links.rows.size() == 2);
+    CHECK(links.text(0, "grain_b") == "1");
+    CHECK(links.text(1, "grain_b") == "2");
+  }
 }

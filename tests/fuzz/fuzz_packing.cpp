@@ -41,10 +41,12 @@ std::optional<std::vector<std::pair<Index, Index>>> brute_force(const Packing& p
   for (Index i = 0; i < p.size(); ++i)
     for (Index j = i + 1; j < p.size(); ++j) {
       const double dx = p.x[at(j)] - p.x[at(i)], dy = p.y[at(j)] - p.y[at(i)];
-      const double gap = std::hypot(dx, dy) - (p.radius[at(i)] + p.radius[at(j)]);
+      const double dz = p.z.empty() ? 0 : p.z[at(j)] - p.z[at(i)];
+      const double distance = p.z.empty() ? std::hypot(dx, dy) : std::hypot(dx, dy, dz);
+      const double gap = distance - (p.radius[at(i)] + p.radius[at(j)]);
       const double smaller = std::min(p.radius[at(i)], p.radius[at(j)]);
       if (gap > detection.tolerance * smaller) continue;
-      if ((dx == 0 && dy == 0) || -gap > detection.overlap_tolerance * smaller) return std::nullopt;
+      if ((dx == 0 && dy == 0 && dz == 0) || -gap > detection.overlap_tolerance * smaller) return std::nullopt;
       pairs.emplace_back(i, j);
     }
   return pairs;
@@ -59,7 +61,8 @@ void require_same(const Packing& packing, const ContactDetection& detection) {
   for (Index c = 0; c < network->size(); ++c) {
     const Contact& contact = network->contacts[at(c)];
     require(std::pair(contact.a, contact.b) == (*expected)[at(c)], "contacts are the pairs that touch");
-    require(std::abs(std::hypot(contact.normal[0], contact.normal[1]) - 1) < 1e-12, "a normal is a unit vector");
+    const auto [nx, ny, nz] = contact.normal;
+    require(std::abs(std::hypot(nx, ny, nz) - 1) < 1e-12, "a normal is a unit vector");
   }
 }
 
@@ -71,6 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check(*packing);  // throws, and so ends the program, for a packing that should not have passed
   require(count(packing->y) == packing->size() && count(packing->radius) == packing->size(),
           "every grain has a centre and a radius");
+  require(packing->z.empty() || count(packing->z) == packing->size(), "every grain has a z, or none");
   require(packing->mass.empty() || count(packing->mass) == packing->size(), "every grain has a mass, or none");
   if (packing->size() > 200) return 0;
   require_same(*packing, {});

@@ -27,6 +27,25 @@ def test_a_packing_keeps_its_arrays():
     np.testing.assert_array_equal(strided.mass, [1, 2, 3])
 
 
+def test_a_packing_in_space():
+    """z makes it one, through files and pickles as well; normals and midpoints have three components."""
+    height = np.sqrt(2 / 3)
+    packing = nscdd.Packing([0, 1, 0.5, 0.5], [0, 0, np.sqrt(3) / 2, np.sqrt(3) / 6], np.full(4, 0.5),
+                            z=[0, 0, 0, height])
+    assert packing.dimension == 3 and packing.z[3] == height and not packing.z.flags.writeable
+    assert repr(packing) == "<nscdd.Packing of 4 spheres, without masses>"
+    again = pickle.loads(pickle.dumps(packing))
+    np.testing.assert_array_equal(again.z, packing.z)
+    network = nscdd.contacts(packing)
+    assert len(network) == 6 and network.normal.shape == (6, 3) and network.midpoint.shape == (6, 3)
+    centres = np.column_stack([packing.x, packing.y, packing.z])
+    np.testing.assert_allclose(network.normal, centres[network.b] - centres[network.a], atol=1e-15)
+    plane = nscdd.Packing([0, 2], [0, 0], [1, 1], [2, 3])
+    assert plane.dimension == 2 and plane.z is None and pickle.loads(pickle.dumps(plane)).z is None
+    assert repr(plane) == "<nscdd.Packing of 2 disks, with masses>"
+    np.testing.assert_allclose(nscdd.decompose(packing, density=3).packing.mass, np.full(4, np.pi / 2), rtol=1e-15)
+
+
 def test_arrays_outlive_their_objects():
     parts = nscdd.decompose(bed(50), (2, 1))
     h, x, a = parts.H, parts.packing.x, parts.subdomains[1].A
@@ -48,6 +67,9 @@ def test_pickle():
 @pytest.mark.parametrize("arguments, words", [
     (([0, 1], [0], [1, 1]), "packing: expected arrays of one length, met x of 2, y of 1, radius of 2"),
     (([0, 1], [0, 0], [1, 1], [1]), "mass of 1"),
+    (([0, 1], [0, 0], [1, 1], None, [1]), "z of 1"),
+    (([0, 1], [0, 0], [1, 1], None, []), "z of 0"),
+    (([0, 1], [0, 0], [1, 1], None, [0, np.inf]), "grain 1: expected finite coordinates"),
     (([0, np.nan], [0, 0], [1, 1]), "grain 1: expected finite coordinates"),
     (([0, 1], [0, 0], [1, 0]), "grain 1: expected a finite radius > 0, met 0"),
     (([0, 2], [0, 0], [1, 1], [1, -1]), "grain 1: expected a finite mass > 0, met -1"),

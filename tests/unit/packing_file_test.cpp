@@ -19,7 +19,7 @@ using namespace nscdd;
 namespace {
 
 // Doubles that are hard to print: of any exponent that a packing may have, the smallest, negative zero.
-Packing hard_numbers(bool masses) {
+Packing hard_numbers(bool masses, bool space) {
   RandomStream random(11);
   Packing p;
   const auto any = [&] { return (1 + random.uniform()) * std::pow(10.0, 180 * random.uniform() - 90); };
@@ -28,6 +28,7 @@ Packing hard_numbers(bool masses) {
     p.y.push_back(random.uniform());
     p.radius.push_back(any());
     if (masses) p.mass.push_back(any());
+    if (space) p.z.push_back(i % 3 == 0 ? any() : -any());
   }
   p.x[0] = -0.0;
   p.y[0] = 5e-324;
@@ -74,16 +75,29 @@ void refused(const std::string& bytes, const std::string& part) {
 }  // namespace
 
 TEST_CASE("packing file: written and read back, every double is the same") {
-  for (const bool masses : {false, true})
+  for (const int kind : {0, 1, 2, 3})
     for (const char* name : {"p.csv", "p.h5", "p.hdf5"}) {
       CAPTURE(name);
-      const Packing p = hard_numbers(masses);
+      CAPTURE(kind);
+      const Packing p = hard_numbers(kind % 2 == 1, kind >= 2);
       const Packing back = read_back(written(p, name, {{"program", "a\nb"}}), name);
       CHECK(bits(back.x) == bits(p.x));
       CHECK(bits(back.y) == bits(p.y));
       CHECK(bits(back.radius) == bits(p.radius));
       CHECK(bits(back.mass) == bits(p.mass));
+      CHECK(bits(back.z) == bits(p.z));
+      CHECK(back.dimension() == (kind >= 2 ? 3 : 2));
     }
+}
+
+TEST_CASE("packing file: a column z makes a packing in space, one z for all as well") {
+  const Packing sheet = parse_packing("radius,z,y,x\n1,7,0,0\n1,7,0,2\n", "p.csv");
+  CHECK(sheet.dimension() == 3);
+  CHECK(sheet.z == std::vector<double>{7, 7});
+  CHECK(packing_csv(sheet) == "x,y,z,radius\n0,0,7,1\n2,0,7,1\n");
+  CHECK_THROWS_WITH_AS(parse_packing("x,y,z,radius\n0,0,0,1\n2,0,1\n", "p.csv"), doctest::Contains("p.csv:3: "), Error);
+  CHECK_THROWS_WITH_AS(parse_packing("x,y,z,radius\n0,0,inf,1\n", "p.csv"),
+                       doctest::Contains("p.csv:2: z: expected a finite number"), Error);
 }
 
 TEST_CASE("packing file: equal packings give equal bytes, and say where they come from") {
@@ -113,9 +127,13 @@ TEST_CASE("packing file: HDF5 that holds no packing is refused by name") {
   refused(file_of("sweep", {{"x", two}}), "p.h5: packing: expected a group, met none");
   refused(file_of("packing", {{"x", two}, {"y", two}}), "p.h5: packing: expected a dataset 'radius', met none");
   refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", two}, {"colour", two}}),
-          "p.h5: packing/colour: expected datasets x, y, radius and optionally mass");
+          "p.h5: packing/colour: expected datasets x, y, radius and optionally z and mass");
   refused(file_of("packing", {{"x", two}, {"y", three}, {"radius", two}}),
           "p.h5: packing/y: expected 2 numbers as in x, met 3");
+  refused(file_of("packing", {{"x", two}, {"y", two}, {"z", three}, {"radius", two}}),
+          "p.h5: packing/z: expected 2 numbers as in x, met 3");
+  refused(file_of("packing", {{"x", two}, {"y", two}, {"z", {0, not_a_number}}, {"radius", two}}),
+          "p.h5: packing/z: grain 1: expected a finite number");
   refused(file_of("packing", {{"x", two}, {"y", two}, {"radius", {1, 0}}}),
           "p.h5: packing/radius: grain 1: expected a finite number > 0");
   refused(file_of("packing", {{"x", {0, not_a_number}}, {"y", two}, {"radius", two}}),

@@ -27,10 +27,22 @@ TEST_CASE("text packing: lines of three numbers, and of four with one z") {
   CHECK(plane.y == Values{1, -1e-3});
   CHECK(plane.radius == Values{0.5, 0.25});
   CHECK(plane.mass.empty());
-  const Packing space = parse_packing("0 1 7 0.5\n2 3 7.0 0.1", "p.txt");
-  CHECK(space.x == Values{0, 2});
-  CHECK(space.y == Values{1, 3});
-  CHECK(space.radius == Values{0.5, 0.1});
+  const Packing sheet = parse_packing("0 1 7 0.5\n2 3 7.0 0.1", "p.txt");
+  CHECK(sheet.x == Values{0, 2});
+  CHECK(sheet.y == Values{1, 3});
+  CHECK(sheet.radius == Values{0.5, 0.1});
+  CHECK(sheet.dimension() == 2);
+  CHECK(parse_packing("0 1 7 0.5", "p.txt").dimension() == 2);
+}
+
+TEST_CASE("text packing: spheres in space where z differs") {
+  const Packing space = parse_packing("# x y z r\n0 1 7 0.5\n2 3 -7e-1 0.1\n4 5 7 0.2\n", "p.txt");
+  CHECK(space.dimension() == 3);
+  CHECK(space.x == Values{0, 2, 4});
+  CHECK(space.y == Values{1, 3, 5});
+  CHECK(space.z == Values{7, -0.7, 7});
+  CHECK(space.radius == Values{0.5, 0.1, 0.2});
+  CHECK(parse_packing("0 0 0 1\n2 0 4.9e-324 1\n", "p.txt").dimension() == 3);
 }
 
 TEST_CASE("text packing: told from CSV by the first line that says something") {
@@ -54,7 +66,8 @@ TEST_CASE("text packing: read from a file, whatever its ending but those of HDF5
 }
 
 TEST_CASE("text packing: what is none is refused with its line") {
-  refused("0 0 0 1\n2 0 0.5 1\n", "p.txt:2: z: expected the 0 of line 1 for all grains, met 0.5: packings are plane");
+  refused("0 0 0 1\n2 0 up 1\n", "p.txt:2: z: expected a number, met 'up'");
+  refused("0 0 0 1\n2 0 0 0\n", "p.txt:2: radius: expected");
   refused("# a\n0 0\n", "p.txt:2: expected lines 'x y radius' or 'x y z radius', met 2 numbers");
   refused("0 0 0 1 7\n", "met 5 numbers");
   refused("0 0 1\n\n0 0 0 1\n", "p.txt:3: expected 3 numbers as in line 1, met 4");

@@ -12,14 +12,15 @@ enum class PackingFormat { csv, hdf5 };
 /// The format by the ending of a file name: .csv, .h5 or .hdf5; empty for any other.
 std::optional<PackingFormat> packing_format(const std::string& path);
 
-/// Packing from CSV text with columns x, y, radius (m) and optionally mass (kg), in any order; or from text whose first
-/// line that is neither blank nor a remark has numbers alone: lines "x y radius" or, with one z for all, "x y z
-/// radius", as YADE and ESyS-Particle exchange them. Throws Error "name:line: ..." for a missing, unknown or repeated
+/// Packing from CSV text with columns x, y, radius (m) and optionally z (m) and mass (kg), in any order; or from text
+/// whose first line that is neither blank nor a remark has numbers alone: lines "x y radius" or "x y z radius", as YADE
+/// and ESyS-Particle exchange them. A column z makes a packing in space; so does z in text, unless it is the same for
+/// all grains, which are disks in one plane then. Throws Error "name:line: ..." for a missing, unknown or repeated
 /// column, a value that is not a number, not finite, or not positive although it must be, a line of text with more or
-/// fewer numbers than the first, a z that differs, and for a file without grains.
+/// fewer numbers than the first, and for a file without grains.
 Packing parse_packing(std::string_view text, const std::string& name);
 
-/// Packing from the bytes of an HDF5 file: datasets x, y, radius and optionally mass of the group `packing`.
+/// Packing from the bytes of an HDF5 file: datasets x, y, radius and optionally z and mass of the group `packing`.
 /// Throws Error "name: packing/dataset: ..." for the same reasons, and for datasets of different lengths.
 Packing packing_from_hdf5(std::string_view bytes, const std::string& name);
 
