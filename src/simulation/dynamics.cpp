@@ -2,6 +2,7 @@
 #include "simulation/dynamics.hpp"
 
 #include "core/fail.hpp"
+#include "packing/plane.hpp"
 
 #include <fmt/format.h>
 
@@ -44,6 +45,7 @@ void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index bounda
 }  // namespace
 
 GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
+  require_plane(packing, "dynamics");
   if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
   GranularScene result;
   GranularSystem& system = result.system;

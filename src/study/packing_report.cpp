@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/packing_report.hpp"
 
+#include "packing/plane.hpp"
 #include "study/sweep_points.hpp"
 
 namespace nscdd {
@@ -143,6 +144,7 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
                                             const Monitor& monitor) {
   require_geometry(model, "report");
   const SweepParameters& sweep = parameters.sweep;
+  require_plane(model.packing, "report");
   PackingReport report;
   report.scale = flexibility_scale(model);
   report.inspection = inspect(model, 0);

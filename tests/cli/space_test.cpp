@@ -178,3 +178,29 @@ TEST_CASE("space: a study of links, and the radius from exported operators of a 
   CHECK(contains(manifest, "(v_x, v_y, v_z) of each in turn"));
   CHECK(contains(manifest, "rows = 81\ncolumns = 86"));
 }
+
+TEST_CASE("space: a lattice with holes, as its generator and as a file with z, has the same radii") {
+  const Session session;
+  answer(session, "generate fcc --set packing.vacancies=0.1 -o bed.csv");
+  CHECK(contains(session.read("bed.csv"), "x,y,z,radius"));
+  session.file("bed.toml", "[packing]\ngenerator = \"fcc\"\nvacancies = 0.1\n[partition]\ngrid = [2, 2, 2]\n");
+  const std::string options = " --epsilon 0.1,1 --eta 0.5 --solver ";
+  const CsvTable dense = table(session, "sweep bed.toml" + options + "dense");
+  const CsvTable file = table(session, "sweep bed.csv --subdomains 2x2x2" + options + "dense");
+  const CsvTable shifted = table(session, "sweep bed.toml" + options + "shift-invert");
+  REQUIRE(dense.rows.size() == 2);
+  for (std::size_t row = 0; row < 2; ++row) {
+    const double radius = dense.number(row, "spectral_radius");
+    CHECK(radius > 0.01);
+    CHECK(file.number(row, "spectral_radius") == radius);
+    CHECK(std::abs(shifted.number(row, "spectral_radius") - radius) < 1e-9);
+  }
+}
+
+TEST_CASE("space: spheres do not move yet and have no page: both are refused") {
+  const Session session;
+  session.file("fcc.toml", lattice);
+  session.file("moving.toml", "[packing]\ngenerator = \"fcc\"\n[dynamics]\nsteps = 1\n");
+  check_refused(session, "simulate moving.toml", {"dynamics", "expected disks in the plane", "met spheres in space"});
+  check_refused(session, "report fcc.toml -o page.html", {"report", "expected disks in the plane"});
+}
