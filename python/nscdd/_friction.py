@@ -35,10 +35,11 @@ def _each(mu: ArrayLike, contacts: int) -> ArrayLike:
 
 class ContactProblem:
     """A contact problem with friction, in the plane or in space, from arrays or a file: impulses r and velocities
-    u = W r + q such that every contact obeys Signorini's and Coulomb's laws. A contact has a row of its normal component
-    and then one of its tangential component, or two in space: a problem is in space where W (or H) has three columns for
-    each coefficient of `mu`, and plane otherwise. `ContactProblem(W, q, mu)` has the unknowns of the contacts alone, `ContactProblem.of_bodies(M, H, f, w,
-    mu)` the velocities v of the bodies too: M v = H r + f, u = H^T v + w. Arrays that come out cannot be written to.
+    u = W r + q such that every contact obeys Signorini's and Coulomb's laws. A contact has a row of its normal
+    component and then one of its tangential component, or two in space: a problem is in space where W (or H) has
+    three columns for each coefficient of `mu`, and plane otherwise. `ContactProblem(W, q, mu)` has the unknowns of
+    the contacts alone, `ContactProblem.of_bodies(M, H, f, w, mu)` the velocities v of the bodies too:
+    M v = H r + f, u = H^T v + w. Arrays that come out cannot be written to.
 
     W, M   symmetric, 1/kg or kg, an array or any matrix of scipy.sparse, stored in full
     q, w   relative velocities without contact impulses, or of moving supports, m/s

@@ -31,7 +31,7 @@ void require_finite(const std::string& what, const SparseMatrix& matrix) {
   });
 }
 
-void require_symmetric(const std::string& what, const SparseMatrix& matrix) {
+void require_symmetric(const std::string& what, const SparseMatrix& matrix, double tolerance) {
   double largest = 0;
   bool above = false, below = false;
   for_entries(matrix, [&](Index i, Index j, double value) {
@@ -40,7 +40,7 @@ void require_symmetric(const std::string& what, const SparseMatrix& matrix) {
     below = below || (i > j && value != 0);
   });
   for_entries(matrix - SparseMatrix(matrix.transpose()), [&](Index i, Index j, double difference) {
-    if (std::abs(difference) > symmetry_tolerance * largest)
+    if (std::abs(difference) > tolerance * largest)
       fail("{}: expected a symmetric matrix stored in full, met {} at ({}, {}) and {} at ({}, {}){}", what,
            matrix.coeff(i, j), i, j, matrix.coeff(j, i), j, i,
            above == below ? ""
@@ -198,7 +198,7 @@ void check(const LocalFrictionProblem& problem, const std::string& name) {
   require_finite(name + ": W", problem.w);
   require_finite(name + ": q", problem.q);
   require_friction(name, problem.friction);
-  require_symmetric(name + ": W", problem.w);
+  require_symmetric(name + ": W", problem.w, coupling_symmetry_tolerance);
   problem.dimension == 3 ? require_definite_blocks<3>(problem, name) : require_definite_blocks<2>(problem, name);
 }
 
@@ -214,7 +214,7 @@ void check(const GlobalFrictionProblem& problem, const std::string& name) {
   require_finite(name + ": f", problem.f);
   require_finite(name + ": w", problem.w);
   require_friction(name, problem.friction);
-  require_symmetric(name + ": M", problem.mass);
+  require_symmetric(name + ": M", problem.mass, symmetry_tolerance);
 }
 
 ReferenceProblem reference_problem(const GlobalFrictionProblem& problem, const std::string& name) {

@@ -7,6 +7,10 @@ namespace {
 
 constexpr double largest_natural_maps = 1e-3;  // of a solution, relative to the impulses of the contacts each alone
 
+// The length of a tangential impulse in space that is on the edge of the cone may come out below it.
+template <int D>
+constexpr double edge_rounding = D == 3 ? 1e-12 : 0;
+
 constexpr double largest_impulses = 1e8;  // over those that are to be expected
 
 constexpr Index checks_looked_back = 10;
@@ -59,7 +63,7 @@ std::vector<ContactCheck> checked_contacts(const JudgedProblem<D>& judged, const
       set_component(velocities, c, u);
       const double mu = problem.friction[c];
       checks[at(c)] = {squared(natural_map(r, u, mu, 1 / judged.normal[c])), squared(natural_map(r, u, mu, 1)),
-                       contact_status(r, mu)};
+                       contact_status(r, mu, edge_rounding<D>)};
     }
   });
   return checks;
@@ -162,7 +166,7 @@ Index SolverRun<D>::changes_of_status() {
   changed_.resize(at(problem.contacts()));
   Index changes = 0;
   for (Index c = 0; c < problem.contacts(); ++c) {
-    const ContactStatus status = contact_status(component<D>(now.impulses, c), problem.friction[c]);
+    const ContactStatus status = contact_status(component<D>(now.impulses, c), problem.friction[c], edge_rounding<D>);
     if (std::exchange(statuses_[at(c)], status) == status) continue;
     ++changes;
     changed_[at(c)] = checks_;

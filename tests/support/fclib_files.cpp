@@ -2,6 +2,7 @@
 #include "fclib_files.hpp"
 
 #include "linalg/random.hpp"
+#include "mechanics/connectivity.hpp"
 
 #include <hdf5.h>
 
@@ -160,6 +161,53 @@ GlobalFrictionProblem random_bodies_problem(std::uint64_t seed, Index bodies, In
   problem.friction.resize(contacts);
   for (Index c = 0; c < contacts; ++c) problem.friction[c] = 0.6 * random.uniform();
   return problem;
+}
+
+GlobalFrictionProblem random_spheres_problem(std::uint64_t seed, Index bodies, Index contacts) {
+  RandomStream random(seed);
+  GlobalFrictionProblem problem;
+  problem.dimension = 3;
+  Vector inertia(6 * bodies);
+  std::vector<BodyRows> rows;
+  for (Index b = 0; b < bodies; ++b) {
+    const double radius = 0.5 + random.uniform(), m = 1 + random.uniform();
+    inertia.segment<3>(6 * b).setConstant(m);
+    inertia.segment<3>(6 * b + 3).setConstant(0.4 * m * radius * radius);
+    rows.push_back({6 * b, radius});
+  }
+  ConnectivityBuilder<3> h(6 * bodies, at(3 * contacts));
+  for (Index c = 0; c < contacts; ++c) {
+    // The first contacts join neighbours; further ones hold a body against a wall.
+    const bool wall = c + 1 >= bodies;
+    const Eigen::Vector3d n = Eigen::Vector3d(random.normal_vector(3)).normalized();
+    for (const LocalVector<3>& direction : contact_directions<3>())
+      h.add({n[0], n[1], n[2]}, wall ? BodyRows{} : rows[at(c)], rows[at(wall ? c % bodies : c + 1)], direction);
+  }
+  problem.mass = SparseMatrix(Matrix(inertia.asDiagonal()).sparseView());
+  problem.h = h.matrix();
+  problem.f = random.normal_vector(6 * bodies);
+  problem.w = 0.1 * random.normal_vector(3 * contacts);
+  problem.friction.resize(contacts);
+  for (Index c = 0; c < contacts; ++c) problem.friction[c] = 0.6 * random.uniform();
+  return problem;
+}
+
+LocalFrictionProblem in_space(const LocalFrictionProblem& plane) {
+  std::vector<Eigen::Triplet<double>> w;
+  const auto place = [](Index i) { return static_cast<int>(3 * (i / 2) + i % 2); };
+  for (Index j = 0; j < plane.w.cols(); ++j)
+    for (SparseMatrix::InnerIterator e(plane.w, j); e; ++e) {
+      w.emplace_back(place(e.row()), place(j), e.value());
+      if (e.row() % 2 == 1 && j % 2 == 1) w.emplace_back(place(e.row()) + 1, place(j) + 1, e.value());
+    }
+  LocalFrictionProblem space;
+  space.dimension = 3;
+  space.w.resize(3 * plane.contacts(), 3 * plane.contacts());
+  space.w.setFromTriplets(w.begin(), w.end());
+  space.q = Vector::Zero(3 * plane.contacts());
+  for (Index i = 0; i < plane.q.size(); ++i) space.q[place(i)] = plane.q[i];
+  space.friction = plane.friction;
+  return space;
 }
 
 GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwork& network,

@@ -33,6 +33,12 @@ RawFclib raw_global(const GlobalFrictionProblem& problem, Storage storage = Stor
 /// with random normals; loads that press and shear; friction 0.3 on average.
 GlobalFrictionProblem random_bodies_problem(std::uint64_t seed, Index bodies, Index contacts);
 
+/// The same in space: spheres of unequal masses and radii, M diagonal with 6 rows per body.
+GlobalFrictionProblem random_spheres_problem(std::uint64_t seed, Index bodies, Index contacts);
+
+/// A plane problem in space: its contacts have a second tangent that nothing loads, with the couplings of the first.
+LocalFrictionProblem in_space(const LocalFrictionProblem& plane);
+
 /// The problem of a packing with rotations: rows x, y, angle of each grain, columns normal and tangent of
 /// each contact, inertia of the disks m r^2 / 2, momentum M V^- for f.
 GlobalFrictionProblem with_rotations(const Packing& packing, const ContactNetwork& network,

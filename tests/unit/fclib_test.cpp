@@ -110,6 +110,42 @@ TEST_CASE("entries of a matrix that are given in parts add up") {
   CHECK(same_bits(std::get<GlobalFrictionProblem>(fclib_from_hdf5(raw.bytes(), "p.hdf5").problem).h, global.h));
 }
 
+TEST_CASE("problems in space read back bit for bit, and their bodies have six rows") {
+  FclibFile file;
+  const GlobalFrictionProblem global = random_spheres_problem(1, 6, 9);
+  const LocalFrictionProblem local = reduce(global);
+  file.problem = global;
+  file.solution =
+      FclibSolution{Vector::LinSpaced(36, -0.1, 1.0 / 3), Vector::Constant(27, -0.0), Vector::Constant(27, 5e-324)};
+  const FclibFile back = fclib_from_hdf5(to_hdf5(file), "p.hdf5");
+  CHECK(back.dimension() == 3);
+  CHECK(back.contacts() == 9);
+  CHECK(same_bits(*back.solution, *file.solution));
+  const auto& problem = std::get<GlobalFrictionProblem>(back.problem);
+  CHECK(problem.dimension == 3);
+  CHECK(same_bits(problem.h, global.h));
+  CHECK(same_bits(problem.w, global.w));
+  file.problem = local;
+  file.solution->v = {};
+  const FclibFile of_contacts = fclib_from_hdf5(to_hdf5(file), "p.hdf5");
+  CHECK(same_bits(std::get<LocalFrictionProblem>(of_contacts.problem).w, local.w));
+  CHECK(std::get<LocalFrictionProblem>(of_contacts.problem).dimension == 3);
+  for (const Storage storage : {Storage::rows, Storage::triplets}) {
+    const FclibFile raw = fclib_from_hdf5(raw_local(local, storage).bytes(), "p.hdf5");
+    CHECK(Matrix(std::get<LocalFrictionProblem>(raw.problem).w) == Matrix(local.w));
+  }
+  const ReferenceProblem reference = reference_problem(global);
+  CHECK(reference.dimension == 3);
+  CHECK(reference.dofs_per_grain == 6);
+  CHECK(reference.columns_per_contact == 3);
+  CHECK(reference.grains() == 6);
+  GlobalFrictionProblem odd = random_spheres_problem(1, 2, 3);
+  odd.mass.conservativeResize(9, 9);
+  odd.h.conservativeResize(9, 9);
+  odd.f.conservativeResize(9);
+  CHECK_THROWS_WITH_AS(reference_problem(odd, "p"), doctest::Contains("expected six rows per body"), Error);
+}
+
 TEST_CASE("problems of another kind are named and refused") {
   refused(changed([](RawFclib& raw) { raw.integers["fclib_global/spacedim"] = {3}; }),
           "p.hdf5: fclib_global/H/n: expected three columns per contact, met 8 columns");

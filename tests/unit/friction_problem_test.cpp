@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "../support/fclib_files.hpp"
 #include "../support/matrices.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
@@ -101,12 +102,15 @@ TEST_CASE("problems that cannot be meant are refused, saying what was met") {
         }).find("positive definite block for every contact") != std::string::npos);
 }
 
-TEST_CASE("symmetry is asked for as far as text files have it") {
+TEST_CASE("symmetry is asked for as far as public files have it") {
   LocalFrictionProblem problem;
-  problem.w = (Matrix(2, 2) << 2, 1, 1 + 1.5e-5, 2).finished().sparseView();
+  problem.w = (Matrix(2, 2) << 2, 1, 1 + 9e-3, 2).finished().sparseView();
   problem.q = Vector::Zero(2);
   problem.friction = Vector::Zero(1);
   CHECK_NOTHROW(check(problem, "file"));
-  problem.w.coeffRef(1, 0) = 1 + 2.5e-5;
+  problem.w.coeffRef(1, 0) = 1 + 1.1e-2;
   CHECK(message([&] { check(problem, "file"); }).find("file: W: expected a symmetric matrix") == 0);
+  GlobalFrictionProblem bodies = random_bodies_problem(1, 2, 2);
+  bodies.mass.coeffRef(0, 1) = 1.5e-5 * bodies.mass.diagonal().maxCoeff();
+  CHECK(message([&] { check(bodies, "file"); }).find("file: M: expected a symmetric matrix") == 0);
 }

@@ -236,8 +236,25 @@ TEST_CASE("six digits of a sparse matrix are symmetric enough") {
       e.valueRef() = std::stod(rounded.str()) * (e.row() > j ? 1 + 1e-6 : 1);
     }
   check_reads_as(local, local_text(local, columns));
-  local.w.coeffRef(1, 0) += 1e-3 * local.w.coeff(0, 0);
+  local.w.coeffRef(1, 0) += 2e-2 * local.w.coeff(0, 0);
   refused(local_text(local, columns), "p.dat: W: expected a symmetric matrix");
+}
+
+TEST_CASE("problems in space read back bit for bit, as Siconos writes three rows per contact") {
+  FclibFile file;
+  const GlobalFrictionProblem global = random_spheres_problem(2, 4, 6);
+  file.problem = global;
+  const auto back = siconos_from_text(siconos_text(file, "nscdd"), "p.dat");
+  const auto& problem = std::get<GlobalFrictionProblem>(back.problem);
+  CHECK(problem.dimension == 3);
+  CHECK(Matrix(problem.h) == Matrix(global.h));
+  CHECK(problem.w == global.w);
+  file.problem = reduce(global);
+  const auto local = siconos_from_text(siconos_text(file, "nscdd"), "p.dat");
+  CHECK(Matrix(std::get<LocalFrictionProblem>(local.problem).w) == Matrix(reduce(global).w));
+  // Dense, column by column: W_nn = 2, W_t1 = 3, W_t2 = 4.
+  const auto one = siconos_from_text("3\n1\n0\n3\n3\n3 3\n2 0 0\n0 3 0\n0 0 4\n-1 0.5 0.25\n0.5\n", "p.dat");
+  CHECK(std::get<LocalFrictionProblem>(one.problem).q == (Vector(3) << -1, 0.5, 0.25).finished());
 }
 
 TEST_CASE("problems of another kind are named and refused") {

@@ -37,8 +37,11 @@ struct GlobalFrictionProblem {
   Index size() const { return dimension * contacts(); }
 };
 
-/// Largest difference of entries (i, j) and (j, i) of W or M, relative to the largest entry. Siconos writes six digits.
+/// Largest difference of entries (i, j) and (j, i) of M, relative to the largest entry. Siconos writes six digits.
 inline constexpr double symmetry_tolerance = 1e-5;
+/// The same of W. Public problems of bodies that turn in space come with up to 2.5 10^-3 (docs/formats.md): solvers
+/// take W as it was given.
+inline constexpr double coupling_symmetry_tolerance = 5e-3;
 
 /// Throw Error, beginning with `name`, for sizes that do not fit together, numbers that are not finite, a
 /// negative coefficient of friction, W or M that is not symmetric, and a contact whose D x D block of W is

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact problems in space by every solver, their linear systems, whole and cut.
+#include "../support/fclib_files.hpp"
+#include "ddm/cut_contacts.hpp"
+#include "linalg/random.hpp"
+#include "linalg/threads.hpp"
+#include "mechanics/contact_solvers/contact_solver.hpp"
+
+#include <Eigen/LU>
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+constexpr auto algorithms = {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation, FrictionAlgorithm::newton,
+                             FrictionAlgorithm::nlgs,      FrictionAlgorithm::admm,         FrictionAlgorithm::apgd};
+
+Eigen::Vector3d of(const Vector& values, Index c) { return values.segment<3>(3 * c); }
+
+// Largest violation of the laws, each written out.
+double violation(const LocalFrictionProblem& problem, const Vector& r) {
+  const Vector u = problem.w * r + problem.q;
+  double worst = 0;
+  for (Index c = 0; c < problem.contacts(); ++c) {
+    const Eigen::Vector3d p = of(r, c), v = of(u, c);
+    const double mu = problem.friction[c], slip = v.tail<2>().norm();
+    for (const double one : {-p[0], -v[0], std::abs(p[0] * v[0]), p.tail<2>().norm() - mu * p[0],
+                             std::abs(p.tail<2>().dot(v.tail<2>()) + mu * p[0] * slip)})
+      worst = std::max(worst, one);
+  }
+  return worst;
+}
+
+// Projections alone, in small steps: r <- P(r - rho (u + mu |u_t| n)).
+Vector by_projections(const LocalFrictionProblem& problem, Index steps) {
+  const double rho = 0.5 / problem.w.norm();
+  Vector r = Vector::Zero(problem.size());
+  for (Index k = 0; k < steps; ++k) {
+    const Vector u = problem.w * r + problem.q;
+    for (Index c = 0; c < problem.contacts(); ++c) {
+      const double mu = problem.friction[c];
+      Eigen::Vector3d z = of(r, c) - rho * of(u, c);
+      z[0] -= rho * mu * of(u, c).tail<2>().norm();
+      const double size = z.tail<2>().norm();
+      if (mu * size <= -z[0]) {
+        z.setZero();
+      } else if (size > mu * z[0]) {
+        const double n = (z[0] + mu * size) / (1 + mu * mu);
+        z << n, (mu * n / size) * z.tail<2>();
+      }
+      r.segment<3>(3 * c) = z;
+    }
+  }
+  return r;
+}
+
+// A third of the contacts open, a third sticks, a third slides and turns.
+std::vector<ContactRelation<3>> relations(RandomStream& random, Index contacts, double alpha) {
+  std::vector<ContactRelation<3>> result;
+  for (Index c = 0; c < contacts; ++c) {
+    const double n = c % 3 == 0 ? -1.0 : 1.0, t = c % 3 == 1 ? 0.1 : 2.0;
+    const LocalVector<3> z{n, {t * random.normal(), t * random.normal()}};
+    const FrozenContact<3> frozen =
+        frozen_contact(c % 3 == 1 ? LocalVector<3>{1, {0.01, 0}} : z, 0.3 + 0.2 * random.uniform());
+    result.push_back(relation_of(frozen, alpha, 0.8));
+  }
+  return result;
+}
+
+Matrix literal(const Matrix& w, const std::vector<ContactRelation<3>>& all) {
+  Matrix p = Matrix::Zero(w.rows(), w.cols()), q = p;
+  for (Index c = 0; c < count(all); ++c) {
+    p.block<3, 3>(3 * c, 3 * c) = all[at(c)].p;
+    q.block<3, 3>(3 * c, 3 * c) = all[at(c)].q;
+  }
+  return p + q * w;
+}
+
+}  // namespace
+
+TEST_CASE("every solver finds the impulses of spheres, which are those of small projected steps") {
+  Index sliding = 0, sticking = 0, open = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    LocalFrictionProblem problem = reduce(random_spheres_problem(seed, 6, 9));
+    CAPTURE(seed);
+    const FrictionSolution first = solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-13});
+    REQUIRE(first.status == FrictionStatus::converged);
+    for (const FrictionAlgorithm algorithm : algorithms)
+      for (const bool bodies : {true, false}) {
+        CAPTURE(to_string(algorithm));
+        LocalFrictionProblem one = problem;
+        if (!bodies) one.mass = one.h = SparseMatrix();
+        const FrictionSolution found = solve_friction(one, {.algorithm = algorithm, .tolerance = 1e-11});
+        REQUIRE(found.status == FrictionStatus::converged);
+        CHECK(violation(problem, found.impulses) < 1e-9);
+        CHECK((found.impulses - first.impulses).norm() < 1e-8 * first.impulses.norm());
+        CHECK(found.state.open + found.state.stick + found.state.slide == 9);
+      }
+    if (seed <= 4) CHECK((by_projections(problem, 60'000) - first.impulses).norm() < 1e-6 * first.impulses.norm());
+    open += first.state.open;
+    sticking += first.state.stick;
+    sliding += first.state.slide;
+  }
+  CHECK(open > 10);
+  CHECK(sticking > 10);
+  CHECK(sliding > 10);
+}
+
+TEST_CASE("a plane problem in space has the solution of the plane by every solver") {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const LocalFrictionProblem plane = reduce(random_bodies_problem(seed, 6, 8)), space = in_space(plane);
+    check(space, "space");
+    for (const FrictionAlgorithm algorithm : algorithms) {
+      CAPTURE(seed);
+      CAPTURE(to_string(algorithm));
+      const FrictionSolution expected = solve_friction(plane, {.algorithm = algorithm, .tolerance = 1e-12});
+      const FrictionSolution found = solve_friction(space, {.algorithm = algorithm, .tolerance = 1e-12});
+      REQUIRE(expected.status == FrictionStatus::converged);
+      REQUIRE(found.status == FrictionStatus::converged);
+      for (Index c = 0; c < plane.contacts(); ++c) {
+        // Within rounding of the edge of the cone a contact slides.
+        CHECK((contact_status(component<3>(found.impulses, c), plane.friction[c], 1e-8) == ContactStatus::stick) ==
+              (contact_status(component<2>(expected.impulses, c), plane.friction[c], 1e-8) == ContactStatus::stick));
+        CHECK((found.impulses.segment<2>(3 * c) - expected.impulses.segment<2>(2 * c)).norm() < 1e-10);
+        CHECK(std::abs(found.impulses[3 * c + 2]) < 1e-12);
+      }
+    }
+  }
+}
+
+TEST_CASE("Newton's steps turn with what slides: few of them end a problem in space") {
+  Index factorisations = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const LocalFrictionProblem problem = reduce(random_spheres_problem(seed, 60, 130));
+    const Vector guess =
+        solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-3, .check_every = 1}).impulses;
+    const FrictionSolution found = solve_friction(
+        problem, {.algorithm = FrictionAlgorithm::newton, .tolerance = 1e-12, .maximum_sweeps = 0}, guess);
+    REQUIRE(found.status == FrictionStatus::converged);
+    factorisations += found.factorisations;
+  }
+  CHECK(factorisations <= 200);
+  CAPTURE(factorisations);
+}
+
+TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, and cut into subdomains") {
+  RandomStream random(11);
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Index bodies = 12, contacts = 30;
+    const GlobalFrictionProblem global = random_spheres_problem(seed, bodies, contacts);
+    const LocalFrictionProblem problem = reduce(global);
+    LocalFrictionProblem without = problem;
+    without.mass = without.h = SparseMatrix();
+    const std::vector<ContactRelation<3>> all = relations(random, contacts, 1e-3);
+    const Matrix dense = literal(Matrix(problem.w), all);
+    const Vector b = random.normal_vector(3 * contacts), expected = dense.fullPivLu().solve(b);
+    ContactMatrix<3> of_bodies(problem, problem.w), of_contacts(without, without.w);
+    Partition partition{.subdomains = 3, .subdomain_of_contact = {}};
+    for (Index column = 0; column < 3 * contacts; ++column)
+      partition.subdomain_of_contact.push_back(column / 3 % bodies / 4);
+    REQUIRE(of_bodies.factorise(all));
+    REQUIRE(of_contacts.factorise(all));
+    CHECK((of_bodies.solve(b) - expected).norm() < 1e-9 * expected.norm());
+    CHECK((of_contacts.solve(b) - expected).norm() < 1e-9 * expected.norm());
+    CHECK(of_bodies.determinant_sign() == (dense.determinant() < 0 ? -1 : 1));
+    const Decomposition parts = decompose(reference_problem(global), partition);
+    REQUIRE(parts.interface_size() > 0);
+    for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
+      CutContacts<3> cut(parts, {.network = network, .tolerance = 1e-13});
+      REQUIRE(cut.factorise(all));
+      CHECK((cut.solve(b) - expected).norm() < 1e-7 * expected.norm());
+      CHECK(cut.work().failures == 0);
+      // The same problem by Newton's method on systems that are cut.
+      const FrictionSolution whole = solve_friction(problem, {.tolerance = 1e-10});
+      CutContacts<3> newton(parts, {.network = network, .tolerance = 1e-8});
+      const FrictionSolution found =
+          solve_friction<3>(problem, {.algorithm = FrictionAlgorithm::newton, .tolerance = 1e-10, .maximum_sweeps = 0},
+                            0.9 * whole.impulses, {}, refined_solver(newton, problem.w));
+      CHECK(found.status == FrictionStatus::converged);
+      CHECK(found.factorisations > 0);
+      CHECK((found.impulses - whole.impulses).norm() < 1e-6 * whole.impulses.norm());
+    }
+  }
+}
+
+TEST_CASE("orders and threads of sweeps in space, and a W that is not symmetric") {
+  LocalFrictionProblem problem = reduce(random_spheres_problem(2, 200, 430));
+  Vector alone;
+  for (const Index threads : {1, 4}) {
+    const ThreadLimit limit(threads);
+    const Vector r =
+        solve_friction(problem,
+                       {.algorithm = FrictionAlgorithm::nlgs, .maximum_sweeps = 40, .order = SweepOrder::coloured})
+            .impulses;
+    if (threads == 1) alone = r;
+    CHECK(r == alone);
+  }
+  for (Index j = 0; j < problem.w.cols(); ++j)
+    for (SparseMatrix::InnerIterator e(problem.w, j); e; ++e)
+      e.valueRef() *= 1 + 1e-4 * std::sin(3 * static_cast<double>(e.row()) + 7 * static_cast<double>(j));
+  check(problem, "problem");
+  problem.mass = problem.h = SparseMatrix();
+  for (const FrictionAlgorithm algorithm : algorithms) {
+    CAPTURE(to_string(algorithm));
+    const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .tolerance = 1e-9});
+    CHECK(found.status == FrictionStatus::converged);
+    CHECK(violation(problem, found.impulses) < 1e-7);
+  }
+}
+
+TEST_CASE("problems in space are refused by their sizes and blocks") {
+  const LocalFrictionProblem good = reduce(random_spheres_problem(1, 3, 4));
+  const auto refused = [](const LocalFrictionProblem& problem, const char* message) {
+    CHECK_THROWS_WITH_AS(check(problem, "p"), doctest::Contains(message), Error);
+  };
+  LocalFrictionProblem bad = good;
+  bad.dimension = 2;
+  refused(bad, "p: W: expected a 8 x 8 matrix, met 12 x 12");
+  bad.dimension = 4;
+  refused(bad, "p: dimension: expected 2 or 3, met 4");
+  bad = good;
+  bad.w.coeffRef(5, 5) = 0;
+  refused(bad, "expected a positive definite block for every contact, met [");
+  CHECK_THROWS_AS(solve_friction(good, {}, Vector::Zero(8)), Error);
+}
