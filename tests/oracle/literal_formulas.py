@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's contraction matrices, literal and dense, for any packing of disks.
+"""The paper's contraction matrices, literal and dense, for any packing of disks or spheres.
 
 The formulas of P. Alart, D. Iceta, D. Dureisseix, "A nonlinear Domain Decomposition formulation
 with application to granular dynamics", 2012 ([ADI12] below) are evaluated as printed, misprints
@@ -11,20 +11,23 @@ algebra with a program that works with sparse interface operators, and serves as
 Usage:
   literal_formulas.py PACKING.csv --subdomains 2x1 --epsilon 0,0.1,1 --eta inf,0.1 [options]
   literal_formulas.py PACKING.csv ... --check PROGRAM
-  literal_formulas.py --random SEED --grains N [--hexagonal] --write PACKING.csv
+  literal_formulas.py --random SEED --grains N [--space] [--lattice] --write PACKING.csv
 
-PACKING.csv has columns x, y, radius and optionally mass (unit masses without it).
-  --subdomains NXxNY      regular grid over the bounding box of the grain centres; a contact goes
-                          to the cell of the midpoint of its two centres, on a line to the lower
+PACKING.csv has columns x, y, radius and optionally z and mass (unit masses without it).
+  --subdomains NXxNY      regular grid over the bounding box of the grain centres, NXxNYxNZ where
+                          they have a z; a contact goes to the cell of the midpoint of its two
+                          centres, on a line to the lower
   --epsilon LIST          flexibilities of the linear law; 0 is the rigid limit
   --eta LIST              flexibilities of the enriched Stage 2; inf is the generic algorithm
   --contacts all|active   network of Stage 1; active: in compression in the linear rigid impact
-  --prescribed G:VX:VY    velocity V^- of grain G (0-based) before the impact; may be repeated
+  --prescribed G:VX:VY    velocity V^- of grain G (0-based) before the impact, G:VX:VY:VZ in space;
+                          may be repeated
   --tolerance T           a contact is a gap <= T times the smaller radius (default 1e-7)
   --check PROGRAM         run "PROGRAM sweep PACKING.csv ..." and compare to 1e-9
-  --random SEED           write a test packing: exact tangencies, random masses; with --hexagonal
-                          a piece of lattice with vacancies (mostly hyperstatic), without it random radii,
-                          every new disk tangent to two earlier ones (isostatic)
+  --random SEED           write a test packing: exact tangencies, random masses; with --lattice
+                          a piece of hexagonal or face-centred cubic lattice with vacancies (mostly
+                          hyperstatic), without it random radii, every new grain tangent to two
+                          earlier ones, or to three in space (isostatic)
 
 Output, CSV: contact_set, epsilon, eta, spectral_radius, eigenvalue_min, eigenvalue_max of B, then
 grains, contacts, subdomains, interface_dofs.  A summary with the number of cross points (grains
@@ -69,17 +72,21 @@ class InputError(Exception):
 
 @dataclass
 class Packing:
-    centres: np.ndarray  # n x 2
+    centres: np.ndarray  # n x 2, or n x 3 in space
     radii: np.ndarray    # n
     masses: np.ndarray   # n
+
+    @property
+    def dimension(self):
+        return self.centres.shape[1]
 
 
 @dataclass
 class Subdomain:
     """Split inertia, kinematics v_E = H_E^T V_E, signed boolean gluing sum A_E V_E = 0."""
-    M: np.ndarray         # 2 n_E x 2 n_E, diagonal
-    H: np.ndarray         # 2 n_E x c_E
-    A: np.ndarray         # n_Gamma x 2 n_E
+    M: np.ndarray         # d n_E x d n_E, diagonal
+    H: np.ndarray         # d n_E x c_E
+    A: np.ndarray         # n_Gamma x d n_E
     contacts: np.ndarray  # global numbers of the c_E contacts
 
 
@@ -87,13 +94,14 @@ def read_packing(path):
     try:
         with open(path, newline="", encoding="utf-8") as stream:
             rows = list(csv.DictReader(stream))
-        centres = np.array([[float(row["x"]), float(row["y"])] for row in rows])
+        axes = ("x", "y", "z") if rows and "z" in rows[0] else ("x", "y")
+        centres = np.array([[float(row[axis]) for axis in axes] for row in rows])
         radii = np.array([float(row["radius"]) for row in rows])
         masses = np.array([float(row.get("mass", 1.0)) for row in rows])
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: columns of numbers x, y, radius[, mass] expected, "
+        raise InputError(f"{path}: columns of numbers x, y[, z], radius[, mass] expected, "
                          f"met {error!r}") from error
     if len(rows) == 0:
         raise InputError(f"{path}: at least one grain expected, met none")
@@ -112,9 +120,9 @@ def find_contacts(packing, tolerance):
 
 
 def cell_of_midpoint(midpoint, lower, upper, grid):
-    """(column, row) of the cell, the lower one for a midpoint on a line."""
+    """Column, row (and layer) of the cell, the lower one for a midpoint on a line."""
     cell = []
-    for axis in range(2):
+    for axis in range(len(grid)):
         size = upper[axis] - lower[axis]
         position = (midpoint[axis] - lower[axis]) / size if size > 0 else 0.0
         index = 0
@@ -129,18 +137,22 @@ def kinematics(packing, contacts, grains):
     """H: unit normal from i to j on the rows of j, its opposite on those of i.
 
     v = H^T V is then the opening velocity and r > 0 is compression."""
-    row_of = {grain: 2 * position for position, grain in enumerate(grains)}
-    H = np.zeros((2 * len(grains), len(contacts)))
+    d = packing.dimension
+    row_of = {grain: d * position for position, grain in enumerate(grains)}
+    H = np.zeros((d * len(grains), len(contacts)))
     for column, (i, j) in enumerate(contacts):
         difference = packing.centres[j] - packing.centres[i]
         normal = difference / np.linalg.norm(difference)
-        H[row_of[j]:row_of[j] + 2, column] = normal
-        H[row_of[i]:row_of[i] + 2, column] = -normal
+        H[row_of[j]:row_of[j] + d, column] = normal
+        H[row_of[i]:row_of[i] + d, column] = -normal
     return H
 
 
 def decompose(packing, contacts, grid):
     """Subdomains that own contacts, and the number of their owners for every grain."""
+    d = packing.dimension
+    if len(grid) != d:
+        raise InputError(f"--subdomains: {d} numbers of cells expected, met {len(grid)}")
     lower, upper = packing.centres.min(axis=0), packing.centres.max(axis=0)
     owner = [cell_of_midpoint((packing.centres[i] + packing.centres[j]) / 2, lower, upper, grid)
              for i, j in contacts]
@@ -149,25 +161,25 @@ def decompose(packing, contacts, grid):
     grains = [sorted({grain for k in own for grain in contacts[k]}) for own in numbers]
     sharing = [[E for E in range(len(cells)) if grain in grains[E]]
                for grain in range(len(packing.radii))]
-    interface_size = 2 * sum(len(owners) - 1 for owners in sharing if owners)
+    interface_size = d * sum(len(owners) - 1 for owners in sharing if owners)
 
     subdomains = []
     for E in range(len(cells)):
         # Mass split equally among the subdomains of the grain.
         split = [packing.masses[grain] / len(sharing[grain]) for grain in grains[E]]
         subdomains.append(Subdomain(
-            M=np.diag(np.repeat(split, 2)),
+            M=np.diag(np.repeat(split, d)),
             H=kinematics(packing, [contacts[k] for k in numbers[E]], grains[E]),
-            A=np.zeros((interface_size, 2 * len(grains[E]))),
+            A=np.zeros((interface_size, d * len(grains[E]))),
             contacts=np.array(numbers[E], dtype=int)))
 
     # Chain gluing: q - 1 pairs of rows for a grain of q subdomains, cross points included.
     row = 0
     for grain, owners in enumerate(sharing):
         for first, second in zip(owners, owners[1:]):
-            for axis in range(2):
+            for axis in range(d):
                 for E, sign in ((first, 1.0), (second, -1.0)):
-                    subdomains[E].A[row, 2 * grains[E].index(grain) + axis] = sign
+                    subdomains[E].A[row, d * grains[E].index(grain) + axis] = sign
                 row += 1
     return subdomains, [len(owners) for owners in sharing]
 
@@ -176,14 +188,16 @@ def active_contacts(packing, contacts, prescribed):
     """r > 0 in the least-norm solution of W r = -H^T V^-, undivided packing."""
     if not prescribed:
         raise InputError("--contacts active: at least one --prescribed GRAIN:VX:VY expected")
-    grain_count = len(packing.radii)
-    arrival = np.zeros(2 * grain_count)
+    grain_count, d = len(packing.radii), packing.dimension
+    arrival = np.zeros(d * grain_count)
     for grain, velocity in prescribed:
         if not 0 <= grain < grain_count:
             raise InputError(f"--prescribed: a grain of 0..{grain_count - 1} expected, met {grain}")
-        arrival[2 * grain:2 * grain + 2] = velocity
+        if len(velocity) != d:
+            raise InputError(f"--prescribed: {d} components expected, met {len(velocity)}")
+        arrival[d * grain:d * grain + d] = velocity
     H = kinematics(packing, contacts, range(grain_count))
-    W = H.T @ np.linalg.inv(np.diag(np.repeat(packing.masses, 2))) @ H
+    W = H.T @ np.linalg.inv(np.diag(np.repeat(packing.masses, d))) @ H
     r = np.linalg.pinv(W, rcond=RANK_TOLERANCE, hermitian=True) @ (-H.T @ arrival)
     return r > RANK_TOLERANCE * np.abs(r).max()
 
@@ -317,11 +331,11 @@ def sweep_command(options):
     def join(values):
         return ",".join(repr(value) for value in values)
     command = [options.check, "sweep", options.packing,
-               "--subdomains", "{}x{}".format(*options.subdomains),
+               "--subdomains", "x".join(map(str, options.subdomains)),
                "--epsilon", join(options.epsilon), "--eta", join(options.eta),
                "--contacts", options.contacts]
-    for grain, (velocity_x, velocity_y) in options.prescribed:
-        command += ["--prescribed", f"{grain}:{velocity_x!r}:{velocity_y!r}"]
+    for grain, velocity in options.prescribed:
+        command += ["--prescribed", ":".join([str(grain), *map(repr, velocity)])]
     return command + ["--csv", "-"]
 
 
@@ -402,6 +416,17 @@ def random_hexagonal(generator, grain_count):
     return np.array(sites)[kept], np.full(grain_count, 0.5)
 
 
+def random_fcc(generator, grain_count):
+    """A piece of face-centred cubic lattice as wide as high, unit diameters, one site in six
+    vacant.  Its (001) layers lie one in the hollows of the other."""
+    site_count = math.ceil(1.2 * grain_count)
+    side = max(2, round(site_count ** (1 / 3)))
+    sites = [(k % side + 0.5 * (k // side**2 % 2), k // side % side + 0.5 * (k // side**2 % 2),
+              k // side**2 * math.sqrt(0.5)) for k in range(site_count)]
+    kept = np.sort(generator.choice(site_count, grain_count, replace=False))
+    return np.array(sites)[kept], np.full(grain_count, 0.5)
+
+
 def tangent_centre(centres, radii, i, j, radius, side):
     """Centre of the disk tangent to disks i and j, on the given side of the line through them."""
     a, b = radii[i] + radius, radii[j] + radius
@@ -444,16 +469,66 @@ def random_growth(generator, grain_count):
     return centres, radii
 
 
+def tangent_centres(centres, radii, earlier, radius):
+    """Both centres of the sphere tangent to three earlier ones; none, where there are no such
+    places.  Differences of the squared distances are linear in the centre."""
+    base = centres[earlier[0]]
+    edges = centres[earlier[1:]] - base
+    reach = radii[earlier] + radius
+    right = (reach[0] ** 2 - reach[1:] ** 2 + (edges ** 2).sum(axis=1)) / 2
+    along = np.linalg.lstsq(edges, right, rcond=None)[0]
+    normal = np.cross(edges[0], edges[1])
+    height_squared = reach[0] ** 2 - along @ along
+    if height_squared <= 0 or np.linalg.norm(normal) < 1e-6:
+        return []
+    step = math.sqrt(height_squared) * normal / np.linalg.norm(normal)
+    return [base + along - step, base + along + step]
+
+
+def random_growth_in_space(generator, grain_count):
+    """Random radii; the first three spheres touch each other, every later one touches exactly
+    three earlier ones: 3n - 6 contacts.  Of 200 triples of neighbours drawn at random the free place
+    nearest to the origin is taken."""
+    radii = generator.uniform(0.3, 0.7, grain_count)
+    centres = np.zeros((grain_count, 3))
+    if grain_count < 3:
+        raise InputError("--space: three grains expected at least")
+    first, second, third = radii[:3]
+    centres[1, 0] = first + second
+    x = ((first + third) ** 2 - (second + third) ** 2 + centres[1, 0] ** 2) / (2 * centres[1, 0])
+    centres[2, :2] = x, math.sqrt((first + third) ** 2 - x * x)
+    for new in range(3, grain_count):
+        best = None
+        for _ in range(200):
+            about = centres[generator.integers(new)]
+            near = np.argsort(np.linalg.norm(centres[:new] - about, axis=1))[:8]
+            earlier = np.sort(generator.choice(near, 3, replace=False))
+            for centre in tangent_centres(centres, radii, earlier, radii[new]):
+                gaps = np.linalg.norm(centres[:new] - centre, axis=1) - radii[:new] - radii[new]
+                gaps[earlier] = np.inf
+                nearer = best is None or np.linalg.norm(centre) < np.linalg.norm(best)
+                # Far from touching the others: no doubt about the contact list.
+                if nearer and gaps.min() > 1e-3:
+                    best = centre
+        if best is None:
+            raise InputError(f"--random: no free place for grain {new}; take another seed")
+        centres[new] = best
+    return centres, radii
+
+
 def write_random_packing(options):
     generator = np.random.default_rng(options.random)
-    make = random_hexagonal if options.hexagonal else random_growth
+    if options.space:
+        make = random_fcc if options.lattice else random_growth_in_space
+    else:
+        make = random_hexagonal if options.lattice else random_growth
     centres, radii = make(generator, options.grains)
     masses = generator.uniform(0.5, 2.0, options.grains)
     with open(options.write, "w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(("x", "y", "radius", "mass"))
-        for (x, y), radius, mass in zip(centres, radii, masses):
-            writer.writerow([repr(float(value)) for value in (x, y, radius, mass)])
+        writer.writerow((*("x", "y", "z")[:centres.shape[1]], "radius", "mass"))
+        for centre, radius, mass in zip(centres, radii, masses):
+            writer.writerow([repr(float(value)) for value in (*centre, radius, mass)])
 
 
 # ---------------------------------------------------------------------------------------------
@@ -482,15 +557,15 @@ def positive_list(text):
 
 
 def grid_size(text):
-    columns, rows = (int(word) for word in text.split("x"))
-    if columns < 1 or rows < 1:
+    cells = tuple(int(word) for word in text.split("x"))
+    if len(cells) not in (2, 3) or min(cells) < 1:
         raise ValueError(text)
-    return columns, rows
+    return cells
 
 
 def prescribed_velocity(text):
-    grain, velocity_x, velocity_y = text.split(":")
-    return int(grain), (float(velocity_x), float(velocity_y))
+    grain, *velocity = text.split(":")
+    return int(grain), tuple(map(float, velocity))
 
 
 def parse_options():
@@ -507,7 +582,8 @@ def parse_options():
     parser.add_argument("--check", metavar="PROGRAM")
     parser.add_argument("--random", type=int, metavar="SEED")
     parser.add_argument("--grains", type=int, metavar="N")
-    parser.add_argument("--hexagonal", action="store_true")
+    parser.add_argument("--space", action="store_true")
+    parser.add_argument("--lattice", action="store_true")
     parser.add_argument("--write", metavar="FILE")
     options = parser.parse_args()
     if options.random is not None:
