@@ -104,7 +104,7 @@ TEST_CASE("text packings are read as CSV is, and one whose z differs is in space
   CHECK(answer(session, "generate space.csv -o -").ends_with("x,y,z,radius\n0,0,0,0.5\n0,0,1,0.5\n0,1,0,0.5\n"));
   answer(session, "generate space.txt -o space.h5");
   for (const std::string name : {"space.txt", "space.csv", "space.h5"}) {
-    const CsvTable links = table(session, "network " + name + " --csv -");
+    const CsvTable links = table(session, "network " + name + " --prescribed 0:1:0:0");
     REQUIRE(links.rows.size() == 2);
     CHECK(links.text(0, "grain_b") == "1");
     CHECK(links.text(1, "grain_b") == "2");

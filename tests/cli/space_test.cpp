@@ -200,7 +200,8 @@ TEST_CASE("space: a lattice with holes, as its generator and as a file with z, h
 TEST_CASE("space: spheres do not move yet and have no page: both are refused") {
   const Session session;
   session.file("fcc.toml", lattice);
-  session.file("moving.toml", "[packing]\ngenerator = \"fcc\"\n[dynamics]\nsteps = 1\n");
-  check_refused(session, "simulate moving.toml", {"dynamics", "expected disks in the plane", "met spheres in space"});
+  session.file("moving.toml", "[packing]\ngenerator = \"fcc\"\n[partition]\ngrid = [2, 2, 2]\n[dynamics]\nsteps = 1\n");
+  check_refused(session, "simulate moving.toml -o run.h5",
+                {"dynamics", "expected disks in the plane", "met spheres in space"});
   check_refused(session, "report fcc.toml -o page.html", {"report", "expected disks in the plane"});
 }

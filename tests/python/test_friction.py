@@ -190,7 +190,7 @@ def test_errors_of_files(tmp_path):
             ((tmp_path / "p.hdf5", problem), "p.hdf5.*force"),
             ((tmp_path / "p.dat", problem, found), "has no place for it"),
             ((tmp_path / "p.csv", problem), "p.csv"),
-            ((tmp_path / "q.hdf5", problem, other), "expected that of a problem of 1 contacts, met 2")):
+            ((tmp_path / "q.hdf5", problem, other), "expected that of a problem of 1 contacts, 2 impulses, met 4")):
         with pytest.raises(nscdd.Error, match=words):
             nscdd.write_contact_problem(*arguments)
     with pytest.raises(nscdd.Error, match="no-such.hdf5"):
