@@ -51,8 +51,8 @@ void write(const ContactProblem& problem, const std::string& path, const Frictio
     if (name == "math_info") file.info.math_info = text;
   }
   if (solution != nullptr && solution->impulses.size() != file.dimension() * file.contacts())
-    fail("solution: expected that of a problem of {} contacts, {} impulses, met {}", file.contacts(),
-         file.dimension() * file.contacts(), solution->impulses.size());
+    fail("solution: expected that of a problem of {} contacts, met {}", file.contacts(),
+         solution->impulses.size() / file.dimension());
   if (has_siconos_name(path)) {
     if (solution != nullptr)
       fail("{}: expected .h5 or .hdf5 for a solution: .dat of Siconos has no place for it", path);

@@ -80,8 +80,8 @@ def subdomains(given: Subdomains) -> str | np.ndarray:
         return "x".join(str(cells) for cells in given)
     numbers = np.asarray(given)
     if numbers.dtype.kind not in "iu" or masked(given):
-        raise TypeError("subdomains: expected (columns, rows) or (columns, rows, layers), a text such as 'metis:4', or an array of integers, "
-                        f"met {given!r}")
+        raise TypeError("subdomains: expected (columns, rows) or (columns, rows, layers), a text such as 'metis:4', or "
+                        f"an array of integers, met {given!r}")
     return numbers.astype(np.int64)
 
 

@@ -82,13 +82,9 @@ Matrix literal(const Matrix& w, const std::vector<ContactRelation<3>>& all) {
 
 TEST_CASE("every solver finds the impulses of spheres, which are those of small projected steps") {
   Index sliding = 0, sticking = 0, open = 0;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    GlobalFrictionProblem bodies_problem = random_spheres_problem(seed, 6, 9);
-    if (seed % 2 == 0) {  // rough spheres that hardly spin, so that many contacts stick
-      bodies_problem.friction *= 2;
-      for (Index b = 0; b < 6; ++b) bodies_problem.f.segment<3>(6 * b + 3) *= 0.1;
-    }
-    const LocalFrictionProblem problem = reduce(bodies_problem);
+  for (std::uint64_t seed = 1; seed <= 18; ++seed) {
+    LocalFrictionProblem problem = reduce(random_spheres_problem(seed, 6, 9));
+    problem.friction *= 2;  // some stick
     CAPTURE(seed);
     const FrictionSolution first = solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-13});
     REQUIRE(first.status == FrictionStatus::converged);
@@ -109,7 +105,7 @@ TEST_CASE("every solver finds the impulses of spheres, which are those of small 
     sliding += first.state.slide;
   }
   CHECK(open > 10);
-  CHECK(sticking > 5);
+  CHECK(sticking > 4);
   CHECK(sliding > 10);
 }
 
@@ -125,9 +121,10 @@ TEST_CASE("a plane problem in space has the solution of the plane by every solve
       REQUIRE(expected.status == FrictionStatus::converged);
       REQUIRE(found.status == FrictionStatus::converged);
       for (Index c = 0; c < plane.contacts(); ++c) {
-        // Within rounding of the edge of the cone a contact slides.
-        CHECK((contact_status(component<3>(found.impulses, c), plane.friction[c], 1e-8) == ContactStatus::stick) ==
-              (contact_status(component<2>(expected.impulses, c), plane.friction[c], 1e-8) == ContactStatus::stick));
+        const ContactStatus status = contact_status(component<2>(expected.impulses, c), plane.friction[c], 1e-9);
+        const ContactStatus there = contact_status(component<3>(found.impulses, c), plane.friction[c], 1e-9);
+        CHECK((status == ContactStatus::stick) == (there == ContactStatus::stick));
+        CHECK(slides(status) == slides(there));
         CHECK((found.impulses.segment<2>(3 * c) - expected.impulses.segment<2>(2 * c)).norm() < 1e-10);
         CHECK(std::abs(found.impulses[3 * c + 2]) < 1e-12);
       }
@@ -146,8 +143,8 @@ TEST_CASE("Newton's steps turn with what slides: few of them end a problem in sp
     REQUIRE(found.status == FrictionStatus::converged);
     factorisations += found.factorisations;
   }
-  CHECK(factorisations <= 200);
   CAPTURE(factorisations);
+  CHECK(factorisations <= 100);  // 70 when written
 }
 
 TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, and cut into subdomains") {
