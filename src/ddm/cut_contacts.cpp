@@ -16,14 +16,18 @@ namespace {
 template <int D>
 using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
 
-// E on the columns of a subdomain; zeros are stored, so that all matrices have one pattern.
+// Which zeros off the diagonal of blocks are stored.
+enum class Zeros { stored, left_out };
+
+// Blocks of contacts on the columns of a subdomain.
 template <int D>
-SparseMatrix blocks_of(const Subdomain& subdomain, const Blocks<D>& e) {
+SparseMatrix blocks_of(const Subdomain& subdomain, const Blocks<D>& blocks, Zeros zeros) {
   SparseEntries entries;
   for (Index k = 0; k < count(subdomain.contacts); k += D) {
-    const auto& block = e[at(subdomain.contacts[at(k)] / D)];
+    const auto& block = blocks[at(subdomain.contacts[at(k)] / D)];
     for (Index i = 0; i < D; ++i)
-      for (Index j = 0; j < D; ++j) entries.add(k + i, k + j, block(i, j));
+      for (Index j = 0; j < D; ++j)
+        if (zeros == Zeros::stored || i == j || block(i, j) != 0) entries.add(k + i, k + j, block(i, j));
   }
   return entries.matrix(count(subdomain.contacts), count(subdomain.contacts));
 }
@@ -45,19 +49,6 @@ Eigen::Matrix<double, D, D> root_of(const Eigen::Matrix<double, D, D>& e) {
   return root;
 }
 
-// Those of the columns of a subdomain; off the diagonal they are mostly nothing.
-template <int D>
-SparseMatrix roots_of(const Subdomain& subdomain, const Blocks<D>& roots) {
-  SparseEntries entries;
-  for (Index k = 0; k < count(subdomain.contacts); k += D) {
-    const auto& root = roots[at(subdomain.contacts[at(k)] / D)];
-    for (Index i = 0; i < D; ++i)
-      for (Index j = 0; j < D; ++j)
-        if (i == j || root(i, j) != 0) entries.add(k + i, k + j, root(i, j));
-  }
-  return entries.matrix(count(subdomain.contacts), count(subdomain.contacts));
-}
-
 // The contacts that Stage 2 sees, as links of flexibility 1: the columns of H times the roots of their conductances.
 template <int D>
 Decomposition stage_two(const Decomposition& parts, const Blocks<D>& e, InterfaceNetwork network) {
@@ -74,7 +65,8 @@ Decomposition stage_two(const Decomposition& parts, const Blocks<D>& e, Interfac
     roots.push_back(network == InterfaceNetwork::all ? std::sqrt(mean) * Eigen::Matrix<double, D, D>::Identity()
                                                      : root_of<D>(block));
   Decomposition result = parts;
-  for (Subdomain& subdomain : result.subdomains) subdomain.h = subdomain.h * roots_of<D>(subdomain, roots);
+  for (Subdomain& subdomain : result.subdomains)
+    subdomain.h = subdomain.h * blocks_of<D>(subdomain, roots, Zeros::left_out);
   return result;
 }
 
@@ -99,7 +91,8 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
   for_each_in_parallel(count(parts_.subdomains), [&](Index i) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
     if (subdomain.grains.empty()) return;  // it has no contact, or another process has it
-    SparseMatrix k = subdomain.h * blocks_of<D>(subdomain, e_) * SparseMatrix(subdomain.h.transpose());
+    // Zeros are stored, so that all matrices have one pattern.
+    SparseMatrix k = subdomain.h * blocks_of<D>(subdomain, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
     k.diagonal() += subdomain.inertia;
     k.makeCompressed();
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);

@@ -10,9 +10,7 @@ constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
 }  // namespace
 
 ConeContact::ConeContact(const FullDelassus<3>& w) : inverse_n_(1 / w.nn) {
-  const TangentVector over = inverse_n_ * w.nt;
-  const TangentMatrix s{w.tt.first - w.nt.first * over.first, w.tt.mixed - w.nt.first * over.second,
-                        w.tt.second - w.nt.second * over.second};
+  const TangentMatrix s = w.schur_complement();
   const double mean = (s.first + s.second) / 2, half = (s.first - s.second) / 2, radius = std::hypot(half, s.mixed);
   const double larger = mean + radius, determinant = s.first * s.second - s.mixed * s.mixed;
   // Of a block that is singular to rounding the lesser one may come out as nothing, or less.
@@ -22,7 +20,7 @@ ConeContact::ConeContact(const FullDelassus<3>& w) : inverse_n_(1 / w.nn) {
     cos_ = std::cos(angle);
     sin_ = std::sin(angle);
   }
-  coupling_ = rotated(over);
+  coupling_ = rotated(inverse_n_ * w.nt);
 }
 
 LocalVector<3> ConeContact::impulse(LocalVector<3> free, double friction) const {

@@ -167,9 +167,7 @@ bool positive_definite(const FullDelassus<2>& w) { return w.nn > 0 && w.tt > 0 &
 
 // By the principal minors of the block without its normal component.
 bool positive_definite(const FullDelassus<3>& w) {
-  const TangentVector over = (1 / w.nn) * w.nt;
-  const double first = w.tt.first - w.nt.first * over.first, mixed = w.tt.mixed - w.nt.first * over.second,
-               second = w.tt.second - w.nt.second * over.second;
+  const auto [first, mixed, second] = w.schur_complement();
   return w.nn > 0 && first > 0 && second > 0 && first * second - mixed * mixed > 0;
 }
 

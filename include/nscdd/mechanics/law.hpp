@@ -124,12 +124,17 @@ struct FullDelassus {
       return {(tt * v.n - nt * v.t) / determinant, (nn * v.t - nt * v.n) / determinant};
     } else {  // by elimination, first of the normal component
       const TangentVector over = (1 / nn) * nt, rest = v.t - v.n * over;
-      const double first = tt.first - nt.first * over.first, mixed = tt.mixed - nt.first * over.second;
-      const double lower = mixed / first, second = (tt.second - nt.second * over.second) - mixed * lower;
+      const TangentMatrix s = schur_complement();
+      const double lower = s.mixed / s.first, second = s.second - s.mixed * lower;
       const double t2 = (rest.second - lower * rest.first) / second;
-      const TangentVector t{(rest.first - mixed * t2) / first, t2};
+      const TangentVector t{(rest.first - s.mixed * t2) / s.first, t2};
       return {v.n / nn - dot(over, t), t};
     }
+  }
+  /// W_tt - W_nt W_nt^T / W_nn: what a tangential impulse meets while v_n stays as it is.
+  TangentMatrix schur_complement() const requires(D == 3) {
+    const TangentVector over = (1 / nn) * nt;
+    return {tt.first - nt.first * over.first, tt.mixed - nt.first * over.second, tt.second - nt.second * over.second};
   }
   LocalVector<D> soften(LocalVector<D> r, double epsilon) const {
     FullDelassus softer = *this;

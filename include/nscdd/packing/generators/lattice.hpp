@@ -26,6 +26,18 @@ struct TriangularStrip {
 
 Packing generate(const TriangularStrip& strip, const Monitor& monitor = {});
 
+/// The fields of a lattice with defects, see HexagonalLattice.
+template <class Lattice, class Visitor>
+void visit_defects(Lattice& lattice, Visitor& visit, std::string_view vacancies) {
+  visit("vacancies", lattice.vacancies, Field{.description = vacancies, .minimum = 0, .maximum = 0.99});
+  visit("disorder", lattice.disorder,
+        Field{.description = "radii shrunk by factors in [1 - disorder, 1]; contacts.tolerance to match",
+              .minimum = 0,
+              .maximum = 0.99});
+  visit("seed", lattice.seed,
+        Field{.description = "seed of vacancies and disorder", .minimum = 0, .maximum = 4294967295.0});
+}
+
 /// Touching equal disks on a triangular lattice, row by row: grain k = row x columns + column at
 /// ((2 column + row mod 2) r, row sqrt(3) r). Hyperstatic from 2 rows of 3 on.
 ///
@@ -50,14 +62,7 @@ struct HexagonalLattice {
     visit("columns", self.columns, Field{.description = "disks per row", .minimum = 1, .maximum = 1e5});
     visit("rows", self.rows, Field{.description = "rows", .minimum = 1, .maximum = 1e5});
     visit("radius", self.radius, radius_of_all);
-    visit("vacancies", self.vacancies,
-          Field{.description = "fraction of the disks left out", .minimum = 0, .maximum = 0.99});
-    visit("disorder", self.disorder,
-          Field{.description = "radii shrunk by factors in [1 - disorder, 1]; contacts.tolerance to match",
-                .minimum = 0,
-                .maximum = 0.99});
-    visit("seed", self.seed,
-          Field{.description = "seed of vacancies and disorder", .minimum = 0, .maximum = 4294967295.0});
+    visit_defects(self, visit, "fraction of the disks left out");
   }
 };
 

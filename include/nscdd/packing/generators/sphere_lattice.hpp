@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/packing/packing.hpp>
+#include <nscdd/packing/generators/lattice.hpp>
 
 namespace nscdd {
 
@@ -24,14 +24,7 @@ struct SphereSites {
     visit("layers", self.layers, Field{.description = "layers, along z", .minimum = 1, .maximum = 1e5});
     visit("radius", self.radius,
           Field{.description = "radius of every sphere", .unit = "m", .minimum = 0, .minimum_excluded = true});
-    visit("vacancies", self.vacancies,
-          Field{.description = "fraction of the spheres left out", .minimum = 0, .maximum = 0.99});
-    visit("disorder", self.disorder,
-          Field{.description = "radii shrunk by factors in [1 - disorder, 1]; contacts.tolerance to match",
-                .minimum = 0,
-                .maximum = 0.99});
-    visit("seed", self.seed,
-          Field{.description = "seed of vacancies and disorder", .minimum = 0, .maximum = 4294967295.0});
+    visit_defects(self, visit, "fraction of the spheres left out");
   }
 };
 
