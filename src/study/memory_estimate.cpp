@@ -31,6 +31,10 @@ constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
 //   shift_bytes         bytes per grain unknown for matrices and their assembly
 //   shift_bytes_finite  how many times more with a finite eta
 constexpr double shift_fill = 6.9, shift_fill_finite = 1.2, shift_bytes = 1400, shift_bytes_finite = 1.5;
+// In space a factor has some s^(4/3) entries, and what an order of elimination adds for the copies was fitted as b:
+// face-centred cubic lattices of 10^3 to 10^5 spheres in 2 x 2 x 2, of 10^4 in 4 x 4 x 4 and 6 x 6 x 6 parts took 14 to
+// 38 numbers per b s^(4/3), in the rigid limit up to six times as many as with epsilon > 0 and the infinite eta.
+constexpr double shift_fill_space = 42, rigid_shift_space = 6;
 constexpr double program_bytes = 3e7;  // the program and its libraries, which outweigh small packings
 // In the rigid limit the contact impulses are unknowns of their own: a deposit of 10^5 disks in 2 x 2 parts
 // took 1.54 GB where a positive epsilon took 0.55 GB. They are also unknowns for the ranks, whose bytes per
@@ -87,12 +91,17 @@ double choice_need(const Model& model, ContactSet contacts) {
   return factor_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
 }
 
+bool in_space(const Model& model) { return model.problem.dimension == 3; }
+
 // What shift-invert needs for epsilon > 0.
 double shifted_need(const Model& model, bool finite_eta) {
   const double unknowns = unknowns_of(model);
   const double rows =
       std::max((finite_eta ? 2 : 1) * unknowns + static_cast<double>(model.parts.interface_size()), 2.0);
   const double rows_per_unknown = rows / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
+  if (in_space(model))
+    return bytes_per_number * shift_fill_space * rows_per_unknown * std::pow(rows, 4.0 / 3) +
+           shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
   const double entries = shift_fill * (finite_eta ? shift_fill_finite : 1) * rows * rows_per_unknown * std::log2(rows);
   return bytes_per_number * entries + shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
 }
@@ -111,7 +120,9 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
         shifted_need(model, std::ranges::any_of(parameters.eta, [](double eta) { return std::isfinite(eta); }));
     if (!rigid) return program_bytes + shifted;
     const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;
-    return program_bytes + std::max(rigid_shift * shifted + rigid_ranks * unknowns, dense);
+    const double limit = in_space(model) ? std::max(shifted, rigid_shift_space * shifted_need(model, false))
+                                         : rigid_shift * shifted + rigid_ranks * unknowns;
+    return program_bytes + std::max(limit, dense);
   }
   const double kernel = rigid && size <= dense_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
   return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +

@@ -19,12 +19,13 @@ struct MemoryNeed {
 ///     dense pencil            dense_matrices n_Gamma^2 8 (rigid_dense_matrices where epsilon = 0 occurs)
 ///     shift-invert            shift_fill s b log2(s) 8 + shift_bytes n + program_bytes, where the saddle point has
 ///                             s = n + n_Gamma rows (2 n + n_Gamma with a finite eta) and b is s over the
-///                             unknowns of the undivided packing
+///                             unknowns of the undivided packing; in space shift_fill_space b s^(4/3) 8 in its
+///                             first term
 ///     ARPACK                  factors factor_fill n log2(n) 8 + 8 (basis + 5) n_Gamma
 ///     inexact Stage 1, dense  inexact_matrices z^2 8
 /// Of the last four lines only the largest counts that the options may choose. Counts of dense matrices are
-/// exact up to terms of lower order. The fill of factors is an estimate for planar networks; the source file
-/// tells what its constants were fitted to.
+/// exact up to terms of lower order. The fill of factors is an estimate, for planar networks and for those in space;
+/// the source file tells what its constants were fitted to.
 MemoryNeed sweep_need(const Model& model, const SweepParameters& parameters);
 
 /// The impulses of `links`, and the ranks of `inspect`. Beside the model, which is all that is needed where

@@ -42,6 +42,23 @@ TEST_CASE("memory: where copies of grains abound the estimate is no less than wh
   }
 }
 
+TEST_CASE("memory: spectra in space take no more than the estimate, and no tenth of it") {
+  const Session session;
+  session.file("fcc.toml",
+               "[packing]\ngenerator = \"fcc\"\ncolumns = 12\nrows = 12\nlayers = 12\n[partition]\ngrid = [2, 2, 2]\n");
+  for (const std::string point : {"--epsilon 1 --eta inf", "--epsilon 1 --eta 0.1", "--epsilon 0 --eta inf",
+                                  "--epsilon 1 --eta inf --subdomains 4x4x4"}) {
+    CAPTURE(point);
+    const std::string line = "sweep fcc.toml " + point + " --solver shift-invert --csv - --memory-limit ";
+    const Outcome outcome = session.run(words(line + "8"));
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(outcome.standard_output.find("true") != std::string::npos);
+    const double taken = static_cast<double>(outcome.peak_memory) / (1 << 30);
+    check_refused(session, line + std::to_string(taken), {"--memory-limit"});
+    CHECK(session.run(words(line + std::to_string(10 * taken))).exit_code == 0);
+  }
+}
+
 TEST_CASE("memory: the limit of the user decides") {
   const Session session;
   check_refused(session, "sweep disks4 --epsilon 1 --csv - --memory-limit 1e-6", {"1e-06 GiB"});
