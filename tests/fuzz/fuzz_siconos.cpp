@@ -20,13 +20,15 @@ std::optional<FclibFile> parse(std::string_view text) {
 }
 
 void require_sound(const LocalFrictionProblem& problem) {
-  require(problem.w.rows() == 2 * problem.contacts() && problem.w.cols() == problem.w.rows(), "W is 2c x 2c");
-  require(problem.q.size() == 2 * problem.contacts(), "q has two numbers per contact");
+  require(problem.dimension == 2 || problem.dimension == 3, "a problem is in the plane or in space");
+  require(problem.w.rows() == problem.dimension * problem.contacts(), "W has D rows per contact");
+  require(problem.w.cols() == problem.w.rows() && problem.q.size() == problem.w.rows(), "W is square, q fits");
 }
 
 void require_sound(const GlobalFrictionProblem& problem) {
-  require(problem.h.rows() == problem.mass.rows() && problem.h.cols() == 2 * problem.contacts(), "H is n x 2c");
-  require(problem.f.size() == problem.mass.rows() && problem.w.size() == 2 * problem.contacts(), "f and w fit");
+  require(problem.h.rows() == problem.mass.rows() && problem.h.cols() == problem.dimension * problem.contacts(),
+          "H is n x D c");
+  require(problem.f.size() == problem.mass.rows() && problem.w.size() == problem.h.cols(), "f and w fit");
 }
 
 }  // namespace
