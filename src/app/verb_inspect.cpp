@@ -50,12 +50,14 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   print_degrees("whole", found.whole, found.ranks);
 }
 
-void print_geometry(const Inspection& found) {
-  fmt::print("\nsolid fraction       {:.6g} (grain area over the box around all grains)\n", found.solid_fraction.box);
-  fmt::print("  in the middle      {:.6g} (in that box at half width and half height)\n", found.solid_fraction.middle);
+void print_geometry(const Inspection& found, Index dimension) {
+  fmt::print("\nsolid fraction       {:.6g} (grain {} over the box around all grains)\n", found.solid_fraction.box,
+             dimension == 2 ? "area" : "volume");
+  fmt::print("  in the middle      {:.6g} (in that box at half width{} and half height)\n", found.solid_fraction.middle,
+             dimension == 2 ? "" : ", half depth");
   if (found.largest_overlap > ContactDetection{}.overlap_tolerance)
     fmt::print("largest overlap      {:.6g} of the smaller radius\n", found.largest_overlap);
-  fmt::print("rattlers             {} (fewer than 2 contacts, without other rattlers)\n", found.rattlers);
+  fmt::print("rattlers             {} (fewer than {} contacts, without other rattlers)\n", found.rattlers, dimension);
   fmt::print("  coordination number without them  {}\n\n",
              std::isnan(found.coordination_without_rattlers)
                  ? "- (every grain is one)"
@@ -72,7 +74,8 @@ int run(const Options& options) {
   if (options.histogram == "-") fail("--histogram: expected a file name, met -; standard output is for the report");
   const Case one = options.one.resolve({options.histogram});
   std::optional<CsvWriter> histogram;
-  if (!options.histogram.empty()) histogram.emplace(options.histogram, options.force, headings(size_columns()));
+  if (!options.histogram.empty())
+    histogram.emplace(options.histogram, options.force, headings(size_columns(dimension_of(one))));
   const Model model = build(with_overlaps_of_motion(one), progress("generate"));
   const Index ranks_up_to = options.ranks ? std::numeric_limits<Index>::max() : ranks_up_to_by_default;
   MemoryNeed need = rank_need(model);
@@ -80,11 +83,11 @@ int run(const Options& options) {
   if (model.contacts() <= ranks_up_to) options.memory.require(need);
   const Inspection found = inspect(model, ranks_up_to);
   if (histogram) {
-    grain_sizes(model, [&](const GrainSizes& sizes) { histogram->write(row(size_columns(), sizes)); });
+    grain_sizes(model, [&](const GrainSizes& sizes) { histogram->write(row(size_columns(dimension_of(one)), sizes)); });
     histogram->finish();
   }
   print_network(model, found, ranks_up_to);
-  if (model.has_geometry()) print_geometry(found);
+  if (model.has_geometry()) print_geometry(found, model.problem.dimension);
   return 0;
 }
 

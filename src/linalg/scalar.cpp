@@ -6,6 +6,7 @@
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_fit.h>
+#include <gsl/gsl_integration.h>
 #include <gsl/gsl_min.h>
 #include <gsl/gsl_roots.h>
 
@@ -52,6 +53,19 @@ bool narrowed(const Callback& callback, Solver* solver, int (*iterate)(Solver*),
 }
 
 }  // namespace
+
+double integral(const std::function<double(double)>& f, double a, double b, double absolute) {
+  constexpr std::size_t most_intervals = 1000;
+  const QuietGsl quiet;
+  const std::unique_ptr<gsl_integration_workspace, decltype(&gsl_integration_workspace_free)> workspace(
+      gsl_integration_workspace_alloc(most_intervals), &gsl_integration_workspace_free);
+  Callback callback{f};
+  double result = 0, error = 0;
+  if (!callback.succeeded(gsl_integration_qags(&callback.as_gsl, a, b, absolute, 1e-12, most_intervals, workspace.get(),
+                                               &result, &error)))
+    fail("integral from {} to {}: expected an error of at most {}, met {}", a, b, absolute, error);
+  return result;
+}
 
 LinearFit linear_fit(std::span<const double> x, std::span<const double> y) {
   if (x.size() < 3 || x.size() != y.size()) fail("linear fit: expected at least three points, met {}", x.size());

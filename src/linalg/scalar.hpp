@@ -26,6 +26,11 @@ struct ScalarSearch {
 /// Root of f between a and b by Brent's method (GSL), to |interval| <= tolerance. Throws Error if no sign changes.
 ScalarSearch find_root(const std::function<double(double)>& f, double a, double b, double tolerance);
 
+/// Integral of f from a to b by adaptive Gauss-Kronrod rules of 21 points (GSL), to an estimated error of
+/// max(absolute, 10^-12 x the integral). f may have kinks, and is not called at a or b. Throws Error where that is not
+/// reached.
+double integral(const std::function<double(double)>& f, double a, double b, double absolute);
+
 /// Minimum of f between a and b by Brent's method (GSL), given an inner point m with f(m) below both ends.
 /// Throws Error where (a, m, b) does not bracket a minimum.
 ScalarSearch find_minimum(const std::function<double(double)>& f, double a, double m, double b, double tolerance);

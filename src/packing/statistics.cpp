@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "packing/statistics.hpp"
 
+#include "linalg/scalar.hpp"
 #include "packing/drop_and_roll.hpp"
 
 #include <numbers>
@@ -15,10 +16,17 @@ struct Rectangle {
   double area() const { return (right - left) * (high - low); }
 };
 
-Rectangle box_around(const Packing& p) {
+// From the lowest to the highest point of grains along one direction.
+struct Extent {
+  double low, high;
+  double length() const { return high - low; }
+  Extent middle_half() const { return {low + 0.25 * length(), high - 0.25 * length()}; }
+};
+
+Extent extent_of(const std::vector<double>& centres, const std::vector<double>& radii) {
   const auto numbers = [](const std::vector<double>& values) { return Vector::Map(values.data(), count(values)); };
-  const auto x = numbers(p.x), y = numbers(p.y), r = numbers(p.radius);
-  return {(x - r).minCoeff(), (x + r).maxCoeff(), (y - r).minCoeff(), (y + r).maxCoeff()};
+  const auto c = numbers(centres), r = numbers(radii);
+  return {(c - r).minCoeff(), (c + r).maxCoeff()};
 }
 
 // Area of the unit disk in x <= a, for -1 <= a <= 1.
@@ -35,7 +43,39 @@ double area_in(const Rectangle& box, double x, double y, double radius) {
   return share * radius * radius;
 }
 
+double cubed(double r) { return r * r * r; }
+
+SolidFraction solid_fraction_in_space(const Packing& packing, const std::array<Extent, 3>& box) {
+  const std::array middle{box[0].middle_half(), box[1].middle_half(), box[2].middle_half()};
+  double all = 0, in_middle = 0, whole = 1;
+  for (Index i = 0; i < packing.size(); ++i) {
+    const double radius = packing.radius[at(i)];
+    const std::array<double, 3> centre = packing.centre(i);
+    std::array<double, 3> low{}, high{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = (middle[k].low - centre[k]) / radius;
+      high[k] = (middle[k].high - centre[k]) / radius;
+    }
+    all += cubed(radius);
+    in_middle += cubed(radius) * sphere_box_volume(low, high);
+  }
+  for (const Extent& extent : box) whole *= extent.length();
+  return {4 * pi / 3 * all / whole, in_middle / (whole / 8)};
+}
+
 }  // namespace
+
+double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high) {
+  if (std::ranges::any_of(low, [](double a) { return a >= 1; })) return 0;
+  if (std::ranges::any_of(high, [](double a) { return a <= -1; })) return 0;
+  if (std::ranges::all_of(low, [](double a) { return a <= -1; }) &&
+      std::ranges::all_of(high, [](double a) { return a >= 1; }))
+    return 4 * pi / 3;
+  const Rectangle plane{low[0], high[0], low[1], high[1]};
+  // z = sin t: the disk at z has the radius cos t.
+  const auto slice = [&](double t) { return std::cos(t) * area_in(plane, 0, 0, std::cos(t)); };
+  return integral(slice, std::asin(std::max(low[2], -1.0)), std::asin(std::min(high[2], 1.0)), 1e-10);
+}
 
 double disk_corner_area(double a, double b) {
   if (a <= -1 || b <= -1) return 0;
@@ -50,14 +90,14 @@ double disk_corner_area(double a, double b) {
 }
 
 SolidFraction solid_fraction(const Packing& packing) {
-  const Rectangle box = box_around(packing);
-  const double quarter_width = 0.25 * (box.right - box.left), quarter_height = 0.25 * (box.high - box.low);
-  const Rectangle middle{box.left + quarter_width, box.right - quarter_width, box.low + quarter_height,
-                         box.high - quarter_height};
+  const Extent x = extent_of(packing.x, packing.radius), y = extent_of(packing.y, packing.radius);
+  if (packing.dimension() == 3) return solid_fraction_in_space(packing, {x, y, extent_of(packing.z, packing.radius)});
+  const Extent half_x = x.middle_half(), half_y = y.middle_half();
+  const Rectangle middle{half_x.low, half_x.high, half_y.low, half_y.high};
   double in_middle = 0;
   for (std::size_t i = 0; i < packing.x.size(); ++i)
     in_middle += area_in(middle, packing.x[i], packing.y[i], packing.radius[i]);
-  return {disk_area(packing.radius) / box.area(), in_middle / middle.area()};
+  return {disk_area(packing.radius) / (x.length() * y.length()), in_middle / middle.area()};
 }
 
 std::vector<char> rattlers(const ContactNetwork& network) {
@@ -73,7 +113,7 @@ std::vector<char> rattlers(const ContactNetwork& network) {
   std::vector<char> loose(left.size(), 0);
   std::vector<Index> found;
   const auto drop_where_loose = [&](Index i) {
-    if (loose[at(i)] != 0 || left[at(i)] >= 2) return;
+    if (loose[at(i)] != 0 || left[at(i)] >= network.dimension) return;
     loose[at(i)] = 1;
     found.push_back(i);
   };
@@ -100,7 +140,7 @@ std::vector<SizeClass> size_histogram(const Packing& packing, Index classes) {
     const double place = span > 0 ? (radius - low) / span * static_cast<double>(classes) : 0;
     SizeClass& one = all[at(std::min(classes - 1, static_cast<Index>(place)))];
     ++one.grains;
-    one.area += pi * radius * radius;
+    one.measure += packing.dimension() == 2 ? pi * radius * radius : 4 * pi / 3 * cubed(radius);
   }
   return all;
 }

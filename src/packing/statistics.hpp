@@ -5,29 +5,34 @@
 
 namespace nscdd {
 
-/// Area of grains over area, overlaps counted twice.
+/// Area of grains over area, in space volume over volume, overlaps counted twice.
 struct SolidFraction {
-  double box = 0;  ///< in the smallest axis-parallel rectangle around all grains
-  /// In the rectangle half as wide and half as high about the same centre, the grains on its border cut exactly: that
-  /// of the bulk, without the gaps along walls, floor and a rough top.
+  double box = 0;  ///< in the smallest axis-parallel rectangle (box) around all grains
+  /// In the rectangle half as wide and half as high (in space half as deep too) about the same centre: that of the
+  /// bulk, without the gaps along walls, floor and a rough top. Disks on its border are cut exactly, spheres to 10^-10.
   double middle = 0;
 };
 SolidFraction solid_fraction(const Packing& packing);
+
+/// Volume that the sphere of radius 1 about the origin has in low <= (x, y, z) <= high, to 10^-10: the integral over z
+/// of the exact area that its disk at z has in the rectangle.
+double sphere_box_volume(const std::array<double, 3>& low, const std::array<double, 3>& high);
 
 /// Area that the disk of radius 1 about the origin has in x <= a, y <= b.
 double disk_corner_area(double a, double b);
 
 /// Rattlers as flags: grains that no load can reach through contacts. A grain with fewer than two contacts cannot be in
 /// equilibrium by contact forces alone; leaving it out takes a contact from its neighbour, and so on until every other
-/// grain has two at least (the 2-core of the contact graph). Two is what a grain under gravity rests on; a grain that
-/// leans on a wall, which is no grain, may count as a rattler.
+/// grain has two at least (the 2-core of the contact graph). Two is what a grain under gravity rests on, three in space
+/// (the 3-core). A grain that leans on a wall, which is no grain, may count as a rattler, and in space a grain that two
+/// opposite ones squeeze does.
 std::vector<char> rattlers(const ContactNetwork& network);
 
 /// Grains of radius in [from, to), the last class with its upper end.
 struct SizeClass {
   double from = 0, to = 0;  ///< m
   Index grains = 0;
-  double area = 0;  ///< of those grains, m^2
+  double measure = 0;  ///< area of those grains, m^2, or volume, m^3
 };
 
 /// Classes of equal width between the smallest and the largest radius; one class where these are equal to rounding.

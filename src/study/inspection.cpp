@@ -218,27 +218,30 @@ void grains(const Model& model, const Sink<Grain>& sink) {
   for (Index i = 0; i < model.packing.size(); ++i) sink({model, i, contacts[at(i)]});
 }
 
-const ResultColumns<GrainSizes>& size_columns() {
-  static const ResultColumns<GrainSizes> columns{
-      {"case", "", "name of the case", [](const GrainSizes& s) { return s.model.name; }},
-      {"radius_from", "m", "smallest radius of the class", [](const GrainSizes& s) { return s.one.from; }},
-      {"radius_to", "m", "upper bound of the class, its own in the last class only",
-       [](const GrainSizes& s) { return s.one.to; }},
-      {"grains", "1", "grains of the class", [](const GrainSizes& s) { return s.one.grains; }},
-      {"number_fraction", "1", "of all grains",
-       [](const GrainSizes& s) {
-         return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
-       }},
-      {"area_fraction", "1", "of the area of all grains", [](const GrainSizes& s) { return s.one.area / s.all_area; }}};
-  return columns;
+const ResultColumns<GrainSizes>& size_columns(Index dimension) {
+  const auto columns = [](const std::string& measure) -> ResultColumns<GrainSizes> {
+    return {{"case", "", "name of the case", [](const GrainSizes& s) { return s.model.name; }},
+            {"radius_from", "m", "smallest radius of the class", [](const GrainSizes& s) { return s.one.from; }},
+            {"radius_to", "m", "upper bound of the class, its own in the last class only",
+             [](const GrainSizes& s) { return s.one.to; }},
+            {"grains", "1", "grains of the class", [](const GrainSizes& s) { return s.one.grains; }},
+            {"number_fraction", "1", "of all grains",
+             [](const GrainSizes& s) {
+               return static_cast<double>(s.one.grains) / static_cast<double>(s.model.packing.size());
+             }},
+            {measure + "_fraction", "1", "of the " + measure + " of all grains",
+             [](const GrainSizes& s) { return s.one.measure / s.all; }}};
+  };
+  static const ResultColumns<GrainSizes> plane = columns("area"), space = columns("volume");
+  return dimension == 2 ? plane : space;
 }
 
 void grain_sizes(const Model& model, const Sink<GrainSizes>& sink) {
   require_geometry(model, "sizes of grains");
   const std::vector<SizeClass> classes = size_histogram(model.packing);
-  double area = 0;
-  for (const SizeClass& one : classes) area += one.area;
-  for (const SizeClass& one : classes) sink({model, one, area});
+  double all = 0;
+  for (const SizeClass& one : classes) all += one.measure;
+  for (const SizeClass& one : classes) sink({model, one, all});
 }
 
 constinit const Observable observables::links{

@@ -93,9 +93,9 @@ void grains(const Model& model, const Sink<Grain>& sink);  ///< throws Error as 
 struct GrainSizes {
   const Model& model;
   SizeClass one;
-  double all_area;  ///< of all grains, m^2
+  double all;  ///< area of all grains, m^2, or volume, m^3
 };
-const ResultColumns<GrainSizes>& size_columns();
+const ResultColumns<GrainSizes>& size_columns(Index dimension = 2);
 void grain_sizes(const Model& model, const Sink<GrainSizes>& sink);  ///< throws Error as `links`
 
 }  // namespace nscdd

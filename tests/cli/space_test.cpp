@@ -48,6 +48,11 @@ TEST_CASE("space: inspect counts ranks, six rigid motions and self-stresses") {
   const std::string report = answer(session, "inspect fcc.toml");
   // grains, contacts, rank, rigid modes, hyperstaticity
   CHECK(row_of(report, "whole") == std::vector<double>{27, 86, 75, 6, 11});
+  // 27 spheres of radius 0.5 in a box of 3.5 x 3.5 x (1 + sqrt 2)
+  CHECK(contains(report, "solid fraction       0.478025 (grain volume over the box around all grains)"));
+  CHECK(contains(report, "(fewer than 3 contacts, without other rattlers)"));
+  answer(session, "inspect fcc.toml --histogram sizes.csv");
+  CHECK(contains(session.read("sizes.csv"), "volume_fraction"));
   const auto dense = row_of(answer(session, "inspect fcc.toml --set packing.columns=4 --subdomains 1x1x1"), "whole");
   REQUIRE(dense.size() == 5);
   CHECK(dense[3] == 6);

@@ -54,6 +54,69 @@ TEST_CASE("statistics: solid fractions known by hand") {
   CHECK(std::abs(lattice.middle - limit) < std::abs(lattice.box - limit));
 }
 
+TEST_CASE("statistics: the part of a sphere in a box, against octants, caps and counted points") {
+  const auto cap = [](double h) { return pi * h * h * (3 - h) / 3; };  // of height h
+  CHECK(sphere_box_volume({-1, -1, -1}, {1, 1, 1}) == doctest::Approx(4 * pi / 3).epsilon(1e-12));
+  CHECK(sphere_box_volume({0, 0, 0}, {2, 2, 2}) == doctest::Approx(pi / 6).epsilon(1e-10));
+  for (const double h : {0.1, 0.7, 1.0, 1.6})
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<double, 3> low{-3, -2, -5};
+      low[k] = 1 - h;
+      CHECK(std::abs(sphere_box_volume(low, {2, 3, 4}) - cap(h)) < 1e-9);
+    }
+  CHECK(sphere_box_volume({-0.2, -0.3, -0.1}, {0.3, 0.4, 0.2}) == doctest::Approx(0.5 * 0.7 * 0.3).epsilon(1e-10));
+  CHECK(sphere_box_volume({0.8, 0.8, 0.8}, {2, 2, 2}) == doctest::Approx(0));
+  CHECK(sphere_box_volume({1, -1, -1}, {2, 1, 1}) == 0);
+  RandomStream random(3);
+  for (int box = 0; box < 6; ++box) {
+    std::array<double, 3> low{}, high{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double a = 2.4 * random.uniform() - 1.2, b = 2.4 * random.uniform() - 1.2;
+      low[k] = std::min(a, b);
+      high[k] = std::max(a, b);
+    }
+    constexpr int n = 200'000;
+    int inside = 0;
+    for (int i = 0; i < n; ++i) {
+      double square = 0;
+      bool in_box = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double x = 2 * random.uniform() - 1;
+        square += x * x;
+        in_box = in_box && low[k] <= x && x <= high[k];
+      }
+      if (square <= 1 && in_box) ++inside;
+    }
+    const double share = sphere_box_volume(low, high) / 8;
+    CHECK(std::abs(static_cast<double>(inside) / n - share) < 4 * std::sqrt(share * (1 - share) / n) + 1e-9);
+  }
+}
+
+TEST_CASE("statistics: spheres fill boxes, rest on three, and weigh by volume") {
+  const SolidFraction one = solid_fraction({{3.0}, {-7.0}, {2.0}, {}, {5.0}});
+  CHECK(one.box == doctest::Approx(pi / 6));
+  CHECK(one.middle == doctest::Approx(1));  // the cube of half the side lies in the sphere
+  // 2 x 2 x 2 spheres: the middle cube cuts an octant out of each
+  const SolidFraction cube = solid_fraction(generate(CubicLattice{{.columns = 2, .rows = 2, .layers = 2}}));
+  CHECK(cube.box == doctest::Approx(pi / 6));
+  CHECK(cube.middle == doctest::Approx(pi / 6));
+  const double limit = pi / (3 * std::numbers::sqrt2);
+  const SolidFraction lattice = solid_fraction(generate(FccLattice{{.columns = 30, .rows = 30, .layers = 42}}));
+  CHECK(std::abs(lattice.middle - limit) < 0.01);
+  CHECK(std::abs(lattice.middle - limit) < std::abs(lattice.box - limit));
+
+  // a tetrahedron 0 1 2 3; 4 touches 2 and 3 alone, 5 touches 4
+  const double s = std::sqrt(2.0);
+  const Packing p{{0, s, s, 0, 0, 0}, {0, s, 0, s, 0, -s}, std::vector<double>(6, 1), {}, {0, 0, s, s, 2 * s, 3 * s}};
+  const ContactNetwork network = detect_contacts(p);
+  CHECK(contact_counts(network) == std::vector<Index>{3, 3, 4, 4, 3, 1});
+  CHECK(rattlers(network) == std::vector<char>{0, 0, 0, 0, 1, 1});
+
+  const auto classes = size_histogram({{0, 9, 19}, {0, 0, 0}, {1, 1, 2}, {}, {0, 0, 0}}, 2);
+  CHECK(classes[0].measure == doctest::Approx(8 * pi / 3));
+  CHECK(classes[1].measure == doctest::Approx(32 * pi / 3));
+}
+
 TEST_CASE("statistics: rattlers are what no closed loop of contacts holds") {
   // a triangle 0 1 2, a chain 3 4 hanging from it, 5 alone
   const Packing p{{0, 2, 1, 4, 6, 20}, {0, 0, std::numbers::sqrt3, 0, 0, 0}, {1, 1, 1, 1, 1, 1}, {}};
@@ -83,7 +146,7 @@ TEST_CASE("statistics: size classes") {
   CHECK(classes[1].grains == 0);
   CHECK(classes[2].grains == 1);
   CHECK(classes[3].grains == 2);
-  CHECK(classes[3].area == doctest::Approx(8 * pi));
+  CHECK(classes[3].measure == doctest::Approx(8 * pi));
   const auto equal = size_histogram(generate(HexagonalLattice{}));
   REQUIRE(equal.size() == 1);
   CHECK(equal[0].grains == 64);
