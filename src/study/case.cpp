@@ -164,9 +164,9 @@ std::string to_toml(const CaseSpec& spec) {
   return text;
 }
 
-Index dimension_of(const Case& one) {
-  const auto* generator = std::get_if<Generator>(&one.spec.packing);
-  return generator != nullptr ? dimension(*generator) : one.packing.dimension();
+std::optional<Index> dimension_of(const Case& one) {
+  if (const auto* generator = std::get_if<Generator>(&one.spec.packing)) return dimension(*generator);
+  return one.packing.size() > 0 ? std::optional(one.packing.dimension()) : std::nullopt;
 }
 
 Packing packing_of(const Case& one, const Monitor& monitor) {
@@ -223,7 +223,8 @@ Model of_process(Model model, const Processes& processes) {
   if (processes.alone()) return model;
   const std::vector<Index> process_of = deal_out(model.parts, processes.size);
   model.parts = of_process(std::move(model.parts), process_of, processes);
-  model.network = {.contacts = {}, .grains = model.network.grains};  // `contacts = {}` would keep the memory
+  // `contacts = {}` would keep the memory.
+  model.network = {.contacts = {}, .grains = model.network.grains, .dimension = model.network.dimension};
   return model;
 }
 

@@ -73,8 +73,8 @@ void override_case(CaseSpec& spec, std::string_view key, std::string_view value)
 std::string to_toml(const CaseSpec& spec);
 
 /// 2 in the plane, 3 in space, as far as it is known without making the packing: a generator knows it, a file or what
-/// is settled once the case is resolved.
-Index dimension_of(const Case& one);
+/// is settled once the case is resolved. Nothing before, and for a contact problem.
+std::optional<Index> dimension_of(const Case& one);
 
 /// The packing of a case, generated, read or settled, with masses where the case says how. Throws Error for a
 /// packing or masses that cannot be used, and for a contact problem, which has no packing.

@@ -142,13 +142,15 @@ std::vector<Column> study_columns(const StudyTable& table) {
 }
 
 Index dimension_of(const StudyTable& table) {
-  const Case& first = table.cases.front();
+  const auto knows = [](const Case& one) { return dimension_of(one).has_value(); };
+  const auto first = std::ranges::find_if(table.cases, knows);
+  if (first == table.cases.end()) return 3;
+  const auto where = [](const Case& one) { return *dimension_of(one) == 2 ? "the plane" : "space"; };
   for (const Case& other : table.cases)
-    if (dimension_of(other) != dimension_of(first))
-      fail("table {}: expected cases of one dimension, met {} in {} and {} in {}", table.name, first.spec.name,
-           dimension_of(first) == 2 ? "the plane" : "space", other.spec.name,
-           dimension_of(other) == 2 ? "the plane" : "space");
-  return dimension_of(first);
+    if (knows(other) && dimension_of(other) != dimension_of(*first))
+      fail("table {}: expected cases of one dimension, met {} in {} and {} in {}", table.name, first->spec.name,
+           where(*first), other.spec.name, where(other));
+  return *dimension_of(*first);
 }
 
 std::optional<Index> row_count(const StudyTable& table) {

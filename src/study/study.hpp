@@ -110,7 +110,8 @@ struct Study {
 /// `vary_together` first) after `case`.
 std::vector<Column> study_columns(const StudyTable& table);
 
-/// 2 in the plane, 3 in space. Throws Error where a table of grains or contacts has cases of both.
+/// 2 in the plane, 3 in space. Throws Error where a table of grains or contacts has cases of both. Where no case is
+/// resolved that knows, as while a study file is read, it is 3: in space a table has all columns that there may be.
 Index dimension_of(const StudyTable& table);
 
 /// Rows of a study table, where they are known before its cases are built: not so for links and grains.

@@ -202,6 +202,20 @@ TEST_CASE("space: a lattice with holes, as its generator and as a file with z, h
   }
 }
 
+TEST_CASE("space: a study of a file with z takes tolerances of its columns along z") {
+  const Session session;
+  session.file("study/bed.toml", "[packing]\nfile = \"bed.csv\"\n[partition]\ngrid = [2, 2, 2]\n");
+  session.file("study/fcc.toml", lattice);
+  answer(session, "generate study/fcc.toml -o study/bed.csv");
+  session.file("study/study.toml",
+               "title = \"spheres\"\n[[table]]\nname = \"network\"\nobservable = \"links\"\n"
+               "cases = [\"bed.toml\", \"fcc.toml\"]\n[table.column_tolerance]\nz_a = 1e-9\n");
+  answer(session, "run study");
+  const CsvTable network = read_table(session.read("results/study/network.csv"));
+  CHECK(network.rows.size() == 86 + 86);
+  CHECK(network.number(0, "z_a") == 0);
+}
+
 TEST_CASE("space: spheres do not move yet and have no page: both are refused") {
   const Session session;
   session.file("fcc.toml", lattice);

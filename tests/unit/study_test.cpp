@@ -272,6 +272,16 @@ TEST_CASE("study: tables of links and grains have the columns of the dimension o
   CHECK_THROWS_WITH_AS(
       study_columns(table),
       "table both: expected cases of one dimension, met two tetrahedra in space and strip4 in the plane", Error);
+  // What is not read yet does not count, and alone may have any column.
+  Case unread;
+  unread.spec.packing = PackingFile{"spheres.csv"};
+  table.cases = {unread, octahedron()};
+  CHECK(dimension_of(table) == 3);
+  table.cases = {unread, strip(4)};
+  CHECK(dimension_of(table) == 2);
+  table.cases = {unread};
+  CHECK(study_columns(table).size() == link_columns().size() + 3);
+  table.cases = {octahedron(), strip(4)};
   table.observable = &observables::spectral_radius;  // has no columns along z
   table.sweep.epsilon = {0.1};
   CHECK(study_columns(table).size() == headings(sweep_columns(table.sweep)).size());
