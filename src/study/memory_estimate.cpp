@@ -44,6 +44,9 @@ constexpr double rigid_shift = 3, rigid_ranks = 5000;
 // contact. Bytes over m log2 m with m rows: 250 were measured on a lattice of 10^4 disks (0.22 GB in all),
 // 130 on a deposit of 5 10^4 disks (0.52 GB).
 constexpr double rank_bytes = 300;
+// In space bytes over m^(4/3): 870 and 760 were measured on face-centred cubic lattices of 16^3 and 25^3 spheres in
+// 2 x 2 x 2 parts.
+constexpr double rank_bytes_space = 1000;
 constexpr double model_bytes = 550;   // per unknown, for geometry, H and A
 constexpr double arpack_vectors = 5;  // beside the basis
 
@@ -73,10 +76,12 @@ double model_need(const Model& model) {
   return model_bytes * unknowns_of(model) + bytes_per_number * modes;
 }
 
+bool in_space(const Model& model) { return model.problem.dimension == 3; }
+
 // What sparse_rank needs: a factor of a saddle point with these rows and columns.
-double factor_need(double rows, double columns) {
+double factor_need(const Model& model, double rows, double columns) {
   const double n = std::max(rows + columns, 2.0);
-  return rank_bytes * n * std::log2(n);
+  return in_space(model) ? rank_bytes_space * std::pow(n, 4.0 / 3) : rank_bytes * n * std::log2(n);
 }
 
 // What the impulses need that choose a set of contacts.
@@ -88,10 +93,8 @@ double choice_need(const Model& model, ContactSet contacts) {
   const double rows = unknowns_of(model);
   const auto columns = static_cast<double>(model.parts.contacts);
   // More columns than rows cannot be independent. The unilateral problem takes less than their rank does.
-  return factor_need(rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
+  return factor_need(model, rows, contacts == ContactSet::active ? columns : std::min(rows, columns));
 }
-
-bool in_space(const Model& model) { return model.problem.dimension == 3; }
 
 // What shift-invert needs for epsilon > 0.
 double shifted_need(const Model& model, bool finite_eta) {
@@ -125,8 +128,11 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
     return program_bytes + std::max(limit, dense);
   }
   const double kernel = rigid && size <= dense_kernel_limit ? rigid_kernel_matrices * square(n) : 0;
-  return bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +
-                             (static_cast<double>(options.arpack.basis) + arpack_vectors) * n);
+  // In space what counts the unit eigenvalues of the rigid limit outweighs all else.
+  const double ranks = rigid && in_space(model) ? rank_need(model).bytes : 0;
+  const double need = bytes_per_number * (factors * factor_fill * unknowns * std::log2(unknowns) + kernel +
+                                          (static_cast<double>(options.arpack.basis) + arpack_vectors) * n);
+  return std::max(need, ranks);
 }
 
 double inexact_need(const Model& model, const SweepParameters& parameters) {
@@ -156,8 +162,8 @@ MemoryNeed link_need(const Model& model, ContactSet contacts) {
 }
 
 MemoryNeed rank_need(const Model& model) {
-  return {model_need(model) + factor_need(unknowns_of(model), static_cast<double>(model.parts.contacts)), model.name,
-          fmt::format("the ranks of {} contacts", model.contacts()), "fewer grains"};
+  return {model_need(model) + factor_need(model, unknowns_of(model), static_cast<double>(model.parts.contacts)),
+          model.name, fmt::format("the ranks of {} contacts", model.contacts()), "fewer grains"};
 }
 
 MemoryNeed operators_need(const Model& model, ContactSet contacts, bool dense) {

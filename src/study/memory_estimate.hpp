@@ -29,7 +29,8 @@ struct MemoryNeed {
 MemoryNeed sweep_need(const Model& model, const SweepParameters& parameters);
 
 /// The impulses of `links`, and the ranks of `inspect`. Beside the model, which is all that is needed where
-/// nothing is prescribed, both take rank_bytes m log2(m) bytes with m = n + contacts. Up to `dense_impulse_limit`
+/// nothing is prescribed, both take rank_bytes m log2(m) bytes with m = n + contacts, in space
+/// rank_bytes_space m^(4/3). Up to `dense_impulse_limit`
 /// contacts the impulses of the linear rigid problem come from dense matrices instead, with as many rows as the
 /// packing has unknowns.
 MemoryNeed link_need(const Model& model, ContactSet contacts);

@@ -59,6 +59,18 @@ TEST_CASE("memory: spectra in space take no more than the estimate, and no tenth
   }
 }
 
+TEST_CASE("memory: ranks in space take no more than the estimate, and no tenth of it") {
+  const Session session;
+  session.file("fcc.toml",
+               "[packing]\ngenerator = \"fcc\"\ncolumns = 14\nrows = 14\nlayers = 14\n[partition]\ngrid = [2, 2, 2]\n");
+  const std::string line = "inspect fcc.toml --memory-limit ";
+  const Outcome outcome = session.run(words(line + "8"));
+  REQUIRE(outcome.exit_code == 0);
+  const double taken = static_cast<double>(outcome.peak_memory) / (1 << 30);
+  check_refused(session, line + std::to_string(taken), {"--memory-limit"});
+  CHECK(session.run(words(line + std::to_string(10 * taken))).exit_code == 0);
+}
+
 TEST_CASE("memory: the limit of the user decides") {
   const Session session;
   check_refused(session, "sweep disks4 --epsilon 1 --csv - --memory-limit 1e-6", {"1e-06 GiB"});
