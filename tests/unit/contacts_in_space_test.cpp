@@ -4,8 +4,10 @@
 #include "ddm/cut_contacts.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
+#include "mechanics/connectivity.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <doctest/doctest.h>
 
@@ -185,6 +187,55 @@ TEST_CASE("linear systems of contacts in space: whole, with bodies as unknowns, 
       CHECK((found.impulses - whole.impulses).norm() < 1e-6 * whole.impulses.norm());
     }
   }
+}
+
+TEST_CASE("H of spheres is what their motion asks for: velocities at contacts, and none of a rigid motion") {
+  RandomStream random(5);
+  const auto vector = [&] { return Eigen::Vector3d(random.normal_vector(3)); };
+  std::vector<Eigen::Vector3d> normals{{0, 0, 1}, {0, 0, -1}, {1, 0, -0.0}, {0, -1, 0}};
+  for (int k = 0; k < 20; ++k) normals.push_back(vector().normalized());
+  for (const Eigen::Vector3d& n : normals) {
+    const auto [first, second] = tangents_of({n[0], n[1], n[2]});
+    const Eigen::Vector3d t1(first.data()), t2(second.data());
+    Eigen::Matrix3d frame;
+    frame << n, t1, t2;
+    CHECK((frame.transpose() * frame - Eigen::Matrix3d::Identity()).norm() < 1e-14);
+    CHECK(frame.determinant() == doctest::Approx(1));
+    const double radius_a = 0.7, radius_b = 1.3;
+    ConnectivityBuilder<3> builder(12, 3);
+    for (const LocalVector<3>& direction : contact_directions<3>())
+      builder.add({n[0], n[1], n[2]}, {0, radius_a}, {6, radius_b}, direction);
+    const SparseMatrix h = builder.matrix();
+    // The point of b at the contact as seen from that of a, with spins about the centres.
+    const Eigen::Vector3d va = vector(), wa = vector(), vb = vector(), wb = vector();
+    Vector motion(12);
+    motion << va, wa, vb, wb;
+    const Eigen::Vector3d relative = vb + wb.cross(-radius_b * n) - va - wa.cross(radius_a * n);
+    CHECK((h.transpose() * motion - frame.transpose() * relative).norm() < 1e-13);
+    const Eigen::Vector3d centre_b = (radius_a + radius_b) * n;
+    motion << va, wa, va + wa.cross(centre_b), wa;
+    CHECK((h.transpose() * motion).norm() < 1e-13);
+  }
+}
+
+TEST_CASE("on blocks that Stage 2 sees whole, in any tangential direction, one iteration does in space") {
+  RandomStream random(3);
+  const Index bodies = 12, contacts = 30;
+  std::vector<ContactRelation<3>> all(at(contacts));
+  for (ContactRelation<3>& relation : all) {
+    const Eigen::Vector2d axis = Eigen::Vector2d(random.normal_vector(2)).normalized();
+    relation.q.bottomRightCorner<2, 2>() =
+        Eigen::Matrix2d::Identity() / 2 + (1 + random.uniform()) * axis * axis.transpose();
+    relation.q(0, 0) = 1 + random.uniform();
+  }
+  Partition partition{.subdomains = 3, .subdomain_of_contact = {}};
+  for (Index column = 0; column < 3 * contacts; ++column)
+    partition.subdomain_of_contact.push_back(column / 3 % bodies / 4);
+  const Decomposition parts = decompose(reference_problem(random_spheres_problem(4, bodies, contacts)), partition);
+  CutContacts<3> cut(parts, {.flexibility = 1, .tolerance = 1e-8});
+  REQUIRE(cut.factorise(all));
+  cut.solve(random.normal_vector(3 * contacts));
+  CHECK(cut.work().iterations == 1);
 }
 
 TEST_CASE("orders and threads of sweeps in space, and a W that is not symmetric") {
