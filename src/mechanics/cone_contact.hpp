@@ -25,7 +25,8 @@ class ConeContact {
   ConeContact() = default;
   explicit ConeContact(const FullDelassus<3>& w);
 
-  /// `free`: v without an impulse of this contact, m/s. Numbers that are not finite give an impulse that is not.
+  /// `free`: v without an impulse of this contact, m/s. Numbers that are not finite give an impulse
+  /// that is not, unless free_n >= 0 opens the contact.
   LocalVector<3> impulse(LocalVector<3> free, double friction) const;
 
  private:
