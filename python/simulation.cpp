@@ -47,19 +47,6 @@ py::dict report_of(const Step& step) {
   return report;
 }
 
-// The free grains of the packing: disks of boundaries come behind them.
-std::shared_ptr<Packing> free_grains(const Simulation& simulation, Index grains) {
-  auto packing = std::make_shared<Packing>();
-  for (Index i = 0; i < grains; ++i) {
-    if (!simulation.system.free(i)) continue;
-    packing->x.push_back(simulation.state.x[at(i)]);
-    packing->y.push_back(simulation.state.y[at(i)]);
-    packing->radius.push_back(simulation.system.radius[at(i)]);
-    packing->mass.push_back(simulation.system.mass[at(i)]);
-  }
-  return packing;
-}
-
 Case case_of(const std::string& path, const Packing* packing, const std::optional<std::string>& subdomains,
              const Settings& settings) {
   CaseSpec spec = spec_of_file(path, true);
@@ -86,7 +73,7 @@ std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
       return Step{system, std::make_shared<const GranularState>(now.state), std::move(report)};
     };
     RunSinks sinks;
-    sinks.step = [&](const Simulation& after, const SolvedStep&, const StepReport& report) {
+    sinks.step = [&](const Simulation& after, const AnySolvedStep&, const StepReport& report) {
       run->reports.push_back(row(step_columns(), report));
       if (callback.is_none()) return;
       const Step step = step_at(after, run->reports.back());
@@ -96,7 +83,7 @@ std::shared_ptr<Run> simulated(const std::string& path, const Packing* packing,
     sinks.monitor = [&, monitor = work.monitor()](Index done, Index total) { return monitor(done, total) && wanted; };
     run->outcome = run_simulation(simulation, sinks);
     run->last = step_at(simulation, run->reports.empty() ? Row() : run->reports.back());
-    run->packing = free_grains(simulation, packing_of(one).size());
+    run->packing = std::make_shared<Packing>(free_grains(simulation.system, simulation.state, packing_of(one).size()));
     return run;
   });
 }
@@ -139,14 +126,14 @@ void bind_step(py::module_& module) {
           "impulse_n",
           [](const S& s) {
             return of_impulses(
-                s, [](const auto& i) -> auto& { return i.impulse.n; });
+                s, [](const auto& i) -> auto& { return i.impulse[0]; });
           },
           "normal impulse of these contacts, N s, pressing > 0")
       .def_property_readonly(
           "impulse_t",
           [](const S& s) {
             return of_impulses(
-                s, [](const auto& i) -> auto& { return i.impulse.t; });
+                s, [](const auto& i) -> auto& { return i.impulse[1]; });
           },
           "tangential impulse, N s")
       .def_property_readonly("report", &report_of, "how the step was solved: a row of the table `steps` as a dict")

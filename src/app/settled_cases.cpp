@@ -97,31 +97,21 @@ void remember(const fs::path& entry, const std::string& text) {
   }
 }
 
-Packing free_grains(const Simulation& simulation, Index grains) {
-  Packing packing;
-  for (Index i = 0; i < grains; ++i) {
-    if (!simulation.system.free(i)) continue;
-    packing.x.push_back(simulation.state.x[at(i)]);
-    packing.y.push_back(simulation.state.y[at(i)]);
-    packing.radius.push_back(simulation.system.radius[at(i)]);
-    packing.mass.push_back(simulation.system.mass[at(i)]);
-  }
-  return packing;
-}
-
 Packing simulate_to_the_end(const Case& one) {
   const Packing packing = packing_of(one);
   Simulation simulation = simulation_of(one);
   double kinetic = 0;
   RunSinks sinks;
-  sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) { kinetic = report.energy.kinetic; };
+  sinks.step = [&](const Simulation&, const AnySolvedStep&, const StepReport& report) {
+    kinetic = report.energy.kinetic;
+  };
   sinks.monitor = progress("settle " + one.spec.name, 0, "step");
   const RunOutcome outcome = run_simulation(simulation, sinks);
   if (outcome.end == RunEnd::broke_down) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
     note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
          mean_speed(simulation.system, kinetic));
-  return free_grains(simulation, packing.size());
+  return free_grains(simulation.system, simulation.state, packing.size());
 }
 
 // The case file that a case is settled from.

@@ -111,6 +111,8 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
 }
 
 void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
+  if (old.dimension != system.dimension)
+    fail("{}: expected {}s, met {}s", path, shape_of_grains(system.dimension), shape_of_grains(old.dimension));
   if (old.radius.size() != system.radius.size())
     fail("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
   for (std::size_t i = 0; i < system.radius.size(); ++i)
@@ -122,8 +124,7 @@ void require_same_start(const std::string& path, const GranularState& asked) {
   const std::optional<TrajectoryStep> first = find_trajectory_step(path, 0);
   if (!first) return;
   const GranularState& found = first->state;
-  for (const auto values : {&GranularState::x, &GranularState::y, &GranularState::angle, &GranularState::velocity_x,
-                            &GranularState::velocity_y, &GranularState::spin}) {
+  for (const auto values : numbers_of_grains(asked.z.empty() ? 2 : 3)) {
     const std::vector<double>&had = found.*values, &has = asked.*values;
     if (had.size() != has.size()) fail("{}: expected {} disks in its first step, met {}", path, has.size(), had.size());
     const auto differs = std::mismatch(had.begin(), had.end(), has.begin());
@@ -233,10 +234,11 @@ IterationSink RunOutput::iterations() {
   return {write, files_.convergence_every.value_or(0)};
 }
 
-void RunOutput::add(const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+void RunOutput::add(const Simulation& after, const AnySolvedStep& solved, const StepReport& report) {
   first([&] {
     const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
-    trajectory_->append(trajectory_step(after, solved), row(step_columns(), report), keep);
+    TrajectoryStep kept = std::visit([&](const auto& step) { return trajectory_step(after, step); }, solved);
+    trajectory_->append(std::move(kept), row(step_columns(), report), keep);
     if (!trajectory_->due()) return;
     if (table_) table_->flush();  // first: a restart needs the rows of all the steps that the trajectory has
     trajectory_->commit();

@@ -50,7 +50,7 @@ class RunOutput {
             const std::string& command_line);
   /// Looks at no iteration unless there is a table, and then in all processes.
   IterationSink iterations();
-  void add(const Simulation& after, const SolvedStep& solved, const StepReport& report);
+  void add(const Simulation& after, const AnySolvedStep& solved, const StepReport& report);
   void end(const RunOutcome& outcome);
 
  private:

@@ -161,12 +161,12 @@ void require_shared(const CaseSpec& spec, const Machine& machine) {
 std::vector<double> features(const Simulation& simulation, const std::string& case_text, const Options& options) {
   const auto& [system, state] = std::tie(simulation.system, simulation.state);
   std::string text = case_text;
-  for (const auto* values : {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin,
-                             &system.radius, &system.mass})
-    text += fingerprint(std::span<const double>(*values));
+  for (const auto values : numbers_of_grains(system.dimension))
+    text += fingerprint(std::span<const double>(state.*values));
+  for (const auto* values : {&system.radius, &system.mass}) text += fingerprint(std::span<const double>(*values));
   std::vector<double> remembered;
-  for (const auto& one : state.impulses) remembered.insert(remembered.end(), {one.impulse.n, one.impulse.t});
-  for (const RememberedGluing& one : state.gluing) remembered.insert(remembered.end(), {one.x, one.y, one.rim});
+  for (const auto& one : state.impulses) remembered.insert(remembered.end(), one.impulse.begin(), one.impulse.end());
+  for (const auto& one : state.gluing) remembered.insert(remembered.end(), one.impulse.begin(), one.impulse.end());
   text += fingerprint(std::span<const double>(remembered));
   text += fmt::format("{} {} {} {}", state.step, options.counts.empty(), options.files.convergence.empty(),
                       options.files.convergence_every.value_or(0));
@@ -212,7 +212,7 @@ int run(const Options& options, const Context& context) {
   RunSinks sinks;
   sinks.iteration = output.iterations();
   sinks.monitor = interruption.watch("simulate " + spec.name, simulation.state.step, "step");
-  sinks.step = [&](const Simulation& after, const SolvedStep& solved, const StepReport& report) {
+  sinks.step = [&](const Simulation& after, const AnySolvedStep& solved, const StepReport& report) {
     output.add(after, solved, report);
     totals.add(report);
   };

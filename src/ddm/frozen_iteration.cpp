@@ -17,8 +17,8 @@ struct LocalMaps {
   SparseMatrix gluing;  // M^-1/2 A^T
 };
 
-LocalMaps local_maps(const GranularDecomposition& parts, Index e, const std::vector<ContactStatus>& statuses) {
-  const GranularSubdomain& subdomain = parts.subdomains[at(e)];
+LocalMaps local_maps(const GranularDecomposition<2>& parts, Index e, const std::vector<ContactStatus>& statuses) {
+  const GranularSubdomain<2>& subdomain = parts.subdomains[at(e)];
   std::vector<ContactStatus> own;
   for (const Index contact : subdomain.numbers) own.push_back(statuses[at(contact)]);
   LocalMaps maps{frozen_network(subdomain, own), {}};
@@ -33,12 +33,12 @@ LocalMaps local_maps(const GranularDecomposition& parts, Index e, const std::vec
   return maps;
 }
 
-void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses,
-           std::vector<DiskVelocity>& v) {
+void sweep(const GranularSubdomain<2>& subdomain, const std::vector<ContactStatus>& statuses,
+           std::vector<GrainVelocity<2>>& v) {
   for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
     const ContactStatus status = statuses[at(subdomain.numbers[k])];
     if (status == ContactStatus::open) continue;
-    const DiskContact c = subdomain.contacts.contact(k, v);
+    const GrainContact<2> c = subdomain.contacts.contact(k, v);
     LocalVector<2> change = -1.0 * c.inverse_w.solve(relative_velocity(c, v));
     if (status != ContactStatus::stick) change.t = sliding_slope(status, c.friction) * change.n;
     apply_impulse(c, change, v);
@@ -47,7 +47,7 @@ void sweep(const GranularSubdomain& subdomain, const std::vector<ContactStatus>&
 
 }  // namespace
 
-FrozenIteration::FrozenIteration(GranularDecomposition parts, std::vector<ContactStatus> statuses, Index sweeps,
+FrozenIteration::FrozenIteration(GranularDecomposition<2> parts, std::vector<ContactStatus> statuses, Index sweeps,
                                  std::optional<InterfaceOperator> enriched, double relaxation)
     : parts_(std::move(parts)),
       resting_(parts_),
@@ -55,9 +55,9 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, std::vector<Contac
       sweeps_(sweeps),
       enriched_(std::move(enriched)),
       relaxation_(relaxation) {
-  for (GranularSubdomain& subdomain : resting_.subdomains) {
+  for (GranularSubdomain<2>& subdomain : resting_.subdomains) {
     subdomain.contacts = {};
-    for (DiskVelocity& v : subdomain.velocities) v = {.inverse_mass = v.inverse_mass};
+    for (GrainVelocity<2>& v : subdomain.velocities) v = {.inverse_mass = v.inverse_mass};
   }
   SparseEntries impulses, gluing;
   Index size = 0, columns = 0;
@@ -77,11 +77,11 @@ FrozenIteration::FrozenIteration(GranularDecomposition parts, std::vector<Contac
 }
 
 Vector FrozenIteration::apply(const Vector& y, Index iterations) const {
-  GranularDecomposition work = resting_;
+  GranularDecomposition<2> work = resting_;
   const Vector velocities = y.cwiseQuotient(root_);
   Index k = 0;
-  for (GranularSubdomain& subdomain : work.subdomains)
-    for (DiskVelocity& v : subdomain.velocities) {
+  for (GranularSubdomain<2>& subdomain : work.subdomains)
+    for (GrainVelocity<2>& v : subdomain.velocities) {
       if (v.inverse_mass == 0) continue;
       v = {velocities[k], velocities[k + 1], velocities[k + 2], v.inverse_mass};
       k += 3;
@@ -90,7 +90,7 @@ Vector FrozenIteration::apply(const Vector& y, Index iterations) const {
   return project(free_velocities(work).cwiseProduct(root_));
 }
 
-void FrozenIteration::iterate(GranularDecomposition& work) const {
+void FrozenIteration::iterate(GranularDecomposition<2>& work) const {
   for (std::size_t e = 0; e < work.subdomains.size(); ++e)
     for (Index n = 0; n < sweeps_; ++n) sweep(parts_.subdomains[e], statuses_, work.subdomains[e].velocities);
   if (work.interface_size() == 0) return;
@@ -99,7 +99,7 @@ void FrozenIteration::iterate(GranularDecomposition& work) const {
                            relaxation_ * (enriched_ ? enriched_->solve(jumps) : generic_interface_solve(work, jumps)));
 }
 
-Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
+Matrix frozen_contraction(const GranularDecomposition<2>& parts, const std::vector<ContactStatus>& statuses,
                           const std::optional<InterfaceOperator>& enriched, double relaxation) {
   const OneBlasThread serial_blas;
   Matrix system = Matrix::Zero(parts.interface_size(), parts.interface_size());

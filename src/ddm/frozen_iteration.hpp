@@ -19,7 +19,7 @@ class FrozenIteration {
  public:
   /// `parts`: the decomposition of the step (its velocities and impulses are not used); `statuses`: of the
   /// contacts of the step problem; `sweeps`: n_GS; `enriched`: X_eta, empty for the generic algorithm.
-  FrozenIteration(GranularDecomposition parts, std::vector<ContactStatus> statuses, Index sweeps,
+  FrozenIteration(GranularDecomposition<2> parts, std::vector<ContactStatus> statuses, Index sweeps,
                   std::optional<InterfaceOperator> enriched, double relaxation = 1);
   Index rows() const { return root_.size(); }
   /// So many iterations. The image is projected once: that costs as much as dozens of sweeps.
@@ -27,10 +27,10 @@ class FrozenIteration {
   Vector project(const Vector& y) const { return range_->apply(y); }
 
  private:
-  void iterate(GranularDecomposition& work) const;
+  void iterate(GranularDecomposition<2>& work) const;
 
-  GranularDecomposition parts_;
-  GranularDecomposition resting_;  // the same at rest and without contacts: what an application changes
+  GranularDecomposition<2> parts_;
+  GranularDecomposition<2> resting_;  // the same at rest and without contacts: what an application changes
   std::vector<ContactStatus> statuses_;
   Index sweeps_;
   std::optional<InterfaceOperator> enriched_;
@@ -43,7 +43,7 @@ class FrozenIteration {
 ///     B = I - omega P^-1 sum_E A_E (I - Pi_E) M_E^-1 A_E^T,   Pi_E = M_E^-1 G_E (N_E^T M_E^-1 G_E)^+ N_E^T
 /// (docs/theory.md, section 9): G the directions of the impulses, N those in which
 /// contacts keep v = 0. If nothing slides, P B is symmetric.
-Matrix frozen_contraction(const GranularDecomposition& parts, const std::vector<ContactStatus>& statuses,
+Matrix frozen_contraction(const GranularDecomposition<2>& parts, const std::vector<ContactStatus>& statuses,
                           const std::optional<InterfaceOperator>& enriched, double relaxation = 1);
 
 /// The rate of a frozen map: its radius without unit eigenvalues, which are impulses that the networks carry

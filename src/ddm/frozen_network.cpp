@@ -5,21 +5,21 @@
 
 namespace nscdd {
 
-FrozenNetwork frozen_network(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses) {
+FrozenNetwork frozen_network(const GranularSubdomain<2>& subdomain, const std::vector<ContactStatus>& statuses) {
   FrozenNetwork network;
   std::vector<double> root;
-  for (const DiskVelocity& v : subdomain.velocities) {
+  for (const GrainVelocity<2>& v : subdomain.velocities) {
     network.rows.push_back({v.inverse_mass > 0 ? count(root) : -1});
     if (v.inverse_mass == 0) continue;
     const double of_body = std::sqrt(1 / v.inverse_mass);
-    root.insert(root.end(), {of_body, of_body, of_body / std::sqrt(rim_mass_ratio)});
+    root.insert(root.end(), {of_body, of_body, of_body / std::sqrt(rim_mass_ratio<2>)});
   }
   network.root = Vector::Map(root.data(), count(root));
   const Index size = network.root.size();
   ConnectivityBuilder<2> impulses(size, 2 * statuses.size()), resting(size, 2 * statuses.size());
   for (std::size_t k = 0; k < statuses.size(); ++k) {
     if (statuses[k] == ContactStatus::open) continue;
-    const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
+    const GrainContact<2> c = subdomain.contacts.contact(k, subdomain.velocities);
     const auto put = [&](LocalVector<2> impulse, LocalVector<2> rest) {
       impulses.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], impulse);
       resting.add(c.normal, network.rows[at(c.a)], network.rows[at(c.b)], rest);

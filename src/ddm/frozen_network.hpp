@@ -16,6 +16,6 @@ struct FrozenNetwork {
 };
 
 /// `statuses`: of the contacts of the subdomain, in their order.
-FrozenNetwork frozen_network(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses);
+FrozenNetwork frozen_network(const GranularSubdomain<2>& subdomain, const std::vector<ContactStatus>& statuses);
 
 }  // namespace nscdd

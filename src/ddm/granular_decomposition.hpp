@@ -9,19 +9,21 @@ namespace nscdd {
 
 /// One subdomain E of a step: its contacts in the order in which a sweep visits them, and the bodies that
 /// they touch. A shared grain has its share of mass.
+template <int D>
 struct GranularSubdomain {
   std::vector<Index> bodies;   ///< numbers in the step problem, in the order the sweep meets them
   std::vector<Index> numbers;  ///< of the contacts in the step problem
-  ContactRows contacts;
-  std::vector<DiskVelocity> velocities;
+  ContactRows<D> contacts;
+  std::vector<GrainVelocity<D>> velocities;
 };
 
 /// A step cut in the FETI way: contacts are distributed, and shared free grains are split and glued by a
 /// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
+template <int D>
 struct GranularDecomposition {
   Index contacts = 0;  ///< of the step, all subdomains together
-  std::vector<GranularSubdomain> subdomains;
-  Interface interface;            ///< 3 unknowns per grain: x, y, rim
+  std::vector<GranularSubdomain<D>> subdomains;
+  Interface interface;            ///< those of a grain, see GrainUnknowns
   std::vector<double> copy_mass;  ///< kg, for each row of the gluing that of either copy, the share of its grain
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
@@ -30,41 +32,50 @@ struct GranularDecomposition {
 /// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
 /// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, all of them for
 /// `interleaved`.
-std::vector<Index> contact_order(Choice<ContactOrder> order, std::span<const DiskContact> contacts,
-                                 std::span<const DiskVelocity> bodies, std::uint64_t seed,
-                                 std::span<const std::array<double, 2>> points);
+template <int D>
+std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
+                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
+                                 std::span<const std::array<double, 3>> points);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
 /// them. `order`, `seed`: see contact_order. Where several processes share the step, each has its own subdomains and
 /// the gluing of all, and the subdomains of others are empty; they are dealt out by their contacts. Throws Error if the
 /// partition does not fit, and for more processes than subdomains.
-GranularDecomposition decompose(const StepProblem& problem, const Partition& partition, Choice<ContactOrder> order,
-                                std::uint64_t seed, const Processes& processes = {});
+template <int D>
+GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
+                                   Choice<ContactOrder> order, std::uint64_t seed, const Processes& processes = {});
 
 /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
 /// part.
-Vector interface_jumps(const GranularDecomposition& parts);
+template <int D>
+Vector interface_jumps(const GranularDecomposition<D>& parts);
 /// The same of all grains; all processes take part.
-Vector all_interface_jumps(const GranularDecomposition& parts);
+template <int D>
+Vector all_interface_jumps(const GranularDecomposition<D>& parts);
 
 /// Velocities x, y and rim of the free bodies of one subdomain after the other, m/s.
-Vector free_velocities(const GranularDecomposition& parts);
+template <int D>
+Vector free_velocities(const GranularDecomposition<D>& parts);
 
 /// Sum over the copies of shared grains in a subdomain of |V|^2, rim speed included.
-double glued_speed_squared(const GranularDecomposition& parts, Index subdomain);
+template <int D>
+double glued_speed_squared(const GranularDecomposition<D>& parts, Index subdomain);
 
 /// X_inf^-1 g, see Interface::solve_generic; the rims have their own inertia.
-Vector generic_interface_solve(const GranularDecomposition& parts, const Vector& g);
+template <int D>
+Vector generic_interface_solve(const GranularDecomposition<D>& parts, const Vector& g);
 
 /// V_E <- V_E - M_E^-1 A_E^T change, for a change of F_Gamma.
-void apply_interface_impulses(GranularDecomposition& parts, const Vector& change);
+template <int D>
+void apply_interface_impulses(GranularDecomposition<D>& parts, const Vector& change);
 
-/// M and H of a step for the linear analysis. A disk has three rows (x, y, rim; inertia m, m, m/2), empty
-/// ones in H if it is driven. Columns 2 c and 2 c + 1 are the normal and the tangential direction of contact
+/// M and H of a step for the linear analysis. A grain has the rows of its unknowns (a disk x, y, rim with inertia m, m,
+/// m/2), empty ones in H if it is driven. Columns D c, ... are the normal and the tangential directions of contact
 /// c. The arriving velocity is V_free. The bodies of walls, which come after the disks, are left out.
-ReferenceProblem reference_problem(const StepProblem& problem, Index disks);
+template <int D>
+ReferenceProblem reference_problem(const StepProblem<D>& problem, Index disks);
 
-/// The partition of the columns of reference_problem.
-Partition partition_of_columns(const Partition& of_contacts);
+/// The partition of the columns of reference_problem, of which a contact has as many as there are dimensions.
+Partition partition_of_columns(const Partition& of_contacts, Index dimension);
 
 }  // namespace nscdd

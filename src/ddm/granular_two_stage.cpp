@@ -11,12 +11,13 @@ namespace {
 constexpr double rounding_of_impulses = 1e-24;  // squared, relative
 
 // Sum over the free bodies of a subdomain of |M V|^2, rims included.
-double momentum_squared_of(const GranularSubdomain& subdomain) {
+template <int D>
+double momentum_squared_of(const GranularSubdomain<D>& subdomain) {
+  constexpr double rim = rim_mass_ratio<D>;
   double sum = 0;
-  for (const DiskVelocity& v : subdomain.velocities) {
+  for (const GrainVelocity<D>& v : subdomain.velocities) {
     if (v.inverse_mass == 0) continue;
-    const double rim = v.rim / rim_mass_ratio;
-    sum += (v.x * v.x + v.y * v.y + rim * rim) / (v.inverse_mass * v.inverse_mass);
+    sum += (squared_velocity(v) + squared_rim(v) / (rim * rim)) / (v.inverse_mass * v.inverse_mass);
   }
   return sum;
 }
@@ -28,8 +29,9 @@ double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt
 
 }  // namespace
 
-GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw& law, const StepSolver& solver,
-                                   std::optional<InterfaceOperator> enriched)
+template <int D>
+GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
+                                      std::optional<InterfaceOperator> enriched)
     : parts_(std::move(parts)),
       law_(law),
       solver_(solver),
@@ -40,10 +42,11 @@ GranularTwoStage::GranularTwoStage(GranularDecomposition parts, const ContactLaw
 }
 
 // n_GS sweeps; the change is that of all of them together.
-SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
+template <int D>
+SweepSums GranularTwoStage<D>::sweeps(GranularSubdomain<D>& subdomain) const {
   if (subdomain.contacts.size() == 0) return {};  // another process has them
   const bool compare = solver_.gauss_seidel_sweeps > 1;
-  std::vector<LocalVector<2>> before;
+  std::vector<LocalVector<D>> before;
   if (compare) before = subdomain.contacts.impulses;
   SweepSums sums;
   for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
@@ -51,85 +54,104 @@ SweepSums GranularTwoStage::sweeps(GranularSubdomain& subdomain) const {
   if (!compare) return sums;
   const auto& now = subdomain.contacts.impulses;
   sums.change = std::inner_product(now.begin(), now.end(), before.begin(), 0.0, std::plus<>{},
-                                   [](LocalVector<2> r, LocalVector<2> old) { return squared(r - old); });
+                                   [](LocalVector<D> r, LocalVector<D> old) { return squared(r - old); });
   return sums;
 }
 
-void GranularTwoStage::switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains) {
+template <int D>
+void GranularTwoStage<D>::switch_models(const std::vector<RememberedModel>& before, double scale,
+                                        const Grains& grains) {
   if (!before.empty() && before.size() != parts_.subdomains.size())
     throw Error("models: expected one per subdomain of this step, met another number");
-  for (Index e = 0; e < count(parts_.subdomains); ++e) {
-    SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
-    if (solver_.model == SwitchedModel::homogenised)
-      for (const Index i : parts_.subdomains[at(e)].bodies) {
-        const bool grain = i < count(grains.radius);  // otherwise the body of a wall
-        rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0}, grain ? grains.radius[at(i)] : 0.0,
-                                parts_.interface.multiplicity(i) > 1});
-      }
-    switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
+  if constexpr (D == 3) {
+    throw Error("solver.switch: expected disks in the plane, met spheres in space");
+  } else {
+    for (Index e = 0; e < count(parts_.subdomains); ++e) {
+      SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
+      if (solver_.model == SwitchedModel::homogenised)
+        for (const Index i : parts_.subdomains[at(e)].bodies) {
+          const bool grain = i < count(grains.radius);  // otherwise the body of a wall
+          rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0},
+                                  grain ? grains.radius[at(i)] : 0.0, parts_.interface.multiplicity(i) > 1});
+        }
+      switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
+    }
   }
 }
 
-std::vector<SweepSums> GranularTwoStage::stage_one() {
+template <int D>
+std::vector<SweepSums> GranularTwoStage<D>::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
-  const auto discrete = [&](GranularSubdomain& subdomain) { return sweeps(subdomain); };
+  [[maybe_unused]] const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
-    GranularSubdomain& subdomain = parts_.subdomains[at(e)];
-    sums[at(e)] = switches_.empty()
-                      ? sweeps(subdomain)
-                      : switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
+    GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
+    if constexpr (D == 2)
+      if (!switches_.empty()) {
+        sums[at(e)] = switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
+        return;
+      }
+    sums[at(e)] = sweeps(subdomain);
   });
   sweeps_ += solver_.gauss_seidel_sweeps;
   return sums;
 }
 
-Index GranularTwoStage::contact_updates() const {
+template <int D>
+Index GranularTwoStage<D>::contact_updates() const {
   Index contacts = 0;
-  for (const GranularSubdomain& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains) contacts += subdomain.contacts.size();
   return sweeps_ * contacts;
 }
 
-Vector GranularTwoStage::summed(Eigen::MatrixXd parts) const {
+template <int D>
+Vector GranularTwoStage<D>::summed(Eigen::MatrixXd parts) const {
   parts_.interface.processes().add_up({parts.data(), at(parts.size())});
   Vector sum = Vector::Zero(parts.rows());
   for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
   return sum;
 }
 
-double GranularTwoStage::dot(const Vector& f, const Vector& g) const {
+template <int D>
+double GranularTwoStage<D>::dot(const Vector& f, const Vector& g) const {
   Eigen::MatrixXd parts(1, count(parts_.subdomains));
   for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = parts_.interface.part_of_dot(e, f, g);
   return summed(std::move(parts))[0];
 }
 
-double GranularTwoStage::glued_speed_squared() const {
+template <int D>
+double GranularTwoStage<D>::glued_speed_squared() const {
   Eigen::MatrixXd parts(1, count(parts_.subdomains));
   for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = nscdd::glued_speed_squared(parts_, e);
   return summed(std::move(parts))[0];
 }
 
-double GranularTwoStage::momentum_squared() const {
+template <int D>
+double GranularTwoStage<D>::momentum_squared() const {
   Eigen::MatrixXd parts(1, count(parts_.subdomains));
   for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = momentum_squared_of(parts_.subdomains[at(e)]);
   return summed(std::move(parts))[0];
 }
 
-bool GranularTwoStage::enriched_now() const {
+template <int D>
+bool GranularTwoStage<D>::enriched_now() const {
   return enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
 }
 
-Vector GranularTwoStage::preconditioned(const Vector& g) const {
+template <int D>
+Vector GranularTwoStage<D>::preconditioned(const Vector& g) const {
   return enriched_now() ? enriched_->solve(g) : generic_interface_solve(parts_, g);
 }
 
-void GranularTwoStage::correct(const Vector& change) {
+template <int D>
+void GranularTwoStage<D>::correct(const Vector& change) {
   interface_impulses_ += change;
   apply_interface_impulses(parts_, change);
 }
 
 // One step of preconditioned conjugate gradients (Polak-Ribiere) on jumps = g_0 - S F. A trial Stage 1 at F +
 // d shows the curvature d.S d. The direction is reset if it is not conjugate.
-Vector GranularTwoStage::conjugate_step(const Vector& g, std::vector<SweepSums>& sums) {
+template <int D>
+Vector GranularTwoStage<D>::conjugate_step(const Vector& g, std::vector<SweepSums>& sums) {
   const Vector z = preconditioned(g);
   double beta = 0;
   if (direction_.size() == g.size()) {
@@ -152,7 +174,8 @@ Vector GranularTwoStage::conjugate_step(const Vector& g, std::vector<SweepSums>&
   return length * d;
 }
 
-void GranularTwoStage::iterate() {
+template <int D>
+void GranularTwoStage<D>::iterate() {
   ++iteration_;
   std::vector<SweepSums> sums = stage_one();
   const Interface& interface = parts_.interface;
@@ -188,7 +211,8 @@ void GranularTwoStage::iterate() {
   last_parts_ = std::move(parts);
 }
 
-IterationRecord GranularTwoStage::record() const {
+template <int D>
+IterationRecord GranularTwoStage<D>::record() const {
   const Vector sum = summed(last_parts_);
   // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
   return {.iteration = iteration_,
@@ -200,7 +224,8 @@ IterationRecord GranularTwoStage::record() const {
           .impulses = sum[impulses]};
 }
 
-ContactResidual GranularTwoStage::residual() const {
+template <int D>
+ContactResidual GranularTwoStage<D>::residual() const {
   std::vector<ContactResidual> parts(parts_.subdomains.size());
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
@@ -223,13 +248,19 @@ ContactResidual GranularTwoStage::residual() const {
           .slide = static_cast<Index>(sum[8])};
 }
 
-std::vector<RememberedModel> GranularTwoStage::models() const {
+template <int D>
+std::vector<RememberedModel> GranularTwoStage<D>::models() const {
   std::vector<RememberedModel> result(switches_.size());
-  const auto discrete = [&](GranularSubdomain& subdomain) { return sweeps(subdomain); };
-  for (Index e = 0; e < count(switches_); ++e)
-    result[at(e)] =
-        switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
+  if constexpr (D == 2) {
+    const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
+    for (Index e = 0; e < count(switches_); ++e)
+      result[at(e)] =
+          switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
+  }
   return result;
 }
+
+template class GranularTwoStage<2>;
+template class GranularTwoStage<3>;
 
 }  // namespace nscdd

@@ -26,32 +26,33 @@ struct IterationRecord {
 /// bit depends on the number of processes; in the enriched one all do, and the factor that they share rounds otherwise.
 /// With conjugate gradients an iteration has a second, trial Stage 1: `sweeps` counts both, zeta is the change in the
 /// second alone.
+template <int D>
 class GranularTwoStage {
  public:
   /// `enriched`: X_eta of the same gluing (decompose(reference_problem(...), partition_of_columns(...))), or
   /// nothing for the generic algorithm. Velocities must be those of the impulses: see `start`. Throws Error
   /// if the operator was made for another gluing.
-  GranularTwoStage(GranularDecomposition parts, const ContactLaw& law, const StepSolver& solver,
+  GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
                    std::optional<InterfaceOperator> enriched);
 
   /// Sets V_E = M_E^-1 (F^d_E + H_E r_E - A_E^T F) for the impulses of the contacts and the gluing impulses
   /// of the step before. A grain that other subdomains share now starts from zero.
   void start(const std::vector<RememberedGluing>& gluing);
 
-  /// What the algorithm goes on from, z = (r, F_Gamma): 2c impulses (n, t) in the numbers of the step problem, then
-  /// n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew. Of one process
+  /// What the algorithm goes on from, z = (r, F_Gamma): D impulses of each contact in the numbers of the step problem,
+  /// then n_Gamma numbers. The velocities follow from it as in `start`. Conjugate gradients begin anew. Of one process
   /// alone.
   Vector state() const;
   void restart(const Vector& z);
 
-  /// Where grains are, m, and how large.
+  /// Where disks are, m, and how large.
   struct Grains {
     std::vector<std::array<double, 2>> centre;
     std::span<const double> radius;
   };
   /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
   /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg. `grains` are of
-  /// use to homogenised subdomains alone.
+  /// use to homogenised subdomains alone. In the plane.
   void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
 
   void iterate();
@@ -72,18 +73,18 @@ class GranularTwoStage {
   /// Contacts with their impulses and velocities of the bodies, in the numbers of the step problem. The velocity of a
   /// shared grain is the mean of its copies.
   struct Solution {
-    std::vector<DiskContact> contacts;
-    std::vector<DiskVelocity> velocities;
+    std::vector<GrainContact<D>> contacts;
+    std::vector<GrainVelocity<D>> velocities;
   };
   /// Brings what all subdomains have found together, in every process that shares them. Gluing and interface impulses,
   /// too, are those of all from then on, until the next iteration.
-  Solution gather(const StepProblem& problem);
+  Solution gather(const StepProblem<D>& problem);
 
   std::vector<RememberedGluing> gluing() const;
   std::vector<RememberedModel> models() const;  ///< one per subdomain; empty unless models are switched
 
   const Vector& interface_impulses() const { return interface_impulses_; }  ///< F_Gamma, n_Gamma
-  const GranularDecomposition& parts() const { return parts_; }
+  const GranularDecomposition<D>& parts() const { return parts_; }
 
  private:
   // What a record sums over the subdomains, squares all of them.
@@ -103,14 +104,14 @@ class GranularTwoStage {
   double glued_speed_squared() const;
   double momentum_squared() const;
   void gather_interface_impulses();
-  SweepSums sweeps(GranularSubdomain& subdomain) const;
+  SweepSums sweeps(GranularSubdomain<D>& subdomain) const;
   std::vector<SweepSums> stage_one();
   bool enriched_now() const;
   Vector preconditioned(const Vector& jumps) const;
   void correct(const Vector& change);
   Vector conjugate_step(const Vector& jumps, std::vector<SweepSums>& sums);
 
-  GranularDecomposition parts_;
+  GranularDecomposition<D> parts_;
   ContactLaw law_;
   StepSolver solver_;
   std::optional<InterfaceOperator> enriched_;

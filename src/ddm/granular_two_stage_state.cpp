@@ -1,79 +1,99 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the iterations of a step begin with, and what they leave: impulses, velocities and gluing of all subdomains.
 #include "ddm/granular_two_stage.hpp"
+#include "mechanics/contact_solvers/contact_blocks.hpp"
 
 namespace nscdd {
 namespace {
 
 // A subdomain as processes send it: its number, how many contacts and bodies it has, the number and the impulse of each
 // contact, the number and the velocity of each body.
-constexpr Index header = 3, numbers_per_contact = 3, numbers_per_body = 4;
+constexpr Index header = 3;
+template <int D>
+constexpr Index numbers_per_contact = 1 + D;
+template <int D>
+constexpr Index numbers_per_body = 1 + unknowns_of_grain<D>;
 constexpr auto other_steps =
     "processes: expected the same step in all of them, met others: their processors may differ";
 
-void pack(Index number, const GranularSubdomain& subdomain, std::vector<double>& numbers) {
+template <int D>
+void pack(Index number, const GranularSubdomain<D>& subdomain, std::vector<double>& numbers) {
   const auto whole = [](auto n) { return static_cast<double>(n); };
   numbers.insert(numbers.end(), {whole(number), whole(subdomain.numbers.size()), whole(subdomain.bodies.size())});
   for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-    const LocalVector<2> r = subdomain.contacts.impulses[k];
-    numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t});
+    const LocalVector<D> r = subdomain.contacts.impulses[k];
+    if constexpr (D == 2)
+      numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t});
+    else
+      numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t.first, r.t.second});
   }
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
-    const DiskVelocity& v = subdomain.velocities[i];
-    numbers.insert(numbers.end(), {whole(subdomain.bodies[i]), v.x, v.y, v.rim});
+    const GrainUnknowns<D> v = unknowns(subdomain.velocities[i]);
+    numbers.push_back(whole(subdomain.bodies[i]));
+    numbers.insert(numbers.end(), v.begin(), v.end());
   }
 }
 
+template <int D>
 Index packed_size(const double* packed) {
-  return header + numbers_per_contact * static_cast<Index>(packed[1]) +
-         numbers_per_body * static_cast<Index>(packed[2]);
+  return header + numbers_per_contact<D> * static_cast<Index>(packed[1]) +
+         numbers_per_body<D> * static_cast<Index>(packed[2]);
 }
 
 // Impulses and velocities alone, without rows and masses.
-GranularSubdomain unpacked(const double* packed) {
+template <int D>
+GranularSubdomain<D> unpacked(const double* packed) {
   const auto contacts = static_cast<Index>(packed[1]), bodies = static_cast<Index>(packed[2]);
-  GranularSubdomain subdomain;
+  GranularSubdomain<D> subdomain;
   const double* next = packed + header;
-  for (Index k = 0; k < contacts; ++k, next += numbers_per_contact) {
+  for (Index k = 0; k < contacts; ++k, next += numbers_per_contact<D>) {
     subdomain.numbers.push_back(static_cast<Index>(next[0]));
-    subdomain.contacts.impulses.push_back({next[1], next[2]});
+    if constexpr (D == 2)
+      subdomain.contacts.impulses.push_back({next[1], next[2]});
+    else
+      subdomain.contacts.impulses.push_back({next[1], {next[2], next[3]}});
   }
-  for (Index i = 0; i < bodies; ++i, next += numbers_per_body) {
+  for (Index i = 0; i < bodies; ++i, next += numbers_per_body<D>) {
     subdomain.bodies.push_back(static_cast<Index>(next[0]));
-    subdomain.velocities.push_back({next[1], next[2], next[3], 0});
+    GrainUnknowns<D> v;
+    std::copy_n(next + 1, v.size(), v.begin());
+    subdomain.velocities.push_back(with_unknowns(v, 0));
   }
   return subdomain;
 }
 
 // Adds what a subdomain has found to the solution of the step.
-void take_in(const GranularSubdomain& subdomain, const StepProblem& problem, const Interface& interface,
-             GranularTwoStage::Solution& solution) {
+template <int D>
+void take_in(const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, const Interface& interface,
+             typename GranularTwoStage<D>::Solution& solution) {
   for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
     solution.contacts[at(subdomain.numbers[k])].impulse = subdomain.contacts.impulses[k];
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
     const Index g = subdomain.bodies[i];
-    const DiskVelocity &start = problem.free[at(g)], &found = subdomain.velocities[i];
-    DiskVelocity& v = solution.velocities[at(g)];
-    if (start.inverse_mass == 0) continue;
+    const double inverse_mass = problem.free[at(g)].inverse_mass;
+    if (inverse_mass == 0) continue;
+    const GrainUnknowns<D> start = unknowns(problem.free[at(g)]), found = unknowns(subdomain.velocities[i]);
+    GrainUnknowns<D> v = unknowns(solution.velocities[at(g)]);
     if (const Index q = interface.multiplicity(g); q == 1) {
-      v = {found.x, found.y, found.rim, start.inverse_mass};
+      v = found;
     } else {  // V_free + mean of what the copies gained
       const double part = 1 / static_cast<double>(q);
-      v.x += part * (found.x - start.x);
-      v.y += part * (found.y - start.y);
-      v.rim += part * (found.rim - start.rim);
+      for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (found[k] - start[k]);
     }
+    solution.velocities[at(g)] = with_unknowns(v, inverse_mass);
   }
 }
 
 }  // namespace
 
-void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
-  for (GranularSubdomain& subdomain : parts_.subdomains)
+template <int D>
+void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
+  for (GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      if (const LocalVector<2> r = subdomain.contacts.impulses[k]; r.n != 0 || r.t != 0)
+      if (const LocalVector<D> r = subdomain.contacts.impulses[k]; squared(r) != 0)
         apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
+  constexpr Index size = unknowns_of_grain<D>;
   // Along the chain of a grain, F of a row is that of the row before plus the impulse on the copy between.
   Vector f = Vector::Zero(parts_.interface_size());
   auto old = gluing.begin();
@@ -89,37 +109,41 @@ void GranularTwoStage::start(const std::vector<RememberedGluing>& gluing) {
     for (const Index first = row; row < last; ++row) {
       if (!shared_alike) continue;
       const RememberedGluing& one = old[row - first];
-      f.segment<3>(3 * row) << one.x, one.y, one.rim;
-      if (row > first) f.segment<3>(3 * row) += f.segment<3>(3 * (row - 1));
+      for (Index k = 0; k < size; ++k) {
+        f[size * row + k] = one.impulse[at(k)];
+        if (row > first) f[size * row + k] += f[size * (row - 1) + k];
+      }
     }
   }
   correct(f);
 }
 
-Vector GranularTwoStage::state() const {
-  Vector z(2 * parts_.contacts + parts_.interface_size());
-  for (const GranularSubdomain& subdomain : parts_.subdomains)
+template <int D>
+Vector GranularTwoStage<D>::state() const {
+  Vector z(D * parts_.contacts + parts_.interface_size());
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      z.segment<2>(2 * subdomain.numbers[k]) << subdomain.contacts.impulses[k].n, subdomain.contacts.impulses[k].t;
+      set_component<D>(z, subdomain.numbers[k], subdomain.contacts.impulses[k]);
   z.tail(parts_.interface_size()) = interface_impulses_;
   return z;
 }
 
-void GranularTwoStage::restart(const Vector& z) {
-  for (GranularSubdomain& subdomain : parts_.subdomains)
+template <int D>
+void GranularTwoStage<D>::restart(const Vector& z) {
+  for (GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
-      LocalVector<2>& r = subdomain.contacts.impulses[k];
-      const Index first = 2 * subdomain.numbers[k];
-      const LocalVector<2> before = std::exchange(r, {z[first], z[first + 1]});
+      LocalVector<D>& r = subdomain.contacts.impulses[k];
+      const LocalVector<D> before = std::exchange(r, component<D>(z, subdomain.numbers[k]));
       apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r - before, subdomain.velocities);
     }
   correct(z.tail(parts_.interface_size()) - interface_impulses_);
   direction_.resize(0);
 }
 
-std::vector<ContactStatus> GranularTwoStage::statuses() const {
+template <int D>
+std::vector<ContactStatus> GranularTwoStage<D>::statuses() const {
   std::vector<double> numbers(at(parts_.contacts), 0);
-  for (const GranularSubdomain& subdomain : parts_.subdomains)
+  for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
       numbers[at(subdomain.numbers[k])] =
           static_cast<double>(status_of(law_, subdomain.contacts.contact(k, subdomain.velocities)));
@@ -130,13 +154,15 @@ std::vector<ContactStatus> GranularTwoStage::statuses() const {
 }
 
 // Each process has the rows whose first copy is its own.
-void GranularTwoStage::gather_interface_impulses() {
+template <int D>
+void GranularTwoStage<D>::gather_interface_impulses() {
   const Interface& interface = parts_.interface;
   const Processes& all = interface.processes();
+  constexpr Index size = unknowns_of_grain<D>;
   const auto visit = [&](Index process, const auto& each) {
     for (Index row = 0; row < count(interface.gluing()); ++row)
       if (interface.process_of(interface.gluing()[at(row)].first.subdomain) == process)
-        for (Index k = 0; k < 3; ++k) each(interface_impulses_[3 * row + k]);
+        for (Index k = 0; k < size; ++k) each(interface_impulses_[size * row + k]);
   };
   std::vector<double> own;
   visit(all.rank, [&](double& number) { own.push_back(number); });
@@ -146,7 +172,8 @@ void GranularTwoStage::gather_interface_impulses() {
   for (Index process = 0; process < all.size; ++process) visit(process, [&](double& number) { number = *next++; });
 }
 
-GranularTwoStage::Solution GranularTwoStage::gather(const StepProblem& problem) {
+template <int D>
+typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepProblem<D>& problem) {
   const Interface& interface = parts_.interface;
   const Processes& all = interface.processes();
   std::vector<double> sent, received;
@@ -154,9 +181,9 @@ GranularTwoStage::Solution GranularTwoStage::gather(const StepProblem& problem) 
   if (!all.alone()) {
     gather_interface_impulses();
     for (Index e = 0; e < count(parts_.subdomains); ++e)
-      if (interface.process_of(e) == all.rank) pack(e, parts_.subdomains[at(e)], sent);
+      if (interface.process_of(e) == all.rank) pack<D>(e, parts_.subdomains[at(e)], sent);
     received = all.gather(sent);
-    for (const double *next = received.data(), *end = next + received.size(); next != end; next += packed_size(next))
+    for (const double *next = received.data(), *end = next + received.size(); next != end; next += packed_size<D>(next))
       place[at(static_cast<Index>(next[0]))] = next;
     for (Index e = 0; e < count(place); ++e)
       if (place[at(e)] == nullptr) throw Error(other_steps);
@@ -164,28 +191,45 @@ GranularTwoStage::Solution GranularTwoStage::gather(const StepProblem& problem) 
   Solution result{problem.contacts, problem.free};
   for (Index e = 0; e < count(parts_.subdomains); ++e) {  // means of copies add up in this order, whoever has them
     if (all.alone() || interface.process_of(e) == all.rank)
-      take_in(parts_.subdomains[at(e)], problem, interface, result);
+      take_in<D>(parts_.subdomains[at(e)], problem, interface, result);
     else
-      take_in(unpacked(place[at(e)]), problem, interface, result);
+      take_in<D>(unpacked<D>(place[at(e)]), problem, interface, result);
   }
   return result;
 }
 
-std::vector<RememberedGluing> GranularTwoStage::gluing() const {
+template <int D>
+std::vector<RememberedGluing> GranularTwoStage<D>::gluing() const {
+  constexpr Index size = unknowns_of_grain<D>;
   std::vector<RememberedGluing> result;
   const auto& rows = parts_.interface.gluing();
   for (Index row = 0; row < count(rows);) {  // A_E^T F: along a chain, F of the row after a copy less that before it
     const Index grain = rows[at(row)].grain, first = row, last = row + parts_.interface.multiplicity(grain) - 1;
     for (const GrainCopy& copy : parts_.interface.copies(grain)) {
-      Eigen::Vector3d f = Eigen::Vector3d::Zero();
-      if (row > first) f -= interface_impulses_.segment<3>(3 * (row - 1));
-      if (row < last) f += interface_impulses_.segment<3>(3 * row);
-      result.push_back({grain, copy.subdomain, f[0], f[1], f[2]});
+      RememberedGluing one{grain, copy.subdomain};
+      for (Index k = 0; k < size; ++k) {
+        if (row > first) one.impulse[at(k)] -= interface_impulses_[size * (row - 1) + k];
+        if (row < last) one.impulse[at(k)] += interface_impulses_[size * row + k];
+      }
+      result.push_back(one);
       ++row;
     }
     row = last;
   }
   return result;
 }
+
+template void GranularTwoStage<2>::start(const std::vector<RememberedGluing>&);
+template Vector GranularTwoStage<2>::state() const;
+template void GranularTwoStage<2>::restart(const Vector&);
+template std::vector<ContactStatus> GranularTwoStage<2>::statuses() const;
+template GranularTwoStage<2>::Solution GranularTwoStage<2>::gather(const StepProblem<2>&);
+template std::vector<RememberedGluing> GranularTwoStage<2>::gluing() const;
+template void GranularTwoStage<3>::start(const std::vector<RememberedGluing>&);
+template Vector GranularTwoStage<3>::state() const;
+template void GranularTwoStage<3>::restart(const Vector&);
+template std::vector<ContactStatus> GranularTwoStage<3>::statuses() const;
+template GranularTwoStage<3>::Solution GranularTwoStage<3>::gather(const StepProblem<3>&);
+template std::vector<RememberedGluing> GranularTwoStage<3>::gluing() const;
 
 }  // namespace nscdd

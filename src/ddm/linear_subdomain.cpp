@@ -3,7 +3,7 @@
 
 namespace nscdd {
 
-LinearSubdomain::LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law,
+LinearSubdomain::LinearSubdomain(const GranularSubdomain<2>& subdomain, const ContactLaw& law,
                                  std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
     : law_(law),
       statuses_(std::move(statuses)),
@@ -27,12 +27,12 @@ void LinearSubdomain::factorise() {
 }
 
 // v + bias in the directions that rest.
-Vector LinearSubdomain::strain(const std::vector<DiskVelocity>& velocities) const {
+Vector LinearSubdomain::strain(const std::vector<GrainVelocity<2>>& velocities) const {
   Vector result(network_.resting.cols());
   Index column = 0;
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
     if (statuses_[k] == ContactStatus::open) continue;
-    const DiskContact c = contacts_.contact(k, velocities);
+    const GrainContact<2> c = contacts_.contact(k, velocities);
     const LocalVector<2> v = relative_velocity(c, velocities) + c.bias;
     result[column++] = v.n;
     if (statuses_[k] == ContactStatus::stick) result[column++] = v.t;
@@ -41,7 +41,7 @@ Vector LinearSubdomain::strain(const std::vector<DiskVelocity>& velocities) cons
 }
 
 // What Stage 2 has done since.
-void LinearSubdomain::follow(const GranularSubdomain& subdomain) {
+void LinearSubdomain::follow(const GranularSubdomain<2>& subdomain) {
   for (std::size_t i = 0; i < base_.size(); ++i) {
     base_[i].x += subdomain.velocities[i].x - present_[i].x;
     base_[i].y += subdomain.velocities[i].y - present_[i].y;
@@ -56,7 +56,7 @@ Vector LinearSubdomain::solve(const Vector& b) const {
   return x + solver_->solve(b - matrix_ * x);
 }
 
-LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
+LinearAnswer LinearSubdomain::answer(const GranularSubdomain<2>& subdomain) {
   follow(subdomain);
   LinearAnswer result{contacts_.impulses, base_};
   Vector d;
@@ -71,7 +71,7 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
   Index column = 0;
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
     if (statuses_[k] == ContactStatus::open) continue;
-    const DiskContact c = contacts_.contact(k, base_);
+    const GrainContact<2> c = contacts_.contact(k, base_);
     LocalVector<2>& r = result.impulses[k];
     r.n += d[column++];
     // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
@@ -84,13 +84,13 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain& subdomain) {
 }
 
 bool LinearSubdomain::admits(const LinearAnswer& answer) const {
-  const auto impulse = [&](const DiskContact& c) {
+  const auto impulse = [&](const GrainContact<2>& c) {
     const LocalVector<2> stop = stopping_impulse(c, answer.velocities);
     return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, c.inverse_w, c.friction); },
                       law_);
   };
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
-    DiskContact c = contacts_.contact(k, answer.velocities);
+    GrainContact<2> c = contacts_.contact(k, answer.velocities);
     c.impulse = answer.impulses[k];
     c.impulse = impulse(c);
     if (status_of(law_, c) != statuses_[k]) return false;
@@ -98,7 +98,7 @@ bool LinearSubdomain::admits(const LinearAnswer& answer) const {
   return true;
 }
 
-void LinearSubdomain::move(std::vector<DiskVelocity>& velocities, const Vector& change) const {
+void LinearSubdomain::move(std::vector<GrainVelocity<2>>& velocities, const Vector& change) const {
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     const Index first = network_.rows[i].first;
     if (first < 0) continue;
@@ -108,17 +108,17 @@ void LinearSubdomain::move(std::vector<DiskVelocity>& velocities, const Vector& 
   }
 }
 
-void LinearSubdomain::release(GranularSubdomain& subdomain) {
+void LinearSubdomain::release(GranularSubdomain<2>& subdomain) {
   if (!fields_) return;
   follow(subdomain);
   subdomain.velocities = base_;
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
-    const DiskContact c = contacts_.contact(k, base_);
+    const GrainContact<2> c = contacts_.contact(k, base_);
     apply_impulse(c, subdomain.contacts.impulses[k] - c.impulse, subdomain.velocities);
   }
 }
 
-SweepSums LinearSubdomain::take(LinearAnswer answer, GranularSubdomain& subdomain) {
+SweepSums LinearSubdomain::take(LinearAnswer answer, GranularSubdomain<2>& subdomain) {
   SweepSums sums;
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
     sums.change += squared(answer.impulses[k] - subdomain.contacts.impulses[k]);

@@ -8,9 +8,9 @@ namespace nscdd {
 
 /// What a linear subdomain answers to the impulses of its interface.
 struct LinearAnswer {
-  std::vector<LocalVector<2>> impulses;  ///< of its contacts, N s
-  std::vector<DiskVelocity> velocities;  ///< of its bodies
-  bool admissible = false;               ///< whether the contact law gives every contact the status it was frozen at
+  std::vector<LocalVector<2>> impulses;      ///< of its contacts, N s
+  std::vector<GrainVelocity<2>> velocities;  ///< of its bodies
+  bool admissible = false;  ///< whether the contact law gives every contact the status it was frozen at
 };
 
 /// Stage 1 of a subdomain whose contacts keep their statuses: one solve with a factor that is kept. With the impulses
@@ -26,34 +26,34 @@ class LinearSubdomain {
   /// `statuses`: of the present impulses of the contacts. `flexibility`: alpha > 0, 1/kg. With `fields` it is
   /// homogenised: V - V_0 - M^-1 F' is a combination of some fields, which coarse_velocities gives for the network of
   /// the subdomain, and M (V - V_0) = G d + F' holds for their powers alone (Galerkin).
-  LinearSubdomain(const GranularSubdomain& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
+  LinearSubdomain(const GranularSubdomain<2>& subdomain, const ContactLaw& law, std::vector<ContactStatus> statuses,
                   double flexibility, const Fields& fields = {});
 
   bool regular() const { return !solver_ || regular_; }  ///< false: nothing else may be asked
 
   /// The answer at the present velocities of the subdomain, which are those last given or taken and what Stage 2 has
   /// done since.
-  LinearAnswer answer(const GranularSubdomain& subdomain);
+  LinearAnswer answer(const GranularSubdomain<2>& subdomain);
 
   /// Gives the subdomain the impulses and velocities of an answer. Returns their sums.
-  SweepSums take(LinearAnswer answer, GranularSubdomain& subdomain);
+  SweepSums take(LinearAnswer answer, GranularSubdomain<2>& subdomain);
 
   /// Gives the subdomain the velocities of its impulses, V_0 + M^-1 (H (r - r_0) + F'). Only homogenised ones differ.
-  void release(GranularSubdomain& subdomain);
+  void release(GranularSubdomain<2>& subdomain);
 
  private:
   void factorise();
   Vector solve(const Vector& b) const;
-  void follow(const GranularSubdomain& subdomain);
-  Vector strain(const std::vector<DiskVelocity>& velocities) const;
-  void move(std::vector<DiskVelocity>& velocities, const Vector& change) const;
+  void follow(const GranularSubdomain<2>& subdomain);
+  Vector strain(const std::vector<GrainVelocity<2>>& velocities) const;
+  void move(std::vector<GrainVelocity<2>>& velocities, const Vector& change) const;
   bool admits(const LinearAnswer& answer) const;
 
   ContactLaw law_;
   std::vector<ContactStatus> statuses_;
-  ContactRows contacts_;               // with r_0
-  std::vector<DiskVelocity> base_;     // V_0 + M^-1 F'
-  std::vector<DiskVelocity> present_;  // of the subdomain when it was left last
+  ContactRows<2> contacts_;                // with r_0
+  std::vector<GrainVelocity<2>> base_;     // V_0 + M^-1 F'
+  std::vector<GrainVelocity<2>> present_;  // of the subdomain when it was left last
   double flexibility_;
   FrozenNetwork network_;
   std::optional<SparseMatrix> fields_;  // M^1/2 times them

@@ -4,7 +4,7 @@
 namespace nscdd {
 namespace {
 
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain& subdomain) {
+std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain<2>& subdomain) {
   std::vector<ContactStatus> statuses;
   statuses.reserve(subdomain.contacts.size());
   for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
@@ -13,8 +13,8 @@ std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubd
 }
 
 // Keeps the larger distances between the velocities of a model and those of the law on the copies of shared grains.
-void compare(RememberedModel& record, const std::vector<DiskVelocity>& model, const std::vector<DiskVelocity>& law,
-             const Surroundings& around) {
+void compare(RememberedModel& record, const std::vector<GrainVelocity<2>>& model,
+             const std::vector<GrainVelocity<2>>& law, const Surroundings& around) {
   const Vector gluing = around.interface.distribute(around.subdomain, around.impulses);
   double gap = 0, impulse = 0, whole = 0;  // squared
   Index before = -1, copies = 0;
@@ -23,11 +23,11 @@ void compare(RememberedModel& record, const std::vector<DiskVelocity>& model, co
   std::ranges::sort(shared);
   for (const Index grain : shared) {
     if (grain == std::exchange(before, grain)) continue;
-    const DiskVelocity &a = model[at(grain)], &b = law[at(grain)];
+    const GrainVelocity<2>&a = model[at(grain)], &b = law[at(grain)];
     const double x = a.x - b.x, y = a.y - b.y, rim = a.rim - b.rim, mass = 1 / b.inverse_mass;
     gap += x * x + y * y + rim * rim;
     ++copies;
-    impulse += mass * mass * (x * x + y * y + rim * rim / (rim_mass_ratio * rim_mass_ratio));
+    impulse += mass * mass * (x * x + y * y + rim * rim / (rim_mass_ratio<2> * rim_mass_ratio<2>));
     whole += gluing.segment<3>(3 * grain).squaredNorm();
   }
   const auto keep_larger = [](double& kept, double part, double of) {
@@ -39,14 +39,14 @@ void compare(RememberedModel& record, const std::vector<DiskVelocity>& model, co
 
 }  // namespace
 
-ModelSwitch::ModelSwitch(const GranularDecomposition& parts, Index subdomain, const ContactLaw& law,
+ModelSwitch::ModelSwitch(const GranularDecomposition<2>& parts, Index subdomain, const ContactLaw& law,
                          const SwitchRules& rules, Index standing)
     : law_(law),
       rules_(rules),
       statuses_(statuses_of(law, parts.subdomains[at(subdomain)])),
       record_{.standing = standing} {}
 
-bool ModelSwitch::linear_now(const GranularSubdomain& subdomain) {
+bool ModelSwitch::linear_now(const GranularSubdomain<2>& subdomain) {
   if (linear_ || record_.standing < rules_.after) return linear_.has_value();
   if (rules_.bodies.empty())
     linear_.emplace(subdomain, law_, statuses_, rules_.flexibility);
@@ -60,13 +60,13 @@ bool ModelSwitch::linear_now(const GranularSubdomain& subdomain) {
   return false;
 }
 
-void ModelSwitch::watch(const GranularSubdomain& subdomain) {
+void ModelSwitch::watch(const GranularSubdomain<2>& subdomain) {
   std::vector<ContactStatus> now = statuses_of(law_, subdomain);
   record_.standing = now == statuses_ ? record_.standing + 1 : 0;
   statuses_ = std::move(now);
 }
 
-SweepSums ModelSwitch::stage_one(GranularSubdomain& subdomain, const Sweeps& sweeps, const Surroundings& around) {
+SweepSums ModelSwitch::stage_one(GranularSubdomain<2>& subdomain, const Sweeps& sweeps, const Surroundings& around) {
   if (!linear_now(subdomain)) {
     const SweepSums sums = sweeps(subdomain);
     watch(subdomain);
@@ -88,12 +88,12 @@ SweepSums ModelSwitch::stage_one(GranularSubdomain& subdomain, const Sweeps& swe
   return sums;
 }
 
-RememberedModel ModelSwitch::report(const GranularSubdomain& subdomain, const Sweeps& sweeps,
+RememberedModel ModelSwitch::report(const GranularSubdomain<2>& subdomain, const Sweeps& sweeps,
                                     const Surroundings& around) const {
   RememberedModel record = record_;
   record.switched = linear_.has_value();
   if (!linear_) return record;
-  GranularSubdomain copy = subdomain;
+  GranularSubdomain<2> copy = subdomain;
   LinearSubdomain(*linear_).release(copy);
   sweeps(copy);
   compare(record, subdomain.velocities, copy.velocities, around);

@@ -31,20 +31,20 @@ struct Surroundings {
 /// which that difference is worth there.
 class ModelSwitch {
  public:
-  using Sweeps = std::function<SweepSums(GranularSubdomain&)>;
+  using Sweeps = std::function<SweepSums(GranularSubdomain<2>&)>;
 
   /// `standing`: iterations for which the statuses of the present impulses have stood still already.
-  ModelSwitch(const GranularDecomposition& parts, Index subdomain, const ContactLaw& law, const SwitchRules& rules,
+  ModelSwitch(const GranularDecomposition<2>& parts, Index subdomain, const ContactLaw& law, const SwitchRules& rules,
               Index standing);
 
-  SweepSums stage_one(GranularSubdomain& subdomain, const Sweeps& sweeps, const Surroundings& around);
+  SweepSums stage_one(GranularSubdomain<2>& subdomain, const Sweeps& sweeps, const Surroundings& around);
 
   /// The step so far. If the subdomain is switched, the sweeps are tried on a copy of it.
-  RememberedModel report(const GranularSubdomain& subdomain, const Sweeps& sweeps, const Surroundings& around) const;
+  RememberedModel report(const GranularSubdomain<2>& subdomain, const Sweeps& sweeps, const Surroundings& around) const;
 
  private:
-  bool linear_now(const GranularSubdomain& subdomain);
-  void watch(const GranularSubdomain& subdomain);
+  bool linear_now(const GranularSubdomain<2>& subdomain);
+  void watch(const GranularSubdomain<2>& subdomain);
 
   ContactLaw law_;
   SwitchRules rules_;

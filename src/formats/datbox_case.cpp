@@ -99,7 +99,7 @@ Motion motion_of(const DatboxBody& body, double start) {
     courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
     for (const auto& point : courses[k].points) times.insert(point[0]);
   }
-  Motion motion{.centre = {body.position[0], body.position[1]}, .time = {}, .velocity = {}};
+  Motion motion{.centre = {body.position[0], body.position[1], 0}, .time = {}, .velocity = {}};
   for (const double t : times) {
     motion.time.push_back(t);
     motion.velocity.push_back({courses[0].at(t), courses[1].at(t), courses[2].at(t)});

@@ -32,7 +32,7 @@ const char* status_name(LocalVector<2> impulse, ContactStatus status) {
 // How far the point that a wall turns about lies behind it, m.
 double depth_of_centre(const GranularSystem& system, std::size_t wall) {
   const Wall& one = system.walls[wall];
-  const std::array<double, 2>& centre = system.boundaries[at(one.boundary)].motion.centre;
+  const std::array<double, 3>& centre = system.boundaries[at(one.boundary)].motion.centre;
   return (one.point[0] - centre[0]) * one.normal[0] + (one.point[1] - centre[1]) * one.normal[1];
 }
 
@@ -40,6 +40,7 @@ double depth_of_centre(const GranularSystem& system, std::size_t wall) {
 
 DatboxWriter::DatboxWriter(const Simulation& first) : first_(first) {
   const GranularSystem& system = first_.system;
+  if (system.dimension != 2) fail("LMGC90: expected disks in the plane, met spheres in space");
   constexpr Index most = 99'999;  // their numbers have five columns
   if (const Index bodies = system.free_disks() + count(system.boundaries); bodies > most)
     fail("LMGC90: expected at most {} bodies, met {}", most, bodies);
@@ -102,7 +103,7 @@ std::array<double, 3> DatboxWriter::position(Index boundary, const Pose& pose) c
     return {pose.x, pose.y, pose.x == 0 && pose.y == 0 && pose.angle == 0 ? almost_none : pose.angle};
   }
   const Motion& motion = first_.system.boundaries[at(boundary)].motion;
-  const Wall wall = moved(first_.system.walls[at(number)], motion, pose);
+  const Wall wall = moved<2>(first_.system.walls[at(number)], motion, pose);
   const double thickness = thickness_[at(boundary)], angle = std::atan2(-wall.normal[0], wall.normal[1]);
   if (turns(motion)) return {pose.x, pose.y, angle};
   const double shift = shift_[at(boundary)];
@@ -147,7 +148,7 @@ std::string DatboxWriter::bodies() const {
 }
 
 std::string DatboxWriter::bulk() const {
-  const auto& [x, y] = first_.dynamics.time.gravity;
+  const auto [x, y] = gravity_of<2>(first_.dynamics.time);
   return fmt::format("! File BEHAVIOUR\n\n$gravy\n{:17}{}\n\n$behav  lawty\n {}  {:30}{}\n", "",
                      datbox_named({{"grv1=", x}, {"grv2=", y}, {"grv3=", 0}}), grain_bulk, "RIGID",
                      datbox_named({{"Umas=", density_}}));
@@ -169,7 +170,7 @@ std::string DatboxWriter::dof(const TrajectoryStep& step) const {
   const std::vector<RigidVelocity> velocities = boundary_velocities(system, state.time);
   for (Index b = 0; b < count(system.boundaries); ++b) {
     const std::array<double, 3> start = position(b, first_.state.poses[at(b)]), now = position(b, state.poses[at(b)]);
-    const std::array<double, 2> v = velocity_of_point(velocities[at(b)], state.poses[at(b)], {now[0], now[1]});
+    const Direction<2> v = velocity_of_point(velocities[at(b)], state.poses[at(b)], Direction<2>{now[0], now[1]});
     const double turned = state.poses[at(b)].angle - first_.state.poses[at(b)].angle;
     add(body_of_boundary(b), {now[0] - start[0], now[1] - start[1], turned}, {v[0], v[1], velocities[at(b)].spin});
   }
@@ -181,16 +182,16 @@ std::string DatboxWriter::contact(const TrajectoryStep& step, const TrajectoryCo
   const GranularState& state = step.state;
   const StepContact& g = c.geometry;
   const bool wall = g.b >= system.disks();
-  const auto velocity = [&](Index body) -> DiskVelocity {
+  const auto velocity = [&](Index body) -> GrainVelocity<2> {
     if (body < system.disks())
       return {state.velocity_x[at(body)], state.velocity_y[at(body)], system.radius[at(body)] * state.spin[at(body)]};
     const Index boundary = system.walls[at(body - system.disks())].boundary;
     const RigidVelocity rigid = boundary_velocities(system, state.time)[at(boundary)];
-    const std::array<double, 2> v = velocity_of_point(rigid, state.poses[at(boundary)], g.point);
+    const std::array<double, 2> v =
+        velocity_of_point(rigid, state.poses[at(boundary)], Direction<2>{g.point[0], g.point[1]});
     return {v[0], v[1], 0};
   };
-  const std::array<DiskVelocity, 2> bodies{velocity(g.a), velocity(g.b)};
-  const LocalVector<2> v = relative_velocity({.a = 0, .b = 1, .normal = g.normal, .inverse_w = {}}, bodies);
+  const LocalVector<2> v = relative_velocity(Direction<2>{g.normal[0], g.normal[1]}, velocity(g.a), velocity(g.b));
   // The point on the candidate a: from the foot on a wall, or from the middle of two centres.
   const double distance = wall ? g.gap : (g.gap + system.radius[at(g.b)] - system.radius[at(g.a)]) / 2;
   const double h = first_.dynamics.time.step;

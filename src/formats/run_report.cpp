@@ -45,10 +45,11 @@ DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
   DrawnStep result{step.state.step, step.state.time, step.state.x, step.state.y, {}, {}};
   for (const Wall& wall : run.system.walls)
     result.walls.push_back(
-        moved(wall, run.system.boundaries[at(wall.boundary)].motion, step.state.poses[at(wall.boundary)]));
+        moved<2>(wall, run.system.boundaries[at(wall.boundary)].motion, step.state.poses[at(wall.boundary)]));
   for (const TrajectoryContact& c : step.contacts)
-    if (c.impulse.n != 0 || c.impulse.t != 0)
-      result.contacts.push_back({c.geometry.a, c.geometry.b, c.geometry.point, c.impulse, c.status, c.subdomain});
+    if (c.carries())
+      result.contacts.push_back(
+          {c.geometry.a, c.geometry.b, {c.geometry.point[0], c.geometry.point[1]}, c.impulse, c.status, c.subdomain});
   return result;
 }
 
@@ -63,8 +64,7 @@ std::string name_of_case(const std::string& path, const TrajectoryHeader& header
 // Bytes that a step takes on the page: two numbers of four bytes for a disk, and 19 bytes for a contact that carries,
 // written as letters of six bits.
 double bytes_of(const TrajectoryStep& step) {
-  const auto carrying = std::ranges::count_if(
-      step.contacts, [](const TrajectoryContact& c) { return c.impulse.n != 0 || c.impulse.t != 0; });
+  const auto carrying = std::ranges::count_if(step.contacts, [](const TrajectoryContact& c) { return c.carries(); });
   return 4.0 / 3 * (8.0 * static_cast<double>(step.state.x.size()) + 19.0 * static_cast<double>(carrying)) + 200;
 }
 
@@ -124,6 +124,8 @@ std::vector<Index> steps_to_draw(const std::string& path, const std::vector<Inde
 std::optional<RunReport> report_run(const std::string& path, const std::vector<Index>& steps, const Monitor& monitor) {
   RunReport report;
   report.header = read_trajectory_header(path);
+  if (report.header.system.dimension != 2)
+    fail("{}: report: expected a run of disks in the plane, met spheres in space", path);
   report.ended = read_end(path);
   report.status = read_statuses(path);
   if (report.status.empty()) fail("{}: expected a run that has taken a step, met none", path);

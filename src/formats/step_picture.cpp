@@ -2,6 +2,7 @@
 #include "formats/step_picture.hpp"
 
 #include "core/fail.hpp"
+#include "formats/trajectory_layout.hpp"
 
 #include <set>
 
@@ -18,18 +19,19 @@ struct Scene {
   std::size_t grains = state.x.size();
   std::size_t feet = at(std::ranges::count_if(contacts, [&](const auto& c) { return on_wall(c); }));
 
+  bool in_space() const { return system.dimension == 3; }
   bool on_wall(const TrajectoryContact& contact) const { return contact.geometry.b >= system.disks(); }
 };
 
 void check(const Scene& scene) {
   const auto& [system, state, contacts, n, feet] = scene;
-  for (const auto& [name, size] : {std::pair("radius", system.radius.size()),
-                                   {"driven_by", system.driven_by.size()},
-                                   {"y", state.y.size()},
-                                   {"angle", state.angle.size()},
-                                   {"velocity_x", state.velocity_x.size()},
-                                   {"velocity_y", state.velocity_y.size()}})
-    if (size != n) fail("VTK: expected {} values of {}, met {}", n, name, size);
+  if (system.radius.size() != n) fail("VTK: expected {} values of radius, met {}", n, system.radius.size());
+  if (system.driven_by.size() != n) fail("VTK: expected {} values of driven_by, met {}", n, system.driven_by.size());
+  const bool in_space = scene.in_space();  // spins of disks are not drawn
+  const auto spin = &GranularState::spin;
+  for (const auto& array : layout::state_arrays(system.dimension))
+    if (const std::size_t size = (state.*(array.values)).size(); size != n && (in_space || array.values != spin))
+      fail("VTK: expected {} values of {}, met {}", n, array.name, size);
   for (std::size_t k = 0; k < contacts.size(); ++k)
     if (const auto& [a, b] = std::pair(contacts[k].geometry.a, contacts[k].geometry.b);
         a < 0 || a >= system.disks() || b < 0)
@@ -63,9 +65,10 @@ std::vector<std::set<Index>> holders(const Scene& scene) {
 
 std::vector<double> points_of(const Scene& scene) {
   std::vector<double> points;
-  for (std::size_t i = 0; i < scene.grains; ++i) points.insert(points.end(), {scene.state.x[i], scene.state.y[i], 0.0});
+  for (std::size_t i = 0; i < scene.grains; ++i)
+    points.insert(points.end(), {scene.state.x[i], scene.state.y[i], scene.in_space() ? scene.state.z[i] : 0.0});
   for (const TrajectoryContact& c : scene.contacts)
-    if (scene.on_wall(c)) points.insert(points.end(), {c.geometry.point[0], c.geometry.point[1], 0.0});
+    if (scene.on_wall(c)) points.insert(points.end(), c.geometry.point.begin(), c.geometry.point.end());
   return points;
 }
 
@@ -73,17 +76,31 @@ std::vector<PictureArray> point_arrays_of(const Scene& scene, const Integers& su
   const GranularState& state = scene.state;
   std::vector<double> velocity;
   for (std::size_t i = 0; i < scene.grains; ++i)
-    velocity.insert(velocity.end(), {state.velocity_x[i], state.velocity_y[i], 0.0});
+    velocity.insert(velocity.end(),
+                    {state.velocity_x[i], state.velocity_y[i], scene.in_space() ? state.velocity_z[i] : 0.0});
   velocity.resize(3 * (scene.grains + scene.feet), 0.0);
   constexpr std::int64_t none = -1, no_subdomain = 0;
   const auto& driven_by = scene.system.driven_by;
-  return {{"radius", with_feet(scene, scene.system.radius, 0.0)},
-          {"id", with_feet(scene, counted(scene.grains, 0, 1), none)},
-          {"boundary", with_feet(scene, Integers(driven_by.begin(), driven_by.end()), none)},
-          {"subdomain", with_feet(scene, subdomain, none)},
-          {"multiplicity", with_feet(scene, multiplicity, no_subdomain)},
-          {"angle", with_feet(scene, state.angle, 0.0)},
-          {"velocity", std::move(velocity), 3}};
+  std::vector<PictureArray> arrays{{"radius", with_feet(scene, scene.system.radius, 0.0)},
+                                   {"id", with_feet(scene, counted(scene.grains, 0, 1), none)},
+                                   {"boundary", with_feet(scene, Integers(driven_by.begin(), driven_by.end()), none)},
+                                   {"subdomain", with_feet(scene, subdomain, none)},
+                                   {"multiplicity", with_feet(scene, multiplicity, no_subdomain)}};
+  if (scene.in_space()) {
+    std::vector<double> turn, spin;
+    for (std::size_t i = 0; i < scene.grains; ++i) {
+      turn.insert(turn.end(), {state.turn_w[i], state.turn_x[i], state.turn_y[i], state.turn_z[i]});
+      spin.insert(spin.end(), {state.spin_x[i], state.spin_y[i], state.spin[i]});
+    }
+    turn.resize(4 * (scene.grains + scene.feet), 0.0);
+    spin.resize(3 * (scene.grains + scene.feet), 0.0);
+    arrays.push_back({"turn", std::move(turn), 4});
+    arrays.push_back({"spin", std::move(spin), 3});
+  } else {
+    arrays.push_back({"angle", with_feet(scene, state.angle, 0.0)});
+  }
+  arrays.push_back({"velocity", std::move(velocity), 3});
+  return arrays;
 }
 
 // Of each contact what its subdomain was in this step; -1 for grains.
@@ -103,12 +120,14 @@ void add_models(const Scene& scene, std::vector<PictureArray>& arrays) {
 std::vector<PictureArray> cell_arrays_of(const Scene& scene, const Integers& subdomain) {
   const std::size_t n = scene.grains;
   const std::vector<double> zero(n);
-  std::vector<PictureArray> arrays{{"kind", with_contacts(scene, Integers(n, 0), [](const auto&) { return 1; })},
-                                   {"subdomain", with_contacts(scene, subdomain, &TrajectoryContact::subdomain)},
-                                   {"impulse_n", with_contacts(scene, zero, [](const auto& c) { return c.impulse.n; })},
-                                   {"impulse_t", with_contacts(scene, zero, [](const auto& c) { return c.impulse.t; })},
-                                   {"status", with_contacts(scene, Integers(n, -1), &TrajectoryContact::status)},
-                                   {"gap", with_contacts(scene, zero, [](const auto& c) { return c.geometry.gap; })}};
+  std::vector<PictureArray> arrays{
+      {"kind", with_contacts(scene, Integers(n, 0), [](const auto&) { return 1; })},
+      {"subdomain", with_contacts(scene, subdomain, &TrajectoryContact::subdomain)},
+      {"impulse_n", with_contacts(scene, zero, [](const auto& c) { return c.impulse.n; })},
+      {"impulse_t",
+       with_contacts(scene, zero, [&](const auto& c) { return scene.in_space() ? c.tangential() : c.impulse.t; })},
+      {"status", with_contacts(scene, Integers(n, -1), &TrajectoryContact::status)},
+      {"gap", with_contacts(scene, zero, [](const auto& c) { return c.geometry.gap; })}};
   if (!scene.state.models.empty()) add_models(scene, arrays);
   return arrays;
 }

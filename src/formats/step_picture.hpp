@@ -18,10 +18,11 @@ struct PictureArray {
 /// Points are the grains, then one foot per wall contact (radius 0, id, boundary and subdomain -1). Cells are one
 /// vertex per grain, then one line per contact from centre to centre or foot. All in SI units.
 ///   of points: radius, id, boundary (that drives the grain; -1: free), subdomain (the lowest whose contacts touch
-///              the grain; -1: none), multiplicity (how many do), angle, velocity (3 components)
-///   of cells:  kind (0 grain, 1 contact), subdomain, impulse_n, impulse_t, gap (when contacts were found),
-///              status (0 open, 1 stick, 2 slides forward, 3 slides backward; -1 for a grain), and in a run that
-///              switches models what became of the subdomain of a contact (-1 for a grain)
+///              the grain; -1: none), multiplicity (how many do), angle (in space turn, the quaternion w, x, y, z, and
+///              spin, 3 components), velocity (3 components)
+///   of cells:  kind (0 grain, 1 contact), subdomain, impulse_n, impulse_t (in space its size), gap (when contacts
+///              were found), status (0 open, 1 stick, 2 slides forward, 3 slides backward, 4 slides in space; -1 for
+///              a grain), and in a run that switches models what became of the subdomain of a contact (-1 for a grain)
 struct StepPicture {
   double time = 0;                     ///< s
   std::vector<double> points;          ///< three coordinates each, m

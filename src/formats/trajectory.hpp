@@ -19,9 +19,25 @@ struct TrajectoryHeader {
 /// A contact as a step left it.
 struct TrajectoryContact {
   StepContact geometry;
-  LocalVector<2> impulse;  ///< N s
+  LocalVector<2> impulse;  ///< N s; in space the tangential part along t_1 of the frame of the normal, see tangents_of
   ContactStatus status = ContactStatus::open;
   Index subdomain = 0;
+  double second_tangential = 0;  ///< in space along t_2, N s
+
+  bool carries() const { return impulse.n != 0 || impulse.t != 0 || second_tangential != 0; }
+  double tangential() const { return std::hypot(impulse.t, second_tangential); }  ///< its size
+  template <int D>
+  LocalVector<D> local() const {
+    if constexpr (D == 2)
+      return impulse;
+    else
+      return {impulse.n, {impulse.t, second_tangential}};
+  }
+  void set(const LocalVector<2>& r) { impulse = r; }
+  void set(const LocalVector<3>& r) {
+    impulse = {r.n, r.t.first};
+    second_tangential = r.t.second;
+  }
 };
 
 /// A step as a trajectory keeps it: the state after it, and the contacts that led there (none at time 0).
@@ -31,7 +47,8 @@ struct TrajectoryStep {
 };
 
 /// The step that led from `solved` to the state of `after`.
-TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved);
+template <int D>
+TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved);
 
 /// Writes the trajectory of a run as HDF5. Its layout is in docs/formats.md: /provenance, /case, /system, /steps for
 /// the steps that are kept, /last for the newest step, and /summary with a row per step. The file is an

@@ -70,6 +70,9 @@ void check_numbers(const TrajectoryStep& step, Index walls, const Group& group) 
   }
 }
 
+// Of the grains in a group of steps: a z says that they are spheres.
+Index dimension_of(const Group& steps) { return steps.has("z") ? 3 : 2; }
+
 // The step in one row of a group, /steps or /last.
 TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   const Group group = root.group(name);
@@ -78,15 +81,21 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
   if (states.size() != 1) fail("{}: expected one number per step, met others", group.of("step"));
   TrajectoryStep step{states[0], {}};
   GranularState& state = step.state;
-  for (const auto& array : layout::state_arrays) state.*(array.values) = group.numbers<double>(array.name, here);
-  state.poses = get_structs<Pose>(group.group("poses"), layout::pose_columns, here);
-  step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns, here);
-  state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns, here);
+  const Index dimension = dimension_of(group);
+  for (const auto& array : layout::state_arrays(dimension))
+    state.*(array.values) = group.numbers<double>(array.name, here);
+  state.poses = get_structs<Pose>(group.group("poses"), layout::pose_columns(dimension), here);
+  step.contacts = get_list<TrajectoryContact>(group.group("contacts"), layout::contact_columns(dimension), here);
+  state.gluing = get_list<RememberedGluing>(group.group("interface"), layout::gluing_columns(dimension), here);
   if (group.has("models")) state.models = get_list<RememberedModel>(group.group("models"), layout::model_columns, here);
   check_numbers(step, root.group("system").group("walls").rows("point_x"), group);
   for (const TrajectoryContact& c : step.contacts) {
     state.subdomains.push_back({c.geometry.a, c.geometry.b, c.subdomain});
-    if (c.impulse.n != 0 || c.impulse.t != 0) state.impulses.push_back({c.geometry.a, c.geometry.b, c.impulse});
+    if (!c.carries()) continue;
+    const auto& n = c.geometry.normal;
+    state.impulses.push_back(
+        {c.geometry.a, c.geometry.b,
+         dimension == 2 ? to_remember<2>(c.impulse, {n[0], n[1]}) : to_remember<3>(c.local<3>(), n)});
   }
   return step;
 }
@@ -94,10 +103,11 @@ TrajectoryStep get_step(const Group& root, const char* name, Index row) {
 GranularSystem get_system(const Group& root) {
   const Group group = root.group("system");
   GranularSystem system;
+  system.dimension = dimension_of(root.group("last"));
   system.radius = group.numbers<double>("radius");
   system.mass = group.numbers<double>("mass");
   for (const std::int32_t boundary : group.numbers<std::int32_t>("driven_by")) system.driven_by.push_back(boundary);
-  system.walls = get_structs<Wall>(group.group("walls"), layout::wall_columns);
+  system.walls = get_structs<Wall>(group.group("walls"), layout::wall_columns(system.dimension));
   std::istringstream names(group.text("boundaries"));
   for (std::string name; std::getline(names, name);) system.boundaries.push_back({name, {}});
   return system;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "formats/trajectory_layout.hpp"
-#include "mechanics/disk_contacts.hpp"
+#include "mechanics/grain_contacts.hpp"
 
 #include <fmt/format.h>
 
@@ -55,14 +55,15 @@ void put_steps(const Group& group, Steps steps, bool append) {
   const auto contacts = [](const TrajectoryStep& step) -> auto& { return step.contacts; };
   const auto gluing = [](const TrajectoryStep& step) -> auto& { return step.state.gluing; };
   const auto models = [](const TrajectoryStep& step) -> auto& { return step.state.models; };
+  const Index dimension = steps[0].state.z.empty() ? 2 : 3;
   put_structs(group, steps, state, layout::state_columns, form);
-  put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns, form);
-  put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns, form);
+  put_lists(group.make_group("contacts"), steps, contacts, layout::contact_columns(dimension), form);
+  put_lists(group.make_group("interface"), steps, gluing, layout::gluing_columns(dimension), form);
   if (!steps[0].state.models.empty())  // one per subdomain in every step of a run that switches models
     put_lists(group.make_group("models"), steps, models, layout::model_columns, form);
   form.rows = steps.size();
-  put_structs(group.make_group("poses"), steps, poses, layout::pose_columns, form);
-  for (const auto& array : layout::state_arrays) {
+  put_structs(group.make_group("poses"), steps, poses, layout::pose_columns(dimension), form);
+  for (const auto& array : layout::state_arrays(dimension)) {
     std::vector<double> values;
     for (const TrajectoryStep& step : steps) {
       const std::vector<double>& own = step.state.*(array.values);
@@ -81,7 +82,7 @@ void put_system(const Group& root, const GranularSystem& system) {
   for (const Index boundary : system.driven_by) driven.push_back(layout::stored(boundary));
   group.put<std::int32_t>("driven_by", driven, {.attributes = {{"unit", "1"}}});
   const auto walls = [](const GranularSystem& one) -> auto& { return one.walls; };
-  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns, {});
+  put_structs(group.make_group("walls"), std::span(&system, 1), walls, layout::wall_columns(system.dimension), {});
   std::string names;
   for (const Boundary& boundary : system.boundaries) names += boundary.name + "\n";
   group.put_text("boundaries", names);
@@ -110,17 +111,22 @@ AlternatingFile::Change changing(Change change) {
 
 }  // namespace
 
-TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep& solved) {
+template <int D>
+TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved) {
   TrajectoryStep step;
   step.state = after.state;
   step.contacts.reserve(solved.contacts.size());
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
-    const DiskContact& c = solved.contacts[k];
-    step.contacts.push_back({solved.problem.geometry[k], c.impulse, status_of(solved.problem.law, c),
-                             solved.partition.subdomain_of_contact[k]});
+    const GrainContact<D>& c = solved.contacts[k];
+    step.contacts.push_back(
+        {solved.problem.geometry[k], {}, status_of(solved.problem.law, c), solved.partition.subdomain_of_contact[k]});
+    step.contacts.back().set(c.impulse);
   }
   return step;
 }
+
+template TrajectoryStep trajectory_step(const Simulation&, const SolvedStep<2>&);
+template TrajectoryStep trajectory_step(const Simulation&, const SolvedStep<3>&);
 
 TrajectoryWriter::TrajectoryWriter(const std::string& path, const TrajectoryHeader& header, const TrajectoryStep& first,
                                    const std::vector<Column>& summary_columns)

@@ -38,4 +38,17 @@ inline std::array<double, 6> impulse_on_grain(const Direction<3>& n, double sign
   return impulse;
 }
 
+/// An impulse of a contact in space along x, y and z, and back.
+inline std::array<double, 3> along_axes(const Direction<3>& n, const LocalVector<3>& r) {
+  const auto [t1, t2] = tangents_of(n);
+  std::array<double, 3> p{};
+  for (std::size_t k = 0; k < 3; ++k) p[k] = n[k] * r.n + (t1[k] * r.t.first + t2[k] * r.t.second);
+  return p;
+}
+inline LocalVector<3> in_frame(const Direction<3>& n, const std::array<double, 3>& p) {
+  const auto [t1, t2] = tangents_of(n);
+  const auto along = [&](const Direction<3>& d) { return d[0] * p[0] + d[1] * p[1] + d[2] * p[2]; };
+  return {along(n), {along(t1), along(t2)}};
+}
+
 }  // namespace nscdd

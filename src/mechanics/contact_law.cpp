@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_law.hpp"
 
-#include "mechanics/disk_contacts.hpp"
+#include "mechanics/grain_contacts.hpp"
 
 namespace nscdd {
 namespace {
@@ -9,40 +9,39 @@ namespace {
 // Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
 constexpr double edge_tolerance = 1e-12;
 
-template <class Law>
-ContactStatus status_under(const Law&, const DiskContact& c) {
+template <class Law, int D>
+ContactStatus status_under(const Law&, const GrainContact<D>& c) {
   if constexpr (!Law::opens) return ContactStatus::stick;
-  return contact_status(LocalVector<2>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
+  return contact_status(LocalVector<D>{c.impulse.n + c.pull, c.impulse.t}, c.friction, edge_tolerance);
 }
 
-template <class Law>
-void add(ContactResidual& sum, const Law& law, const DiskContact& c, std::span<const DiskVelocity> v) {
-  const LocalVector<2> r = c.impulse;
-  const LocalVector<2> next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
-  const LocalVector<2> change = c.inverse_w.apply(next - r);
-  const LocalVector<2> here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
+template <class Law, int D>
+void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
+  const LocalVector<D> r = c.impulse;
+  const LocalVector<D> next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
+  const LocalVector<D> change = c.inverse_w.apply(next - r);
+  const LocalVector<D> here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
   sum.impulses += squared(r);
   sum.violation += squared(change);
-  sum.work += dot({(next.n + r.n) / 2, (next.t + r.t) / 2}, change);
+  sum.work += dot(0.5 * (next + r), change);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
   sum.scale_velocity += (squared(here) + squared(there)) / 2;
   if constexpr (!Law::opens) {
     sum.natural_map += squared(next - r);
   } else {
-    const LocalVector<2> velocity = relative_velocity(c, v) + c.bias;
+    const LocalVector<D> velocity = relative_velocity(c, v) + c.bias;
     sum.natural_map +=
-        squared(natural_map(LocalVector<2>{r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
+        squared(natural_map(LocalVector<D>{r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
   }
-  if (r.n == 0 && r.t == 0) return;
+  if (squared(r) == 0) return;
   ++sum.active;
   const ContactStatus status = status_under(law, c);
   sum.stick += status == ContactStatus::stick;
   sum.slide += slides(status);
 }
 
-template <class Contact>
-ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, std::span<const DiskVelocity> v,
-                         const Contact& contact) {
+template <int D, class Contact>
+ContactResidual sum_over(const ContactLaw& law, std::size_t contacts, GrainVelocities<D> v, const Contact& contact) {
   ContactResidual sum;
   const auto under = [&](const auto& one) {
     for (std::size_t k = 0; k < contacts; ++k) add(sum, one, contact(k), v);
@@ -76,17 +75,27 @@ double ContactResidual::quad_dv() const { return violation == 0 ? 0.0 : std::sqr
 
 double ContactResidual::mean_dv_over_r() const { return work == 0 ? 0.0 : work / scale_work; }
 
-ContactResidual contact_residual(const ContactLaw& law, const ContactRows& contacts, std::span<const DiskVelocity> v) {
-  return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
+template <int D>
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v) {
+  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts.contact(k, v); });
 }
 
-ContactResidual contact_residual(const ContactLaw& law, std::span<const DiskContact> contacts,
-                                 std::span<const DiskVelocity> v) {
-  return sum_over(law, contacts.size(), v, [&](std::size_t k) { return contacts[k]; });
+template <int D>
+ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
+                                 GrainVelocities<D> v) {
+  return sum_over<D>(law, contacts.size(), v, [&](std::size_t k) { return contacts[k]; });
 }
 
-ContactStatus status_of(const ContactLaw& law, const DiskContact& contact) {
+template <int D>
+ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact) {
   return std::visit([&](const auto& one) { return status_under(one, contact); }, law);
 }
+
+template ContactResidual contact_residual(const ContactLaw&, const ContactRows<2>&, GrainVelocities<2>);
+template ContactResidual contact_residual(const ContactLaw&, const ContactRows<3>&, GrainVelocities<3>);
+template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<2>>&, GrainVelocities<2>);
+template ContactResidual contact_residual(const ContactLaw&, const std::vector<GrainContact<3>>&, GrainVelocities<3>);
+template ContactStatus status_of(const ContactLaw&, const GrainContact<2>&);
+template ContactStatus status_of(const ContactLaw&, const GrainContact<3>&);
 
 }  // namespace nscdd

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/disk_contacts.hpp"
+#include "mechanics/grain_contacts.hpp"
 
 namespace nscdd {
 namespace {
 
 // The choices are template parameters, so that the loop does not make them again for every contact.
 template <bool relaxed, bool tangential_bias, class Law>
-SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> velocities, double relaxation) {
+SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocity<2>> velocities, double relaxation) {
   SweepSums sums;
-  DiskVelocity* const v = velocities.data();
+  GrainVelocity<2>* const v = velocities.data();
   const double frictions[2] = {contacts.friction, contacts.boundary_friction};
   const std::size_t n = contacts.size();
   for (std::size_t k = 0; k < n; ++k) {
-    const ContactRows::Row& c = contacts.rows[k];
+    const ContactRow<2>& c = contacts.rows[k];
     LocalVector<2>& r = contacts.impulses[k];
-    DiskVelocity& a = v[c.a];
-    DiskVelocity& b = v[c.b];
+    GrainVelocity<2>& a = v[c.a];
+    GrainVelocity<2>& b = v[c.b];
     const double dx = b.x - a.x, dy = b.y - a.y;
     const double v_n = c.normal_x * dx + c.normal_y * dy + c.bias_n;
     double v_t = c.normal_x * dy - c.normal_y * dx - (a.rim + b.rim);
     if constexpr (tangential_bias) v_t += contacts.bias_t[k];
-    const DiagonalDelassus w = disk_delassus(a, b);
+    const DiagonalDelassus w = grain_delassus(a, b);
     const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
     const LocalVector<2> stop{r.n - w.inverse_n * v_n, r.t - w.inverse_t * v_t};
     LocalVector<2> next;
@@ -40,34 +40,95 @@ SweepSums sweep(const Law& law, ContactRows& contacts, std::span<DiskVelocity> v
     const double py = c.normal_y * change_n + c.normal_x * change_t;
     a.x -= a.inverse_mass * px;
     a.y -= a.inverse_mass * py;
-    a.rim -= rim_mass_ratio * a.inverse_mass * change_t;
+    a.rim -= rim_mass_ratio<2> * a.inverse_mass * change_t;
     b.x += b.inverse_mass * px;
     b.y += b.inverse_mass * py;
-    b.rim -= rim_mass_ratio * b.inverse_mass * change_t;
+    b.rim -= rim_mass_ratio<2> * b.inverse_mass * change_t;
     sums.change += change_n * change_n + change_t * change_t;
     sums.impulses += next.n * next.n + next.t * next.t;
   }
   return sums;
 }
 
+// The same of spheres.
+template <bool relaxed, bool tangential_bias, class Law>
+SweepSums sweep(const Law& law, ContactRows<3>& contacts, std::span<GrainVelocity<3>> velocities, double relaxation) {
+  SweepSums sums;
+  GrainVelocity<3>* const v = velocities.data();
+  const double frictions[2] = {contacts.friction, contacts.boundary_friction};
+  const std::size_t n = contacts.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const ContactRow<3>& c = contacts.rows[k];
+    LocalVector<3>& r = contacts.impulses[k];
+    GrainVelocity<3>& a = v[c.a];
+    GrainVelocity<3>& b = v[c.b];
+    const Direction<3> normal = c.normal();
+    const auto [t1, t2] = tangents_of(normal);
+    const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z;
+    const double sx = a.rim_x + b.rim_x, sy = a.rim_y + b.rim_y, sz = a.rim_z + b.rim_z;
+    const double v_n = c.normal_x * dx + c.normal_y * dy + c.normal_z * dz + c.bias_n;
+    double v_1 = t1[0] * dx + t1[1] * dy + t1[2] * dz - (t2[0] * sx + t2[1] * sy + t2[2] * sz);
+    double v_2 = t2[0] * dx + t2[1] * dy + t2[2] * dz + (t1[0] * sx + t1[1] * sy + t1[2] * sz);
+    if constexpr (tangential_bias) {
+      v_1 += contacts.bias_t[k].first;
+      v_2 += contacts.bias_t[k].second;
+    }
+    const DiagonalDelassus w = grain_delassus(a, b);
+    const bool driven = a.inverse_mass == 0 || b.inverse_mass == 0;
+    const LocalVector<3> stop{r.n - w.inverse_n * v_n, {r.t.first - w.inverse_t * v_1, r.t.second - w.inverse_t * v_2}};
+    LocalVector<3> next;
+    if constexpr (Law::pulls)
+      next = law_at(law, contacts.pull[k]).impulse(stop, w, frictions[driven]);
+    else
+      next = law.impulse(stop, w, frictions[driven]);
+    if constexpr (relaxed) next = r + relaxation * (next - r);
+    const double change_n = next.n - r.n, change_1 = next.t.first - r.t.first, change_2 = next.t.second - r.t.second;
+    r = next;
+    const double px = c.normal_x * change_n + (t1[0] * change_1 + t2[0] * change_2);
+    const double py = c.normal_y * change_n + (t1[1] * change_1 + t2[1] * change_2);
+    const double pz = c.normal_z * change_n + (t1[2] * change_1 + t2[2] * change_2);
+    const double qx = t1[0] * change_2 - t2[0] * change_1;
+    const double qy = t1[1] * change_2 - t2[1] * change_1;
+    const double qz = t1[2] * change_2 - t2[2] * change_1;
+    const double rim_a = rim_mass_ratio<3> * a.inverse_mass, rim_b = rim_mass_ratio<3> * b.inverse_mass;
+    a.x -= a.inverse_mass * px;
+    a.y -= a.inverse_mass * py;
+    a.z -= a.inverse_mass * pz;
+    a.rim_x += rim_a * qx;
+    a.rim_y += rim_a * qy;
+    a.rim_z += rim_a * qz;
+    b.x += b.inverse_mass * px;
+    b.y += b.inverse_mass * py;
+    b.z += b.inverse_mass * pz;
+    b.rim_x += rim_b * qx;
+    b.rim_y += rim_b * qy;
+    b.rim_z += rim_b * qz;
+    sums.change += change_n * change_n + change_1 * change_1 + change_2 * change_2;
+    sums.impulses += next.n * next.n + next.t.first * next.t.first + next.t.second * next.t.second;
+  }
+  return sums;
+}
+
 }  // namespace
 
-DiskContact ContactRows::contact(std::size_t k, std::span<const DiskVelocity> v) const {
-  const Row& row = rows[k];
-  const DiskVelocity& a = v[static_cast<std::size_t>(row.a)];
-  const DiskVelocity& b = v[static_cast<std::size_t>(row.b)];
+template <int D>
+GrainContact<D> ContactRows<D>::contact(std::size_t k, std::span<const GrainVelocity<D>> v) const {
+  const ContactRow<D>& row = rows[k];
+  const GrainVelocity<D>& a = v[static_cast<std::size_t>(row.a)];
+  const GrainVelocity<D>& b = v[static_cast<std::size_t>(row.b)];
   return {.a = row.a,
           .b = row.b,
-          .normal = {row.normal_x, row.normal_y},
-          .inverse_w = disk_delassus(a, b),
-          .bias = {row.bias_n, bias_t.empty() ? 0.0 : bias_t[k]},
+          .normal = row.normal(),
+          .inverse_w = grain_delassus(a, b),
+          .bias = {row.bias_n, bias_t.empty() ? Tangent<D>{} : bias_t[k]},
           .friction = a.inverse_mass == 0 || b.inverse_mass == 0 ? boundary_friction : friction,
           .pull = pull.empty() ? 0.0 : pull[k],
           .impulse = impulses[k]};
 }
 
-SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows& contacts, std::span<DiskVelocity> v,
-                             double relaxation) {
+template <int D>
+SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
+                             std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation) {
   return std::visit(
       [&](const auto& one) {
         const bool biased = !contacts.bias_t.empty();
@@ -79,5 +140,10 @@ SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows& contacts, std::
       },
       law);
 }
+
+template struct ContactRows<2>;
+template struct ContactRows<3>;
+template SweepSums gauss_seidel_sweep(const ContactLaw&, ContactRows<2>&, std::span<GrainVelocity<2>>, double);
+template SweepSums gauss_seidel_sweep(const ContactLaw&, ContactRows<3>&, std::span<GrainVelocity<3>>, double);
 
 }  // namespace nscdd

@@ -16,29 +16,71 @@ RigidVelocity Motion::at(double t) const {
   const double s = (t - time[k - 1]) / (time[k] - time[k - 1]);
   const auto between = [s](double a, double b) { return a + s * (b - a); };
   const RigidVelocity &a = velocity[k - 1], &b = velocity[k];
-  return {between(a.x, b.x), between(a.y, b.y), between(a.spin, b.spin)};
+  return {between(a.x, b.x), between(a.y, b.y),           between(a.spin, b.spin),
+          between(a.z, b.z), between(a.spin_x, b.spin_x), between(a.spin_y, b.spin_y)};
 }
 
-std::array<double, 2> carried(const std::array<double, 2>& p, const Pose& before, const Pose& after) {
+Direction<2> carried(const Direction<2>& p, const Pose& before, const Pose& after) {
   const double c = std::cos(after.angle - before.angle), s = std::sin(after.angle - before.angle);
   const double dx = p[0] - before.x, dy = p[1] - before.y;
   return {after.x + c * dx - s * dy, after.y + s * dx + c * dy};
 }
 
-Wall moved(const Wall& wall, const Motion& motion, const Pose& pose) {
+Direction<3> carried(const Direction<3>& p, const Pose& before, const Pose& after) {
+  const Eigen::Vector3d arm(p[0] - before.x, p[1] - before.y, p[2] - before.z);
+  const Eigen::Vector3d now = after.turn * (before.turn.conjugate() * arm);
+  return {after.x + now[0], after.y + now[1], after.z + now[2]};
+}
+
+template <>
+Wall moved<2>(const Wall& wall, const Motion& motion, const Pose& pose) {
   const double c = std::cos(pose.angle), s = std::sin(pose.angle);
-  return {.point = carried(wall.point, {motion.centre[0], motion.centre[1]}, pose),
-          .normal = {c * wall.normal[0] - s * wall.normal[1], s * wall.normal[0] + c * wall.normal[1]},
+  const Direction<2> point =
+      carried(Direction<2>{wall.point[0], wall.point[1]}, {motion.centre[0], motion.centre[1]}, pose);
+  return {.point = {point[0], point[1], 0},
+          .normal = {c * wall.normal[0] - s * wall.normal[1], s * wall.normal[0] + c * wall.normal[1], 0},
           .boundary = wall.boundary};
 }
 
-Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h) {
-  return {pose.x + h * velocity.x, pose.y + h * velocity.y, pose.angle + h * velocity.spin};
+template <>
+Wall moved<3>(const Wall& wall, const Motion& motion, const Pose& pose) {
+  const Eigen::Vector3d normal = pose.turn * Eigen::Vector3d(wall.normal[0], wall.normal[1], wall.normal[2]);
+  const Pose start{.x = motion.centre[0], .y = motion.centre[1], .z = motion.centre[2]};
+  return {.point = carried(wall.point, start, pose),
+          .normal = {normal[0], normal[1], normal[2]},
+          .boundary = wall.boundary,
+          .radius = wall.radius};
 }
 
-std::array<double, 2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose,
-                                        const std::array<double, 2>& p) {
+template <>
+Pose advanced<2>(const Pose& pose, const RigidVelocity& velocity, double h) {
+  return {.x = pose.x + h * velocity.x, .y = pose.y + h * velocity.y, .angle = pose.angle + h * velocity.spin};
+}
+
+template <>
+Pose advanced<3>(const Pose& pose, const RigidVelocity& velocity, double h) {
+  return {.x = pose.x + h * velocity.x,
+          .y = pose.y + h * velocity.y,
+          .z = pose.z + h * velocity.z,
+          .turn = turned(pose.turn, {h * velocity.spin_x, h * velocity.spin_y, h * velocity.spin})};
+}
+
+Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const std::array<double, 3>& angle) {
+  const Eigen::Vector3d vector(angle[0], angle[1], angle[2]);
+  const double size = vector.norm();
+  if (size == 0) return rotation;
+  return (Eigen::AngleAxisd(size, vector / size) * rotation).normalized();
+}
+
+Direction<2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<2>& p) {
   return {velocity.x - velocity.spin * (p[1] - pose.y), velocity.y + velocity.spin * (p[0] - pose.x)};
+}
+
+Direction<3> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<3>& p) {
+  const double dx = p[0] - pose.x, dy = p[1] - pose.y, dz = p[2] - pose.z;
+  return {velocity.x + (velocity.spin_y * dz - velocity.spin * dy),
+          velocity.y + (velocity.spin * dx - velocity.spin_x * dz),
+          velocity.z + (velocity.spin_x * dy - velocity.spin_y * dx)};
 }
 
 void check(const Boundary& boundary) {
@@ -48,7 +90,8 @@ void check(const Boundary& boundary) {
          motion.time.size(), motion.velocity.size());
   for (std::size_t k = 0; k < motion.time.size(); ++k) {
     const RigidVelocity& v = motion.velocity[k];
-    if (!std::isfinite(motion.time[k]) || !std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.spin))
+    const double numbers[] = {motion.time[k], v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+    if (!std::ranges::all_of(numbers, [](double one) { return std::isfinite(one); }))
       fail("boundary '{}': expected finite numbers, met another in entry {} of its motion", boundary.name, k);
     if (k > 0 && !(motion.time[k] > motion.time[k - 1]))
       fail("boundary '{}': expected ascending times, met {} s after {} s", boundary.name, motion.time[k],
@@ -62,41 +105,104 @@ std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, dou
   return result;
 }
 
-GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y) {
+GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y,
+                            std::vector<double> z) {
   GranularState state;
-  const std::vector<double> zero(at(system.disks()), 0.0);
+  for (const auto values : numbers_of_grains(system.dimension)) (state.*values).assign(at(system.disks()), 0.0);
+  if (system.dimension == 3) state.turn_w.assign(at(system.disks()), 1.0);
   state.x = std::move(x);
   state.y = std::move(y);
-  state.angle = state.velocity_x = state.velocity_y = state.spin = zero;
-  for (const Boundary& boundary : system.boundaries)
-    state.poses.push_back({boundary.motion.centre[0], boundary.motion.centre[1], 0});
+  state.z = std::move(z);
+  for (const Boundary& boundary : system.boundaries) {
+    const auto& centre = boundary.motion.centre;
+    state.poses.push_back({.x = centre[0], .y = centre[1], .z = centre[2]});
+  }
   return state;
+}
+
+std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimension) {
+  using State = GranularState;
+  if (dimension == 2)
+    return {&State::x, &State::y, &State::angle, &State::velocity_x, &State::velocity_y, &State::spin};
+  return {&State::x,      &State::y,      &State::z,          &State::turn_w,     &State::turn_x,
+          &State::turn_y, &State::turn_z, &State::velocity_x, &State::velocity_y, &State::velocity_z,
+          &State::spin_x, &State::spin_y, &State::spin};
+}
+
+template <>
+GrainUnknowns<2> unknowns_of<2>(const GranularState& state, std::size_t i, double radius) {
+  return {state.velocity_x[i], state.velocity_y[i], radius * state.spin[i]};
+}
+template <>
+GrainUnknowns<3> unknowns_of<3>(const GranularState& state, std::size_t i, double radius) {
+  return {state.velocity_x[i],      state.velocity_y[i],      state.velocity_z[i],
+          radius * state.spin_x[i], radius * state.spin_y[i], radius * state.spin[i]};
+}
+
+template <>
+void set_velocity<2>(GranularState& state, std::size_t i, const GrainUnknowns<2>& v, double radius) {
+  state.velocity_x[i] = v[0];
+  state.velocity_y[i] = v[1];
+  state.spin[i] = v[2] / radius;
+}
+template <>
+void set_velocity<3>(GranularState& state, std::size_t i, const GrainUnknowns<3>& v, double radius) {
+  state.velocity_x[i] = v[0];
+  state.velocity_y[i] = v[1];
+  state.velocity_z[i] = v[2];
+  state.spin_x[i] = v[3] / radius;
+  state.spin_y[i] = v[4] / radius;
+  state.spin[i] = v[5] / radius;
+}
+
+template <>
+void move_grain<2>(GranularState& state, std::size_t i, const Direction<2>& move, const std::array<double, 1>& angle) {
+  state.x[i] += move[0];
+  state.y[i] += move[1];
+  state.angle[i] += angle[0];
+}
+template <>
+void move_grain<3>(GranularState& state, std::size_t i, const Direction<3>& move, const std::array<double, 3>& angle) {
+  state.x[i] += move[0];
+  state.y[i] += move[1];
+  state.z[i] += move[2];
+  const Eigen::Quaterniond now = turned({state.turn_w[i], state.turn_x[i], state.turn_y[i], state.turn_z[i]}, angle);
+  state.turn_w[i] = now.w();
+  state.turn_x[i] = now.x();
+  state.turn_y[i] = now.y();
+  state.turn_z[i] = now.z();
 }
 
 std::string body_name(const GranularSystem& system, Index body) {
   if (body >= system.disks())
     return fmt::format("the wall of boundary '{}'",
                        system.boundaries[at(system.walls[at(body - system.disks())].boundary)].name);
-  if (system.free(body)) return fmt::format("disk {}", body);
-  return fmt::format("disk {} of boundary '{}'", body, system.boundaries[at(system.driven_by[at(body)])].name);
+  const std::string_view shape = shape_of_grains(system.dimension);
+  if (system.free(body)) return fmt::format("{} {}", shape, body);
+  return fmt::format("{} {} of boundary '{}'", shape, body, system.boundaries[at(system.driven_by[at(body)])].name);
 }
 
 void check(const GranularSystem& system, const GranularState& state) {
   const auto n = at(system.disks());
-  for (const auto* field :
-       {&system.mass, &state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
-    if (field->size() != n) fail("granular state: expected {} disks, met an array of {}", n, field->size());
+  const std::string shapes = fmt::format("{}s", shape_of_grains(system.dimension));
+  const auto arrays = numbers_of_grains(system.dimension);
+  if (system.mass.size() != n)
+    fail("granular state: expected {} {}, met an array of {}", n, shapes, system.mass.size());
+  for (const auto values : arrays)
+    if ((state.*values).size() != n)
+      fail("granular state: expected {} {}, met an array of {}", n, shapes, (state.*values).size());
   if (system.driven_by.size() != n || state.poses.size() != system.boundaries.size())
-    fail("granular state: expected {} disks and {} boundaries, met {} and {}", system.driven_by.size(),
+    fail("granular state: expected {} {} and {} boundaries, met {} and {}", system.driven_by.size(), shapes,
          system.boundaries.size(), n, state.poses.size());
   bool any_free = false;
   for (std::size_t i = 0; i < n; ++i) {
+    const auto name = [&] { return fmt::format("{} {}", shape_of_grains(system.dimension), i); };
     if (system.driven_by[i] >= count(system.boundaries))
-      fail("disk {}: expected one of {} boundaries, met number {}", i, system.boundaries.size(), system.driven_by[i]);
+      fail("{}: expected one of {} boundaries, met number {}", name(), system.boundaries.size(), system.driven_by[i]);
     any_free = any_free || system.driven_by[i] < 0;
-    for (const auto* field : {&state.x, &state.y, &state.angle, &state.velocity_x, &state.velocity_y, &state.spin})
-      if (!std::isfinite((*field)[i]))
-        fail("disk {}: expected finite positions and velocities, met {}", i, (*field)[i]);
+    for (const auto values : arrays)
+      if (!std::isfinite((state.*values)[i]))
+        fail("{}: expected finite positions and velocities, met {}", name(), (state.*values)[i]);
   }
   if (!any_free) throw Error("granular system: expected a free grain, met driven ones only");
   for (const Boundary& boundary : system.boundaries) check(boundary);

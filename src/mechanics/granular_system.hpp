@@ -1,73 +1,90 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/contact_law.hpp"
+#include "mechanics/grain_contacts.hpp"
 #include <nscdd/core/choice.hpp>
+
+#include <Eigen/Geometry>
 
 namespace nscdd {
 
-/// Velocity of a rigid body in the plane: of its reference point, m/s, and its spin, rad/s.
+/// Velocity of a rigid body: of its reference point, m/s, and its spin, rad/s. In the plane the spin is that about z,
+/// and the last three are 0.
 struct RigidVelocity {
   double x = 0, y = 0, spin = 0;
+  double z = 0, spin_x = 0, spin_y = 0;
 };
 
 /// Prescribed motion of a rigid body: velocities at given times, linear in between, constant before the first and after
-/// the last. No entry is rest. To turn a body about a foot, put the reference point there.
+/// the last. No entry is rest. To turn a body about a foot or an axis, put the reference point there.
 struct Motion {
-  std::array<double, 2> centre{0, 0};  ///< reference point at time 0, m
-  std::vector<double> time;            ///< s, ascending
+  std::array<double, 3> centre{0, 0, 0};  ///< reference point at time 0, m; in the plane z = 0
+  std::vector<double> time;               ///< s, ascending
   std::vector<RigidVelocity> velocity;
 
   RigidVelocity at(double t) const;
 };
 
-/// What the disks of a boundary do while it turns.
+/// What the grains of a boundary do while it turns.
 enum class Orientation {
   turning,  ///< they turn with it, as parts of one rigid body
   fixed,    ///< their centres go round, but they keep their angle and do not spin
 };
 constexpr auto names_of(Orientation) { return std::to_array<std::string_view>({"turning", "fixed"}); }
 
-/// A rigid body driven by a motion: disks (GranularSystem::driven_by) or a straight wall.
+/// A rigid body driven by a motion: grains (GranularSystem::driven_by) or a wall.
 struct Boundary {
   std::string name;
   Motion motion;
-  Orientation orientation = Orientation::turning;  ///< of its disks
+  Orientation orientation = Orientation::turning;  ///< of its grains
 };
 
-/// Where a boundary is: its reference point and the angle it has turned by.
+/// Where a boundary is: its reference point and how far it has turned, in the plane by an angle, in space by a
+/// rotation.
 struct Pose {
   double x = 0, y = 0, angle = 0;  ///< m, rad
+  double z = 0;
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
 };
 
-/// A straight wall at time 0: grains stay in the half-plane that `normal` points to. It moves with its boundary.
+/// A wall at time 0. It moves with its boundary. In the plane it is a straight line, in space a plane: grains stay on
+/// the side that `normal` points to. With a radius it is a circular cylinder in space, unbounded along its axis.
 struct Wall {
-  std::array<double, 2> point{0, 0};
-  std::array<double, 2> normal{0, 1};  ///< unit
+  std::array<double, 3> point{0, 0, 0};   ///< m; of a cylinder on its axis
+  std::array<double, 3> normal{0, 1, 0};  ///< unit; of a cylinder along its axis
   Index boundary = 0;
+  double radius = 0;  ///< of a cylinder, m: > 0 with grains inside, < 0 with grains outside; 0 of a plane
 };
 
 /// Where a point of a body is after the body went from one pose to another: on the exact circle, not on its tangent.
-std::array<double, 2> carried(const std::array<double, 2>& p, const Pose& before, const Pose& after);
+Direction<2> carried(const Direction<2>& p, const Pose& before, const Pose& after);
+Direction<3> carried(const Direction<3>& p, const Pose& before, const Pose& after);
 
 /// The wall when its boundary has moved from the centre of its motion to `pose`.
+template <int D>
 Wall moved(const Wall& wall, const Motion& motion, const Pose& pose);
 
 /// The pose after a time h at constant velocity.
+template <int D>
 Pose advanced(const Pose& pose, const RigidVelocity& velocity, double h);
 
+/// A rotation followed by another, given by its axis times its angle, rad. The result is a unit quaternion.
+Eigen::Quaterniond turned(const Eigen::Quaterniond& rotation, const std::array<double, 3>& angle);
+
 /// Velocity of the point p of a body with that pose, m/s.
-std::array<double, 2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose,
-                                        const std::array<double, 2>& p);
+Direction<2> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<2>& p);
+Direction<3> velocity_of_point(const RigidVelocity& velocity, const Pose& pose, const Direction<3>& p);
 
 /// Throws Error naming the boundary if times do not ascend, counts differ or a number is not finite.
 void check(const Boundary& boundary);
 
-/// Disks and walls, and what drives them. The grains of a packing come first, then the disks of boundaries.
+/// Disks in the plane or spheres in space, walls, and what drives them. The grains of a packing come first, then the
+/// grains of boundaries.
 struct GranularSystem {
+  Index dimension = 2;           ///< 2 in the plane, 3 in space
   std::vector<double> radius;    ///< m
-  std::vector<double> mass;      ///< kg; that of a driven disk has no effect
-  std::vector<Index> driven_by;  ///< boundary that moves a disk, -1 for a free one
+  std::vector<double> mass;      ///< kg; that of a driven grain has no effect
+  std::vector<Index> driven_by;  ///< boundary that moves a grain, -1 for a free one
   std::vector<Wall> walls;
   std::vector<Boundary> boundaries;
 
@@ -76,16 +93,41 @@ struct GranularSystem {
   bool free(Index disk) const { return driven_by[at(disk)] < 0; }
 };
 
-/// Impulse that a contact carried, with its ends: disks by their number, wall w as disks() + w; a < b.
+/// Calls work(std::integral_constant<int, D>) with the dimension D of a system.
+template <class Work>
+decltype(auto) in_dimension(const GranularSystem& system, Work&& work) {
+  if (system.dimension == 3) return work(std::integral_constant<int, 3>());
+  return work(std::integral_constant<int, 2>());
+}
+
+/// Impulse that a contact carried, with its ends: grains by their number, wall w as disks() + w; a < b.
 struct RememberedImpulse {
   Index a = 0, b = 0;
-  LocalVector<2> impulse;  ///< N s
+  /// N s. In the plane (n, t, 0) in the frame of the contact. In space (x, y, z) on b: the tangents there may jump from
+  /// one normal to the next.
+  std::array<double, 3> impulse{};
 };
 
-/// Interface impulse that held the copy of a grain in a subdomain, (A_E^T F_Gamma) of that copy, N s.
+/// What is remembered of an impulse at a contact with that normal, and the impulse at a contact that has turned since.
+template <int D>
+std::array<double, 3> to_remember(const LocalVector<D>& impulse, const Direction<D>& normal) {
+  if constexpr (D == 2)
+    return {impulse.n, impulse.t, 0};
+  else
+    return along_axes(normal, impulse);
+}
+template <int D>
+LocalVector<D> recalled(const std::array<double, 3>& impulse, const Direction<D>& normal) {
+  if constexpr (D == 2)
+    return {impulse[0], impulse[1]};
+  else
+    return in_frame(normal, impulse);
+}
+
+/// Interface impulse that held the copy of a grain in a subdomain, (A_E^T F_Gamma) of that copy.
 struct RememberedGluing {
   Index grain = 0, subdomain = 0;
-  double x = 0, y = 0, rim = 0;
+  std::array<double, 6> impulse{};  ///< on the unknowns of a grain, N s: (x, y, rim), in space (x, y, z, three rims)
 };
 
 /// Subdomain that a contact was given at the last decomposition.
@@ -106,11 +148,15 @@ struct RememberedModel {
 
 /// Everything that changes in a run. A run that goes on from it repeats every bit.
 struct GranularState {
-  Index step = 0;                               ///< steps done
-  double time = 0;                              ///< s
-  std::vector<double> x, y, angle;              ///< of every disk, m and rad
-  std::vector<double> velocity_x, velocity_y;   ///< m/s
-  std::vector<double> spin;                     ///< rad/s
+  Index step = 0;                              ///< steps done
+  double time = 0;                             ///< s
+  std::vector<double> x, y, angle;             ///< of every disk, m and rad
+  std::vector<double> velocity_x, velocity_y;  ///< m/s
+  std::vector<double> spin;                    ///< rad/s, about z
+  std::vector<double> z, velocity_z;           ///< in space alone, m and m/s
+  std::vector<double> spin_x, spin_y;          ///< in space alone, rad/s
+  /// In space, in place of `angle`: the rotation of every sphere since time 0, unit quaternions w + x i + y j + z k.
+  std::vector<double> turn_w, turn_x, turn_y, turn_z;
   std::vector<Pose> poses;                      ///< of every boundary
   std::vector<RememberedImpulse> impulses;      ///< of the last step, ascending by (a, b)
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
@@ -120,13 +166,49 @@ struct GranularState {
   double eta = 0;                               ///< best flexibility found at that step, 1/kg; 0 if none was asked for
 };
 
+/// "disk" or "sphere".
+constexpr std::string_view shape_of_grains(Index dimension) { return dimension == 2 ? "disk" : "sphere"; }
+
 /// Velocities of all boundaries at a time, s.
 std::vector<RigidVelocity> boundary_velocities(const GranularSystem& system, double time);
 
-/// The state at time 0: grains are at rest at their places in the packing, boundaries at their centres.
-GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y);
+/// The state at time 0: grains are at rest at their places in the packing, boundaries at their centres. `z`: empty in
+/// the plane.
+GranularState initial_state(const GranularSystem& system, std::vector<double> x, std::vector<double> y,
+                            std::vector<double> z = {});
 
-/// "disk 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() + its number.
+/// The arrays of the state with a number for every grain, of which none is empty in a system of that dimension.
+std::vector<std::vector<double> GranularState::*> numbers_of_grains(Index dimension);
+
+/// The centre of a grain, m.
+template <int D>
+Direction<D> centre_of(const GranularState& state, std::size_t grain) {
+  if constexpr (D == 2)
+    return {state.x[grain], state.y[grain]};
+  else
+    return {state.x[grain], state.y[grain], state.z[grain]};
+}
+
+/// Its velocity as unknowns of a step, and the other way round; `radius` makes a speed of the rim of a spin.
+template <int D>
+GrainUnknowns<D> unknowns_of(const GranularState& state, std::size_t grain, double radius);
+template <int D>
+void set_velocity(GranularState& state, std::size_t grain, const GrainUnknowns<D>& velocity, double radius);
+
+template <int D>
+void set_centre(GranularState& state, std::size_t grain, const Direction<D>& centre) {
+  state.x[grain] = centre[0];
+  state.y[grain] = centre[1];
+  if constexpr (D == 3) state.z[grain] = centre[2];
+}
+
+/// Moves the centre of a grain by `move`, m, and turns it by an angle, in space an axis times the angle, rad.
+template <int D>
+void move_grain(GranularState& state, std::size_t grain, const Direction<D>& move,
+                const std::array<double, D == 2 ? 1 : 3>& angle);
+
+/// "disk 3" or in space "sphere 3", "disk 130 of boundary 'left'", or "the wall of boundary 'right'" for body disks() +
+/// its number.
 std::string body_name(const GranularSystem& system, Index body);
 
 /// Throws Error naming the disk or boundary if sizes differ, a number is not finite, a disk is driven by a boundary

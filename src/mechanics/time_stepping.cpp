@@ -2,69 +2,102 @@
 #include "mechanics/time_stepping.hpp"
 
 #include "mechanics/connectivity.hpp"
+#include "mechanics/contact_solvers/contact_blocks.hpp"
 #include <nscdd/mechanics/friction_problem.hpp>
+
+#include <numeric>
 
 namespace nscdd {
 
-std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts) {
-  std::vector<DiskVelocity> v = problem.free;
-  for (const DiskContact& c : contacts) apply_impulse(c, c.impulse, v);
-  return v;
+namespace {
+
+template <int D>
+double height_energy(const Direction<D>& gravity, const Direction<D>& place) {  // per mass
+  double sum = 0;
+  for (std::size_t k = 0; k < D; ++k) sum += gravity[k] * place[k];
+  return -sum;
 }
 
-StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
+template <int D>
+StepEnergy energy_in(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
+  const Direction<D> gravity = gravity_of<D>(scheme);
   StepEnergy energy;
-  for (Index i = 0; i < system.disks(); ++i) {
-    if (!system.free(i)) continue;
-    const double m = system.mass[at(i)], rim = system.radius[at(i)] * state.spin[at(i)];
-    energy.kinetic += m / 2 *
-                      (state.velocity_x[at(i)] * state.velocity_x[at(i)] +
-                       state.velocity_y[at(i)] * state.velocity_y[at(i)] + rim * rim / rim_mass_ratio);
-    energy.potential -= m * (scheme.gravity[0] * state.x[at(i)] + scheme.gravity[1] * state.y[at(i)]);
+  for (std::size_t i = 0; i < at(system.disks()); ++i) {
+    if (system.driven_by[i] >= 0) continue;
+    const double m = system.mass[i];
+    const GrainVelocity<D> v = with_unknowns(unknowns_of<D>(state, i, system.radius[i]), 0);
+    energy.kinetic += m / 2 * (squared_velocity(v) + squared_rim(v) / rim_mass_ratio<D>);
+    energy.potential += m * height_energy<D>(gravity, centre_of<D>(state, i));
   }
   return energy;
 }
 
-StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem& problem,
-                       const TimeStepping& scheme, std::span<const DiskContact> contacts,
-                       std::span<const DiskVelocity> velocities) {
+// Angles by which a free grain turns in a step of length h, from its rims before and after, weighted by theta.
+template <int D>
+std::array<double, D == 2 ? 1 : 3> turning(const GranularState& state, std::size_t i, const GrainUnknowns<D>& after,
+                                           double radius, double h, double theta) {
+  if constexpr (D == 2) {
+    return {h * ((1 - theta) * state.spin[i] + theta * (after[2] / radius))};
+  } else {
+    return {h * ((1 - theta) * state.spin_x[i] + theta * (after[3] / radius)),
+            h * ((1 - theta) * state.spin_y[i] + theta * (after[4] / radius)),
+            h * ((1 - theta) * state.spin[i] + theta * (after[5] / radius))};
+  }
+}
+
+}  // namespace
+
+template <int D>
+std::vector<GrainVelocity<D>> velocities_of(const StepProblem<D>& problem,
+                                            const std::vector<GrainContact<D>>& contacts) {
+  std::vector<GrainVelocity<D>> v = problem.free;
+  for (const GrainContact<D>& c : contacts) apply_impulse(c, c.impulse, v);
+  return v;
+}
+
+StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
+  return in_dimension(system, [&](auto dimension) { return energy_in<dimension()>(system, state, scheme); });
+}
+
+template <int D>
+StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem<D>& problem,
+                       const TimeStepping& scheme, const std::vector<GrainContact<D>>& contacts,
+                       const std::vector<GrainVelocity<D>>& velocities) {
   const double h = problem.h, theta = scheme.theta;
   const StepEnergy before = energy_of(system, state, scheme);
   const auto motions = boundary_velocities(system, state.time + h / 2);
   const std::vector<Pose> poses = state.poses;
-  for (std::size_t k = 0; k < poses.size(); ++k) state.poses[k] = advanced(poses[k], motions[k], h);
+  for (std::size_t k = 0; k < poses.size(); ++k) state.poses[k] = advanced<D>(poses[k], motions[k], h);
   for (std::size_t i = 0; i < at(system.disks()); ++i) {
-    const DiskVelocity& v = velocities[i];
-    const double spin = v.rim / system.radius[i];
+    const GrainUnknowns<D> v = unknowns(velocities[i]);
+    const double radius = system.radius[i];
+    Direction<D> move;
     if (system.driven_by[i] < 0) {
-      state.x[i] += h * ((1 - theta) * state.velocity_x[i] + theta * v.x);
-      state.y[i] += h * ((1 - theta) * state.velocity_y[i] + theta * v.y);
-      state.angle[i] += h * ((1 - theta) * state.spin[i] + theta * spin);
+      const GrainUnknowns<D> old = unknowns_of<D>(state, i, radius);
+      for (std::size_t k = 0; k < D; ++k) move[k] = h * ((1 - theta) * old[k] + theta * v[k]);
+      move_grain<D>(state, i, move, turning<D>(state, i, v, radius, h, theta));
     } else {
       const auto k = at(system.driven_by[i]);
-      const auto centre = carried({state.x[i], state.y[i]}, poses[k], state.poses[k]);
-      state.x[i] = centre[0];
-      state.y[i] = centre[1];
-      state.angle[i] += h * spin;
+      const Direction<D> centre = carried(centre_of<D>(state, i), poses[k], state.poses[k]);
+      move_grain<D>(state, i, {}, turning<D>(state, i, v, radius, h, 1));
+      set_centre<D>(state, i, centre);
     }
-    state.velocity_x[i] = v.x;
-    state.velocity_y[i] = v.y;
-    state.spin[i] = spin;
+    set_velocity<D>(state, i, v, radius);
   }
   state.impulses.clear();
   double boundary_work = 0, dissipation = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const DiskContact& c = contacts[k];
-    if (c.impulse.n == 0 && c.impulse.t == 0) continue;
+    const GrainContact<D>& c = contacts[k];
+    if (squared(c.impulse) == 0) continue;
     const StepContact& g = problem.geometry[k];
-    state.impulses.push_back({g.a, g.b, c.impulse});
+    state.impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal)});
     dissipation -= dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
     // Work of the impulses -r on a, r on b at the velocities of those that are driven.
     for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
-      const DiskVelocity& v = velocities[static_cast<std::size_t>(body)];
+      const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
       if (v.inverse_mass > 0) continue;
-      const auto impulse = impulse_on_grain(c.normal, sign, c.impulse);
-      boundary_work -= impulse[0] * v.x + impulse[1] * v.y + impulse[2] * v.rim;
+      const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
+      boundary_work -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
     }
   }
   ++state.step;
@@ -77,37 +110,52 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   return energy;
 }
 
-GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
-                                       std::span<const double> radius) {
+template <int D>
+GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
+                                       const std::vector<GrainContact<D>>& contacts, std::span<const double> radius) {
   std::vector<BodyRows> rows_of(bodies.size());  // lever arms are radii; walls, which have none, are driven
   std::vector<double> inertia, momentum;
-  std::vector<DiskVelocity> driven(bodies.begin(), bodies.end());
+  std::vector<GrainVelocity<D>> driven = bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const DiskVelocity& v = bodies[i];
-    if (v.inverse_mass == 0) continue;
+    if (bodies[i].inverse_mass == 0) continue;
     rows_of[i] = {count(inertia), radius[i]};
-    const double m = 1 / v.inverse_mass, rim_mass = m / rim_mass_ratio;
-    inertia.insert(inertia.end(), {m, m, rim_mass * radius[i] * radius[i]});
-    momentum.insert(momentum.end(), {m * v.x, m * v.y, rim_mass * radius[i] * v.rim});
-    driven[i].x = driven[i].y = driven[i].rim = 0;
+    const double m = 1 / bodies[i].inverse_mass;
+    const GrainUnknowns<D> v = unknowns(bodies[i]);
+    for (Index k = 0; k < unknowns_of_grain<D>; ++k) {
+      const double rim_mass = m / rim_mass_ratio<D>;
+      inertia.push_back(k < D ? m : rim_mass * radius[i] * radius[i]);
+      momentum.push_back(k < D ? m * v[at(k)] : rim_mass * radius[i] * v[at(k)]);
+    }
+    driven[i] = with_unknowns(GrainUnknowns<D>{}, bodies[i].inverse_mass);
   }
   const Index rows = count(inertia), size = static_cast<Index>(contacts.size());
   GlobalFrictionProblem problem;
+  problem.dimension = D;
   problem.mass = SparseMatrix(Vector::Map(inertia.data(), rows).asDiagonal());
   problem.f = Vector::Map(momentum.data(), rows);
-  problem.w.resize(2 * size);
+  problem.w.resize(D * size);
   problem.friction.resize(size);
-  ConnectivityBuilder<2> h(rows, 2 * contacts.size());
+  ConnectivityBuilder<D> h(rows, D * contacts.size());
   for (Index c = 0; c < size; ++c) {
-    const DiskContact& k = contacts[at(c)];
-    for (const LocalVector<2>& direction : contact_directions<2>())
+    const GrainContact<D>& k = contacts[at(c)];
+    for (const LocalVector<D>& direction : contact_directions<D>())
       h.add(k.normal, rows_of[at(k.a)], rows_of[at(k.b)], direction);
-    const LocalVector<2> w = relative_velocity(k, driven) + k.bias;
-    problem.w.segment<2>(2 * c) << w.n, w.t;
+    set_component<D>(problem.w, c, relative_velocity(k, driven) + k.bias);
     problem.friction[c] = k.friction;
   }
   problem.h = h.matrix();
   return problem;
 }
+
+template std::vector<GrainVelocity<2>> velocities_of(const StepProblem<2>&, const std::vector<GrainContact<2>>&);
+template std::vector<GrainVelocity<3>> velocities_of(const StepProblem<3>&, const std::vector<GrainContact<3>>&);
+template StepEnergy finish_step(const GranularSystem&, GranularState&, const StepProblem<2>&, const TimeStepping&,
+                                const std::vector<GrainContact<2>>&, const std::vector<GrainVelocity<2>>&);
+template StepEnergy finish_step(const GranularSystem&, GranularState&, const StepProblem<3>&, const TimeStepping&,
+                                const std::vector<GrainContact<3>>&, const std::vector<GrainVelocity<3>>&);
+template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<2>>&,
+                                                const std::vector<GrainContact<2>>&, std::span<const double>);
+template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<3>>&,
+                                                const std::vector<GrainContact<3>>&, std::span<const double>);
 
 }  // namespace nscdd

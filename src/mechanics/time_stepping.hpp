@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/disk_contacts.hpp"
 #include "mechanics/granular_system.hpp"
+#include <nscdd/core/components.hpp>
 #include <nscdd/core/fields.hpp>
 
 namespace nscdd {
@@ -19,7 +19,7 @@ struct TimeStepping {
   double step = 0.005;  ///< h, s
   Index steps = 100;
   double theta = 0.5;
-  std::array<double, 2> gravity{0, -9.81};
+  Components<double> gravity{0, -9.81};  ///< see gravity_of
   double alert = 0.05;
   double penetration_correction = 1;
   double maximum_push_speed = -1;  ///< m/s; see push_speed
@@ -31,7 +31,10 @@ struct TimeStepping {
     visit("steps", self.steps, Field{.description = "number of time steps", .minimum = 0, .maximum = 1e9});
     visit("theta", self.theta,
           Field{.description = "weight of the velocity at the end of a step", .minimum = 0.5, .maximum = 1});
-    visit("gravity", self.gravity, Field{.description = "acceleration of free grains", .unit = "m/s^2"});
+    visit(
+        "gravity", self.gravity,
+        Field{.description = "acceleration of free grains; by default downwards, along -y in the plane and -z in space",
+              .unit = "m/s^2"});
     visit("alert", self.alert,
           Field{.description = "contacts are considered whose gap is below this, or comes below it within the "
                                "step, times the smallest radius",
@@ -53,6 +56,17 @@ struct TimeStepping {
   }
 };
 
+/// Gravity in a system of dimension D. The default is downwards there: along -z in space.
+template <int D>
+Direction<D> gravity_of(const TimeStepping& scheme) {
+  if constexpr (D == 2)
+    return {scheme.gravity[0], scheme.gravity[1]};
+  else if (scheme.gravity == TimeStepping().gravity)
+    return {0, 0, scheme.gravity[1]};
+  else
+    return {scheme.gravity[0], scheme.gravity[1], scheme.gravity[2]};
+}
+
 /// Under a law that pulls, bodies touch if their gap at q_m is at most this part of the smaller radius: far more than
 /// rounding, unfinished iterations or a rolling contact leave, and far less than the alert distance, which must not be
 /// felt.
@@ -60,13 +74,14 @@ inline constexpr double touching_gap = 1e-3;
 
 /// Geometry of a contact considered in a step.
 struct StepContact {
-  Index a = 0, b = 0;              ///< disks a < b, or wall b = disks + w
-  std::array<double, 2> normal{};  ///< from a to b
-  std::array<double, 2> point{};   ///< middle of the centres of two disks; the foot on a wall, m
+  Index a = 0, b = 0;              ///< grains a < b, or wall b = disks + w
+  std::array<double, 3> normal{};  ///< from a to b; in the plane the third number is 0
+  std::array<double, 3> point{};   ///< middle of the centres of two grains; the foot on a wall, m
   double gap = 0;                  ///< m, at q_m
 };
 
-/// The contact problem of one step. Bodies are the disks, then one per wall contact, which moves as the wall there.
+/// The contact problem of one step. Bodies are the grains, then one per wall contact, which moves as the wall there.
+template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts
   double scale = 0;                            ///< W, the mean of the W_nn of the contacts, 1/kg; 0 without contacts
@@ -75,16 +90,17 @@ struct StepProblem {
   bool pulls = false;                          ///< whether the law pulls; then contacts that touch have a pull
   double h = 0;                                ///< s
   std::vector<StepContact> geometry;           ///< ascending by (a, b)
-  std::vector<DiskContact> contacts;           ///< the same contacts for the solver, impulses to start from
-  std::vector<DiskVelocity> start;             ///< V^- of the bodies (of driven ones: in this step)
-  std::vector<DiskVelocity> free;              ///< V^- + h M^-1 F
+  std::vector<GrainContact<D>> contacts;       ///< the same contacts for the solver, impulses to start from
+  std::vector<GrainVelocity<D>> start;         ///< V^- of the bodies (of driven ones: in this step)
+  std::vector<GrainVelocity<D>> free;          ///< V^- + h M^-1 F
 };
 
 /// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`, otherwise from
 /// zero. Throws Error naming the disk if one would move by more than ten of its radii in the step or has a velocity
 /// that is not finite, and naming both disks if two have the same centre.
-StepProblem prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
-                         const TimeStepping& scheme, bool warm_start);
+template <int D>
+StepProblem<D> prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                            const TimeStepping& scheme, bool warm_start);
 
 /// What was remembered of each contact, or null. Both lists ascend by (a, b).
 template <class Remembered>
@@ -113,10 +129,12 @@ inline constexpr double natural_push_speed = 0.02;
 inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
 
 /// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
-void check_overlaps(const GranularSystem& system, const StepProblem& problem, double largest);
+void check_overlaps(const GranularSystem& system, const std::vector<StepContact>& contacts, double largest);
 
 /// V_free + M^-1 H r for the impulses of the contacts.
-std::vector<DiskVelocity> velocities_of(const StepProblem& problem, std::span<const DiskContact> contacts);
+template <int D>
+std::vector<GrainVelocity<D>> velocities_of(const StepProblem<D>& problem,
+                                            const std::vector<GrainContact<D>>& contacts);
 
 /// What a step did to the energy of the free disks, J:
 ///     change of kinetic + potential = boundary_work - dissipation + numerical.
@@ -128,9 +146,10 @@ struct StepEnergy {
 };
 
 /// Ends a step with the impulses and velocities found: moves disks and boundaries, keeps the impulses.
-StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem& problem,
-                       const TimeStepping& scheme, std::span<const DiskContact> contacts,
-                       std::span<const DiskVelocity> velocities);
+template <int D>
+StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem<D>& problem,
+                       const TimeStepping& scheme, const std::vector<GrainContact<D>>& contacts,
+                       const std::vector<GrainVelocity<D>>& velocities);
 
 /// Kinetic and potential energy of the free disks.
 StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
@@ -140,15 +159,17 @@ struct Interpenetration {
   double maximum = 0, mean = 0;  ///< m, over the contacts that overlap; 0 if none does
   double relative = 0;           ///< the largest ratio of an overlap to the smaller radius of its two bodies
 };
-Interpenetration interpenetration(const GranularSystem& system, const StepProblem& problem);
+Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts);
 
 /// The contact problem of a step in the unknowns (v_x, v_y, spin) of its free bodies, three rows each in their order,
-/// as other programs have it:
-///     M = diag(m, m, m R^2 / 2),   f = M V_free,   M v = H r + f,   u = H^T v + w.
+/// in space (v, spin) with six, as other programs have it:
+///     M = diag(m, m, m R^2 / 2), in space diag(m, m, m, 2/5 m R^2 I_3),   f = M V_free,   M v = H r + f,   u = H^T v +
+///     w.
 /// The law acts on u: w holds its biases (gap / h, restitution) and the velocities of driven bodies, which have no
 /// rows. In the rows of spin a tangential column has the lever arm, -R. `bodies`: V_free and inverse masses. `radius`:
 /// of each body, m; it may end before the driven bodies at the end (walls have no radius).
-GlobalFrictionProblem friction_problem(std::span<const DiskVelocity> bodies, std::span<const DiskContact> contacts,
-                                       std::span<const double> radius);
+template <int D>
+GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodies,
+                                       const std::vector<GrainContact<D>>& contacts, std::span<const double> radius);
 
 }  // namespace nscdd

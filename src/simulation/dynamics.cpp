@@ -2,14 +2,52 @@
 #include "simulation/dynamics.hpp"
 
 #include "core/fail.hpp"
-#include "packing/plane.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nscdd {
 namespace {
 
-double length_of(const BoundarySpec& spec) { return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1]); }
+double length_of(const BoundarySpec& spec) {
+  return std::hypot(spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]);
+}
+
+bool is_plane_in_space(const BoundarySpec& spec) { return spec.shape == BoundaryShape::wall && spec.dimension == 3; }
+
+std::array<double, 3> unit(std::array<double, 3> vector) {
+  const double length = std::hypot(vector[0], vector[1], vector[2]);
+  for (double& one : vector) one /= length;
+  return vector;
+}
+
+Wall wall_of(const BoundarySpec& spec, Index boundary) {
+  if (is_plane_in_space(spec)) return {.point = spec.point, .normal = unit(spec.normal), .boundary = boundary};
+  if (spec.shape == BoundaryShape::cylinder)
+    return {.point = spec.from,
+            .normal = unit({spec.to[0] - spec.from[0], spec.to[1] - spec.from[1], spec.to[2] - spec.from[2]}),
+            .boundary = boundary,
+            .radius = spec.side == CylinderSide::inside ? spec.radius : -spec.radius};
+  const double length = length_of(spec);
+  return {.point = spec.from,
+          .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length, 0},
+          .boundary = boundary};
+}
+
+void require_dimension(const BoundarySpec& spec, Index dimension) {
+  const auto refuse = [&](std::string_view expected, std::string_view met) {
+    fail("boundary '{}': expected {} for a packing in {}, met {}", spec.name, expected,
+         dimension == 2 ? "the plane" : "space", met);
+  };
+  if (dimension == 2 && spec.shape == BoundaryShape::cylinder)
+    refuse("shape wall, disks or grains", to_string(spec.shape));
+  if (dimension == 3 && spec.shape == BoundaryShape::disks)
+    refuse("shape wall, cylinder or grains", to_string(spec.shape));
+  if (spec.dimension == 0 || spec.dimension == dimension) return;
+  if (spec.shape == BoundaryShape::wall)
+    refuse(dimension == 2 ? "a wall by from and to" : "a wall by point and normal, and a motion with three components",
+           dimension == 2 ? "one in space" : "one in the plane");
+  refuse(dimension == 2 ? "two components" : "three components", dimension == 2 ? "three" : "two");
+}
 
 void add_disks(GranularSystem& system, std::vector<double>& x, std::vector<double>& y, const BoundarySpec& spec,
                Index boundary) {
@@ -45,30 +83,27 @@ void drive_grains(GranularSystem& system, const BoundarySpec& spec, Index bounda
 }  // namespace
 
 GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
-  require_plane(packing, "dynamics");
   if (packing.mass.empty()) throw Error("dynamics: expected grains with masses, met a packing without");
   GranularScene result;
   GranularSystem& system = result.system;
+  system.dimension = packing.dimension();
   system.radius = packing.radius;
   system.mass = packing.mass;
   system.driven_by.assign(packing.radius.size(), -1);
   std::vector<double> x = packing.x, y = packing.y;
   for (const BoundarySpec& spec : dynamics.boundaries) {
     check(spec);
+    require_dimension(spec, system.dimension);
     const Index boundary = count(system.boundaries);
     system.boundaries.push_back({spec.name, spec.motion, spec.orientation});
-    if (spec.shape == BoundaryShape::wall) {
-      const double length = length_of(spec);
-      system.walls.push_back({.point = spec.from,
-                              .normal = {(spec.from[1] - spec.to[1]) / length, (spec.to[0] - spec.from[0]) / length},
-                              .boundary = boundary});
-    } else if (spec.shape == BoundaryShape::disks) {
+    if (spec.shape == BoundaryShape::disks)
       add_disks(system, x, y, spec, boundary);
-    } else {
+    else if (spec.shape == BoundaryShape::grains)
       drive_grains(system, spec, boundary, packing.size());
-    }
+    else
+      system.walls.push_back(wall_of(spec, boundary));
   }
-  result.state = initial_state(system, std::move(x), std::move(y));
+  result.state = initial_state(system, std::move(x), std::move(y), packing.z);
   check(system, result.state);
   return result;
 }
@@ -168,14 +203,39 @@ bool switches_models(const Dynamics& dynamics) {
   return dynamics.solver.model != SwitchedModel::none && has_effect(dynamics, "solver.switch");
 }
 
+Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains) {
+  Packing packing;
+  for (Index i = 0; i < grains; ++i) {
+    if (!system.free(i)) continue;
+    packing.x.push_back(state.x[at(i)]);
+    packing.y.push_back(state.y[at(i)]);
+    if (system.dimension == 3) packing.z.push_back(state.z[at(i)]);
+    packing.radius.push_back(system.radius[at(i)]);
+    packing.mass.push_back(system.mass[at(i)]);
+  }
+  return packing;
+}
+
 void check(const BoundarySpec& spec) {
   if (spec.shape == BoundaryShape::grains) return;
+  if (is_plane_in_space(spec)) {
+    const double length = std::hypot(spec.normal[0], spec.normal[1], spec.normal[2]);
+    if (!(length > 0) || !std::isfinite(length))
+      fail("boundary '{}': normal: expected a direction, met ({})", spec.name, fmt::join(spec.normal, ", "));
+    return;
+  }
   const double length = length_of(spec);
-  if (!(length > 0) || !std::isfinite(length))
-    fail("boundary '{}': from, to: expected distinct ends, met ({}, {}) and ({}, {})", spec.name, spec.from[0],
-         spec.from[1], spec.to[0], spec.to[1]);
+  if (!(length > 0) || !std::isfinite(length)) {
+    const auto place = [&](const std::array<double, 3>& p) {
+      return fmt::format("({})", fmt::join(std::span(p).first(spec.dimension == 3 ? 3 : 2), ", "));
+    };
+    fail("boundary '{}': from, to: expected distinct ends, met {} and {}", spec.name, place(spec.from), place(spec.to));
+  }
   if (spec.shape == BoundaryShape::wall) return;
-  if (!(spec.radius > 0)) fail("boundary '{}': radius: expected one > 0 of its disks, met {}", spec.name, spec.radius);
+  if (!(spec.radius > 0))
+    fail("boundary '{}': radius: expected one > 0 of {}, met {}", spec.name,
+         spec.shape == BoundaryShape::disks ? "its disks" : "the cylinder", spec.radius);
+  if (spec.shape == BoundaryShape::cylinder) return;
   constexpr double most = 1e7;
   if (!(length / spec.distance() < most))
     fail("boundary '{}': spacing: expected at most {} disks, met {} m in steps of {} m", spec.name, most, length,
@@ -184,19 +244,31 @@ void check(const BoundarySpec& spec) {
 
 namespace {
 
-std::string motion_lines(const Motion& motion) {
+// Two or three numbers.
+std::string components_text(const std::array<double, 3>& values, bool space) {
+  return space ? field_text(Components<double>(values)) : field_text(Components<double>(values[0], values[1]));
+}
+
+std::string motion_lines(const Motion& motion, bool space) {
   std::string text;
-  if (motion.centre != std::array<double, 2>{0, 0}) text += fmt::format("centre = {}\n", field_text(motion.centre));
+  if (motion.centre != std::array<double, 3>{0, 0, 0})
+    text += fmt::format("centre = {}\n", components_text(motion.centre, space));
   if (motion.velocity.empty()) return text;
+  const auto spin = [&](const RigidVelocity& v) {
+    return space ? components_text({v.spin_x, v.spin_y, v.spin}, true) : field_text(v.spin);
+  };
   if (motion.velocity.size() == 1 && motion.time.front() == 0) {
     const RigidVelocity& v = motion.velocity.front();
-    return text + fmt::format("velocity = [{}, {}]\nspin = {}\n", field_text(v.x), field_text(v.y), field_text(v.spin));
+    return text + fmt::format("velocity = {}\nspin = {}\n", components_text({v.x, v.y, v.z}, space), spin(v));
   }
   text += "motion = [";
   for (std::size_t k = 0; k < motion.velocity.size(); ++k) {
     const RigidVelocity& v = motion.velocity[k];
-    text += fmt::format("{}[{}, {}, {}, {}]", k == 0 ? "" : ", ", field_text(motion.time[k]), field_text(v.x),
-                        field_text(v.y), field_text(v.spin));
+    std::vector<double> entry{motion.time[k], v.x, v.y, v.spin};
+    if (space) entry = {motion.time[k], v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin};
+    std::string numbers;
+    for (const double number : entry) numbers += (numbers.empty() ? "" : ", ") + field_text(number);
+    text += fmt::format("{}[{}]", k == 0 ? "" : ", ", numbers);
   }
   return text + "]\n";
 }
@@ -218,14 +290,20 @@ std::string boundary_lines(const BoundarySpec& spec) {
   std::string text = fmt::format("name = {}\nshape = \"{}\"\n", field_text(spec.name), to_string(spec.shape));
   if (spec.shape == BoundaryShape::grains) {
     text += fmt::format("first = {}\nlast = {}\n", spec.first, spec.last);
+  } else if (is_plane_in_space(spec)) {
+    text +=
+        fmt::format("point = {}\nnormal = {}\n", components_text(spec.point, true), components_text(spec.normal, true));
   } else {
-    text += fmt::format("from = {}\nto = {}\n", field_text(spec.from), field_text(spec.to));
+    const bool space = spec.dimension == 3;
+    text += fmt::format("from = {}\nto = {}\n", components_text(spec.from, space), components_text(spec.to, space));
     if (spec.shape == BoundaryShape::disks)
       text += fmt::format("radius = {}\nspacing = {}\n", field_text(spec.radius), field_text(spec.spacing));
+    if (spec.shape == BoundaryShape::cylinder)
+      text += fmt::format("radius = {}\nside = \"{}\"\n", field_text(spec.radius), to_string(spec.side));
   }
   if (spec.orientation != Orientation::turning)
     text += fmt::format("orientation = \"{}\"\n", to_string(spec.orientation));
-  return text + motion_lines(spec.motion);
+  return text + motion_lines(spec.motion, spec.dimension == 3);
 }
 
 }  // namespace

@@ -13,18 +13,29 @@ namespace nscdd {
 
 /// What a boundary of a case is made of.
 enum class BoundaryShape {
-  wall,    ///< the straight line through `from` and `to`; grains on its left
-  disks,   ///< a row of disks from `from` to `to`, both ends included
-  grains,  ///< grains first ... last of the packing, driven as one rigid body
+  wall,      ///< in the plane the straight line through `from` and `to`, grains on its left; in space a plane
+  disks,     ///< a row of disks in the plane from `from` to `to`, both ends included
+  grains,    ///< grains first ... last of the packing, driven as one rigid body
+  cylinder,  ///< in space, about the axis through `from` and `to`, unbounded along it
 };
-constexpr auto names_of(BoundaryShape) { return std::to_array<std::string_view>({"wall", "disks", "grains"}); }
+constexpr auto names_of(BoundaryShape) {
+  return std::to_array<std::string_view>({"wall", "disks", "grains", "cylinder"});
+}
+
+/// Where a cylinder has grains.
+enum class CylinderSide { inside, outside };
+constexpr auto names_of(CylinderSide) { return std::to_array<std::string_view>({"inside", "outside"}); }
 
 /// A boundary as a case file describes it ([[boundary]]).
 struct BoundarySpec {
   std::string name;
   Choice<BoundaryShape> shape = BoundaryShape::wall;
-  std::array<double, 2> from{0, 0}, to{1, 0};  ///< m, wall and disks
-  double radius = 0;                           ///< m, disks
+  Index dimension = 0;                               ///< of its numbers: 2, 3, or 0 where it has none with components
+  std::array<double, 3> from{0, 0, 0}, to{1, 0, 0};  ///< m, disks and cylinder, and a wall in the plane
+  std::array<double, 3> point{0, 0, 0};              ///< m, of a wall in space
+  std::array<double, 3> normal{0, 0, 1};             ///< of a wall in space, to where its grains are, of any length
+  double radius = 0;                                 ///< m, disks and cylinder
+  Choice<CylinderSide> side = CylinderSide::inside;  ///< where the grains are of a cylinder
   double spacing = 0;          ///< m, largest distance of neighbouring centres, disks; 0: they touch (two radii)
   Index first = 0, last = -1;  ///< grains; negative from the end
   Motion motion;
@@ -57,12 +68,15 @@ void require_effect(const Dynamics& dynamics, std::string_view path, std::string
 /// Whether subdomains are switched from one model to another, if there are several.
 bool switches_models(const Dynamics& dynamics);
 
-/// Throws Error naming the boundary if a wall or a row of disks has no extent or a row has too many disks.
+/// Throws Error naming the boundary if a wall, an axis or a row of disks has no extent or a row has too many disks.
 void check(const BoundarySpec& spec);
+
+/// The free grains among the first so many, at rest where they are: those of a packing without what boundaries drive.
+Packing free_grains(const GranularSystem& system, const GranularState& state, Index grains);
 
 /// The system of a packing with masses and the boundaries of a case: grains, then disks of boundaries in
 /// their order. Throws Error naming the boundary if its shape has no extent, its radius or range of grains is
-/// impossible, or one of its grains is driven twice.
+/// impossible, one of its grains is driven twice, or it is made for another dimension than that of the packing.
 struct GranularScene {
   GranularSystem system;
   GranularState state;  ///< at time 0

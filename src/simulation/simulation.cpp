@@ -4,7 +4,7 @@
 #include "simulation/step_decomposition.hpp"
 #include "simulation/undivided_step.hpp"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 
@@ -15,31 +15,31 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-bool is_finite(const DiskVelocity& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rim); }
-
 // Contacts dissipate. Only driven bodies bring energy, which hand on their speed at most twice over, and pushes: a
 // contact whose bodies overlap does the work r_n times the speed at which it pushes them apart. (Speeds of pushes add
 // up along a chain of overlaps, but so do the impulses.) A step that ends with so many times as much energy as all of
 // these went wrong, even after few iterations.
 constexpr double energy_explosion = 10;
 
-double kinetic_energy(const std::vector<DiskVelocity>& velocities) {
+template <int D>
+double kinetic_energy(const std::vector<GrainVelocity<D>>& velocities) {
   double sum = 0;
-  for (const DiskVelocity& v : velocities)
-    if (v.inverse_mass > 0) sum += (v.x * v.x + v.y * v.y + v.rim * v.rim / rim_mass_ratio) / (2 * v.inverse_mass);
+  for (const GrainVelocity<D>& v : velocities)
+    if (v.inverse_mass > 0) sum += kinetic_energy(v);
   return sum;
 }
 
 // `contacts`: with their impulses.
-bool energy_exploded(const StepProblem& problem, const std::vector<DiskContact>& contacts,
-                     const std::vector<DiskVelocity>& velocities) {
-  double mass = 0, speed_squared = 0;  // of all free disks; of the fastest driven body or push
-  for (const DiskVelocity& v : problem.start) {
+template <int D>
+bool energy_exploded(const StepProblem<D>& problem, const std::vector<GrainContact<D>>& contacts,
+                     const std::vector<GrainVelocity<D>>& velocities) {
+  double mass = 0, speed_squared = 0;  // of all free grains; of the fastest driven body or push
+  for (const GrainVelocity<D>& v : problem.start) {
     if (v.inverse_mass > 0) mass += 1 / v.inverse_mass;
-    if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, v.x * v.x + v.y * v.y + v.rim * v.rim);
+    if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
   }
   double pushes = 0;
-  for (const DiskContact& c : contacts) {
+  for (const GrainContact<D>& c : contacts) {
     speed_squared = std::max(speed_squared, squared(c.bias));
     pushes += c.impulse.n * std::max(0.0, -c.bias.n);
   }
@@ -68,10 +68,11 @@ double criterion_value(Criterion criterion, const IterationRecord& record, const
 }
 
 // The next step; if there is none, `reason` says why.
-std::optional<SolvedStep> solve_or_explain(const Simulation& simulation, const IterationSink& sink,
-                                           std::string& reason) {
+template <int D>
+std::optional<AnySolvedStep> solve_or_explain(const Simulation& simulation, const IterationSink& sink,
+                                              std::string& reason) {
   try {
-    SolvedStep step = solve_step(simulation, sink);
+    SolvedStep<D> step = solve_step<D>(simulation, sink);
     if (!step.report.broke_down()) return step;
     const auto ended = step.energy_exploded ? "more energy than loads, boundaries and pushes can bring"
                                             : to_string(step.report.status);
@@ -144,16 +145,17 @@ bool IterationSink::looks_at(Index iteration) const {
   return every > 0 ? iteration % every == 0 : begins_interval(iteration, 10);
 }
 
-PreparedStep prepare_solution(const Simulation& simulation) {
+template <int D>
+PreparedStep<D> prepare_solution(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
   if (!simulation.processes.alone() && (!decomposes(solver.algorithm) || switches_models(simulation)))
     throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
   auto [problem, partition, parts] = simulation.processes.together([&] {
-    StepProblem whole = checked_problem(simulation);
+    StepProblem<D> whole = checked_problem<D>(simulation);
     Partition of_contacts = partition_step(simulation, whole);
     const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-    GranularDecomposition own = decompose(whole, of_contacts, solver.order, seed, simulation.processes);
+    GranularDecomposition<D> own = decompose(whole, of_contacts, solver.order, seed, simulation.processes);
     return std::tuple(std::move(whole), std::move(of_contacts), std::move(own));
   });
   StepReport report{.interface_size = parts.interface_size(), .scale = problem.scale};
@@ -163,10 +165,10 @@ PreparedStep prepare_solution(const Simulation& simulation) {
         solver.eta.optimal ? best_eta(simulation, problem, partition) : solver.eta.value.at_scale(problem.scale);
     enriched = enriched_operator(simulation, problem, partition, report.eta);
   }
-  GranularTwoStage iteration(std::move(parts), problem.law, solver, enriched);
+  GranularTwoStage<D> iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
   if (switches_models(simulation)) {
-    GranularTwoStage::Grains grains{{}, simulation.system.radius};
+    typename GranularTwoStage<D>::Grains grains{{}, simulation.system.radius};
     for (std::size_t i = 0; i < at(simulation.system.disks()); ++i)
       grains.centre.push_back({simulation.state.x[i], simulation.state.y[i]});
     iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{}, problem.scale,
@@ -178,7 +180,9 @@ PreparedStep prepare_solution(const Simulation& simulation) {
 namespace {
 
 // The iterations of a prepared step, until they end.
-void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& simulation, const IterationSink& sink) {
+template <int D>
+void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulation& simulation,
+             const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;
   StepReport& report = step.report;
   IterationWatch watch(solver);
@@ -226,10 +230,11 @@ void iterate(SolvedStep& step, GranularTwoStage& iteration, const Simulation& si
 
 }  // namespace
 
-SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
+template <int D>
+SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink) {
   const auto begin = Clock::now();
-  PreparedStep prepared = prepare_solution(simulation);
-  SolvedStep step;
+  PreparedStep<D> prepared = prepare_solution<D>(simulation);
+  SolvedStep<D> step;
   step.problem = std::move(prepared.problem);
   step.partition = std::move(prepared.partition);
   StepReport& report = step.report = prepared.report;
@@ -240,17 +245,23 @@ SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink) {
     iterate(step, prepared.iteration, simulation, sink);
   if (report.status == SolverStatus::given_up) return step;
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
-  if (!std::ranges::all_of(step.velocities, is_finite))
+  if (!std::ranges::all_of(step.velocities, is_finite<D>))
     report.status = SolverStatus::no_number;
   else if ((step.energy_exploded = energy_exploded(step.problem, step.contacts, step.velocities)))
     report.status = SolverStatus::diverged;
   report.step = simulation.state.step + 1;
   report.contacts = count(step.contacts);
-  report.overlap = interpenetration(simulation.system, step.problem);
+  report.overlap = interpenetration(simulation.system, step.problem.geometry);
   return step;
 }
 
-StepReport take_step(Simulation& simulation, const SolvedStep& step) {
+StepReport solved_report(const Simulation& simulation, const IterationSink& sink) {
+  return in_dimension(simulation.system,
+                      [&](auto dimension) { return solve_step<dimension()>(simulation, sink).report; });
+}
+
+template <int D>
+StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   StepReport report = step.report;
   report.energy = finish_step(simulation.system, simulation.state, step.problem, simulation.dynamics.time,
                               step.contacts, step.velocities);
@@ -269,20 +280,22 @@ StepReport take_step(Simulation& simulation, const SolvedStep& step) {
   return report;
 }
 
-std::string describe_breakdown(const Simulation& before, const SolvedStep& step) {
+template <int D>
+std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step) {
+  const auto place = [](const auto& point) { return fmt::format("({:.6g}) m", fmt::join(point, ", ")); };
   const auto name = [&](auto contact) {
     const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];
-    return fmt::format("contact of {} and {} at ({:.6g}, {:.6g}) m", body_name(before.system, c.a),
-                       body_name(before.system, c.b), c.point[0], c.point[1]);
+    return fmt::format("contact of {} and {} at {}", body_name(before.system, c.a), body_name(before.system, c.b),
+                       place(std::span(c.point).first(D)));
   };
-  const auto impulse = [](const DiskContact& c) { return std::hypot(c.impulse.n, c.impulse.t); };
+  const auto impulse = [](const GrainContact<D>& c) { return std::hypot(c.impulse.n, norm(c.impulse.t)); };
   const auto wrong = std::ranges::find_if_not(
       step.contacts, [](double size) { return std::isfinite(size); }, impulse);
   if (wrong != step.contacts.end()) return name(wrong) + ": the impulse is not finite";
   for (std::size_t i = 0; i < step.velocities.size(); ++i)
     if (!is_finite(step.velocities[i]))
-      return fmt::format("{} at ({:.6g}, {:.6g}) m: the velocity is not finite",
-                         body_name(before.system, static_cast<Index>(i)), before.state.x[i], before.state.y[i]);
+      return fmt::format("{}{}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
+                         i < before.state.x.size() ? " at " + place(centre_of<D>(before.state, i)) : "");
   if (step.contacts.empty()) return "no contact";
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
   return fmt::format("{}: largest impulse, {:.6g} N s", name(largest), impulse(*largest));
@@ -299,15 +312,27 @@ RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::ve
   const TimeStepping time = simulation.dynamics.time;
   while (simulation.state.step < time.steps && !at_rest(speeds, time.rest_speed)) {
     std::string reason;
-    const std::optional<SolvedStep> solved = solve_or_explain(simulation, sinks.iteration, reason);
+    const std::optional<AnySolvedStep> solved = in_dimension(simulation.system, [&](auto dimension) {
+      return solve_or_explain<dimension()>(simulation, sinks.iteration, reason);
+    });
     if (!solved) return {RunEnd::broke_down, reason};
-    if (solved->report.status == SolverStatus::given_up) return {RunEnd::stopped};
-    const StepReport report = take_step(simulation, *solved);
+    if (std::visit([](const auto& step) { return step.report.status; }, *solved) == SolverStatus::given_up)
+      return {RunEnd::stopped};
+    const StepReport report = std::visit([&](const auto& step) { return take_step(simulation, step); }, *solved);
     if (sinks.step) sinks.step(simulation, *solved, report);
     speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));
     if (!nscdd::report(sinks.monitor, simulation.state.step, time.steps)) return {RunEnd::stopped};
   }
   return {at_rest(speeds, time.rest_speed) ? RunEnd::at_rest : RunEnd::completed};
 }
+
+template PreparedStep<2> prepare_solution(const Simulation&);
+template SolvedStep<2> solve_step(const Simulation&, const IterationSink&);
+template StepReport take_step(Simulation&, const SolvedStep<2>&);
+template std::string describe_breakdown(const Simulation&, const SolvedStep<2>&);
+template PreparedStep<3> prepare_solution(const Simulation&);
+template SolvedStep<3> solve_step(const Simulation&, const IterationSink&);
+template StepReport take_step(Simulation&, const SolvedStep<3>&);
+template std::string describe_breakdown(const Simulation&, const SolvedStep<3>&);
 
 }  // namespace nscdd

@@ -94,11 +94,12 @@ struct StepReport {
 const ResultColumns<StepReport>& step_columns();  ///< of the group `summary` of a trajectory
 
 /// A step that is prepared, decomposed and solved, but not yet taken.
+template <int D>
 struct SolvedStep {
-  StepProblem problem;
-  Partition partition;                ///< of its contacts
-  std::vector<DiskContact> contacts;  ///< with their impulses
-  std::vector<DiskVelocity> velocities;
+  StepProblem<D> problem;
+  Partition partition;                    ///< of its contacts
+  std::vector<GrainContact<D>> contacts;  ///< with their impulses
+  std::vector<GrainVelocity<D>> velocities;
   std::vector<RememberedGluing> gluing;
   std::vector<RememberedModel> models;
   Vector interface_impulses;
@@ -106,29 +107,41 @@ struct SolvedStep {
   StepReport report;
 };
 
-/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step does, and naming both
-/// bodies if two overlap by more than `largest_overlap`.
+/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step does, naming both bodies if two
+/// overlap by more than `largest_overlap`, and for a system of another dimension than D.
+template <int D>
 struct PreparedStep {
-  StepProblem problem;
+  StepProblem<D> problem;
   Partition partition;                        ///< of its contacts
   std::optional<InterfaceOperator> enriched;  ///< X_eta of the enriched algorithm
   StepReport report;                          ///< what is known by now
-  GranularTwoStage iteration;
+  GranularTwoStage<D> iteration;
 };
-PreparedStep prepare_solution(const Simulation& simulation);
+template <int D = 2>
+PreparedStep<D> prepare_solution(const Simulation& simulation);
 
 /// Throws Error as prepare_solution does, at less cost: for the first step of a run, before anything is written.
 void check_next_step(const Simulation& simulation);
 
-/// Prepares and solves the next step without taking it. The iterations that `sink` looks at go to it.
-SolvedStep solve_step(const Simulation& simulation, const IterationSink& sink = {});
+/// Prepares and solves the next step without taking it. The iterations that `sink` looks at go to it. Throws Error for
+/// a system of another dimension than D.
+template <int D = 2>
+SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink = {});
+
+/// How the next step of a simulation of either dimension is solved, without taking it.
+StepReport solved_report(const Simulation& simulation, const IterationSink& sink = {});
 
 /// Takes a solved step, which moves the state on.
-StepReport take_step(Simulation& simulation, const SolvedStep& step);
+template <int D>
+StepReport take_step(Simulation& simulation, const SolvedStep<D>& step);
+
+/// A solved step of a simulation whose dimension is known when it runs.
+using AnySolvedStep = std::variant<SolvedStep<2>, SolvedStep<3>>;
 
 /// Where a solver broke down, by names and places: the first contact whose impulse is not finite, otherwise the first
 /// disk with such a velocity, otherwise the contact with the largest impulse. `before`: what the step was solved from.
-std::string describe_breakdown(const Simulation& before, const SolvedStep& step);
+template <int D>
+std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step);
 
 /// Why a run of a simulation ended.
 enum class RunEnd {
@@ -153,7 +166,7 @@ struct RunOutcome {
 struct RunSinks {
   IterationSink iteration;
   /// After each step taken, with the simulation behind it and the step as it was solved.
-  std::function<void(const Simulation& after, const SolvedStep& solved, const StepReport& report)> step;
+  std::function<void(const Simulation& after, const AnySolvedStep& solved, const StepReport& report)> step;
   Monitor monitor;  ///< after each step, of steps done and asked for
 };
 

@@ -7,57 +7,63 @@
 namespace nscdd {
 namespace {
 
-// The columns that statuses leave in the linear problem: of contacts that stick both, of those that slide the normal
+// The columns that statuses leave in the linear problem: of contacts that stick all, of those that slide the normal
 // one.
-std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses) {
+std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses, std::size_t dimension) {
   std::vector<char> kept;
-  for (const ContactStatus status : statuses)
-    kept.insert(kept.end(), {status != ContactStatus::open, status == ContactStatus::stick});
+  for (const ContactStatus status : statuses) {
+    kept.push_back(status != ContactStatus::open);
+    kept.insert(kept.end(), dimension - 1, status == ContactStatus::stick);
+  }
   return kept;
 }
 
 // The decomposition with the columns that impulses may use: a contact without friction has no tangential one. Others
 // would make Stage 2 too stiff, and the iterations diverge.
-Decomposition linear_parts(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
+template <int D>
+Decomposition linear_parts(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition) {
   Decomposition all = linear_decomposition(simulation, problem, partition);
   const bool always = !opens(problem.law);
-  std::vector<char> usable(2 * problem.contacts.size(), 1);
+  std::vector<char> usable(D * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
-    usable[2 * k + 1] = always || problem.contacts[k].friction > 0;
+    std::fill_n(usable.begin() + static_cast<Index>(D * k + 1), D - 1, always || problem.contacts[k].friction > 0);
   return std::ranges::count(usable, 0) == 0 ? all : restrict_contacts(all, usable);
 }
 
 // Columns of the contacts that carried an impulse in the last step. If there is no step before, all of them.
-std::vector<char> active_columns(const Simulation& simulation, const StepProblem& problem) {
-  if (simulation.state.impulses.empty()) return std::vector<char>(2 * problem.contacts.size(), 1);
+template <int D>
+std::vector<char> active_columns(const Simulation& simulation, const StepProblem<D>& problem) {
+  if (simulation.state.impulses.empty()) return std::vector<char>(D * problem.contacts.size(), 1);
   const auto last = remembered(simulation.state.impulses, problem.geometry);
   std::vector<ContactStatus> statuses(last.size(), ContactStatus::open);
   for (std::size_t k = 0; k < last.size(); ++k) {
     if (last[k] == nullptr) continue;
-    DiskContact contact = problem.contacts[k];
-    contact.impulse = last[k]->impulse;
+    GrainContact<D> contact = problem.contacts[k];
+    contact.impulse = recalled<D>(last[k]->impulse, contact.normal);
     statuses[k] = status_of(problem.law, contact);
   }
-  return columns_left_by(statuses);
+  return columns_left_by(statuses, D);
 }
 
 // The network that some undecomposed sweeps find for this step. It is near enough to the one at its end to
 // choose a flexibility by, and it is known for the first step too.
-std::vector<char> expected_columns(const StepProblem& problem) {
+template <int D>
+std::vector<char> expected_columns(const StepProblem<D>& problem) {
   const Partition whole{.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  GranularTwoStage iteration(decompose(problem, whole, ContactOrder::natural, 0), problem.law,
-                             {.gauss_seidel_sweeps = 100}, {});
+  GranularTwoStage<D> iteration(decompose(problem, whole, ContactOrder::natural, 0), problem.law,
+                                {.gauss_seidel_sweeps = 100}, {});
   iteration.start({});
   iteration.iterate();
-  return columns_left_by(iteration.statuses());
+  return columns_left_by(iteration.statuses(), D);
 }
 
 }  // namespace
 
-Decomposition linear_decomposition(const Simulation& simulation, const StepProblem& problem,
+template <int D>
+Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
                                    const Partition& partition) {
   const ReferenceProblem whole = reference_problem(problem, simulation.system.disks());
-  Decomposition parts = cut(whole, partition_of_columns(partition));
+  Decomposition parts = cut(whole, partition_of_columns(partition, D));
   const Processes& processes = simulation.processes;
   if (!processes.alone()) {
     const std::vector<Index> dealt = deal_out(parts.interface, partition, processes.size);
@@ -70,7 +76,8 @@ InertiaMethod stage_two_inertia(const Simulation& simulation) {
   return simulation.inertia.analyse ? simulation.inertia : multifrontal();
 }
 
-InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem& problem,
+template <int D>
+InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem<D>& problem,
                                     const Partition& partition, double eta) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
@@ -80,7 +87,8 @@ InterfaceOperator enriched_operator(const Simulation& simulation, const StepProb
       .at(eta);
 }
 
-double best_eta(const Simulation& simulation, const StepProblem& problem, const Partition& partition) {
+template <int D>
+double best_eta(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition) {
   const Decomposition all = linear_parts(simulation, problem, partition);
   const StepSolver& solver = simulation.dynamics.solver;
   const SpectralOptions options{.inertia = stage_two_inertia(simulation)};
@@ -91,5 +99,12 @@ double best_eta(const Simulation& simulation, const StepProblem& problem, const 
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found
   return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(problem)), options), stable);
 }
+
+template Decomposition linear_decomposition(const Simulation&, const StepProblem<2>&, const Partition&);
+template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<2>&, const Partition&, double);
+template double best_eta(const Simulation&, const StepProblem<2>&, const Partition&);
+template Decomposition linear_decomposition(const Simulation&, const StepProblem<3>&, const Partition&);
+template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<3>&, const Partition&, double);
+template double best_eta(const Simulation&, const StepProblem<3>&, const Partition&);
 
 }  // namespace nscdd

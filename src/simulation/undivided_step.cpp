@@ -2,6 +2,7 @@
 #include "simulation/undivided_step.hpp"
 
 #include "ddm/cut_contacts.hpp"
+#include "mechanics/contact_solvers/contact_blocks.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
 #include "simulation/step_decomposition.hpp"
 
@@ -13,19 +14,22 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Impulses of the contacts with the pull of each, which obey Coulomb's law.
-Vector shifted_impulses(const StepProblem& problem) {
-  Vector r(2 * count(problem.contacts));
+template <int D>
+Vector shifted_impulses(const StepProblem<D>& problem) {
+  Vector r(D * count(problem.contacts));
   for (Index c = 0; c < count(problem.contacts); ++c) {
-    const DiskContact& contact = problem.contacts[at(c)];
-    r.segment<2>(2 * c) << contact.impulse.n + contact.pull, contact.impulse.t;
+    const GrainContact<D>& contact = problem.contacts[at(c)];
+    set_component<D>(r, c, {contact.impulse.n + contact.pull, contact.impulse.t});
   }
   return r;
 }
 
-std::vector<DiskContact> with_impulses(std::vector<DiskContact> contacts, const Vector& shifted) {
-  for (std::size_t c = 0; c < contacts.size(); ++c)
-    contacts[c].impulse = {shifted[static_cast<Index>(2 * c)] - contacts[c].pull,
-                           shifted[static_cast<Index>(2 * c + 1)]};
+template <int D>
+std::vector<GrainContact<D>> with_impulses(std::vector<GrainContact<D>> contacts, const Vector& shifted) {
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    contacts[c].impulse = component<D>(shifted, static_cast<Index>(c));
+    contacts[c].impulse.n -= contacts[c].pull;
+  }
   return contacts;
 }
 
@@ -46,9 +50,10 @@ SolverStatus status_of_step(FrictionStatus status) {
   }
 }
 
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<DiskContact>& contacts) {
+template <int D>
+std::vector<ContactStatus> statuses_of(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts) {
   std::vector<ContactStatus> statuses;
-  for (const DiskContact& contact : contacts) statuses.push_back(status_of(law, contact));
+  for (const GrainContact<D>& contact : contacts) statuses.push_back(status_of(law, contact));
   return statuses;
 }
 
@@ -77,22 +82,24 @@ CutOptions cut_options(const StepSolver& solver, const InertiaMethod& inertia) {
 
 }  // namespace
 
-LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system) {
+template <int D>
+LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system) {
   LocalFrictionProblem problem = reduce(friction_problem(step.free, step.contacts, system.radius));
-  Vector pull = Vector::Zero(2 * problem.contacts());
-  for (Index c = 0; c < problem.contacts(); ++c) pull[2 * c] = step.contacts[at(c)].pull;
+  Vector pull = Vector::Zero(D * problem.contacts());
+  for (Index c = 0; c < problem.contacts(); ++c) pull[D * c] = step.contacts[at(c)].pull;
   problem.q -= problem.w * pull;
   return problem;
 }
 
-void solve_undivided(SolvedStep& step, const Simulation& simulation, const IterationSink& sink) {
+template <int D>
+void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;
-  const StepProblem& problem = step.problem;
+  const StepProblem<D>& problem = step.problem;
   StepReport& report = step.report;
   const auto start = Clock::now();
   const LocalFrictionProblem contacts = contact_problem(problem, simulation.system);
-  std::optional<CutContacts<2>> cut;
-  RelationSolver<2> linear;
+  std::optional<CutContacts<D>> cut;
+  RelationSolver<D> linear;
   if (decomposes(solver.algorithm)) {
     cut.emplace(linear_decomposition(simulation, problem, step.partition),
                 cut_options(solver, stage_two_inertia(simulation)));
@@ -104,7 +111,7 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
   const auto look = [&](const Vector& shifted) {
     const double before = seconds();
-    const std::vector<DiskContact> found = with_impulses(problem.contacts, shifted);
+    const std::vector<GrainContact<D>> found = with_impulses(problem.contacts, shifted);
     report.residual = contact_residual(problem.law, found, velocities_of(problem, found));
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
@@ -142,5 +149,10 @@ void solve_undivided(SolvedStep& step, const Simulation& simulation, const Itera
   step.velocities = velocities_of(problem, step.contacts);
   report.residual = contact_residual(problem.law, step.contacts, step.velocities);
 }
+
+template LocalFrictionProblem contact_problem(const StepProblem<2>&, const GranularSystem&);
+template void solve_undivided(SolvedStep<2>&, const Simulation&, const IterationSink&);
+template LocalFrictionProblem contact_problem(const StepProblem<3>&, const GranularSystem&);
+template void solve_undivided(SolvedStep<3>&, const Simulation&, const IterationSink&);
 
 }  // namespace nscdd

@@ -8,13 +8,15 @@ namespace nscdd {
 
 /// The contact problem of a prepared step, u = W r + q. With a law that pulls, r + pull are its impulses. The law must
 /// open.
-LocalFrictionProblem contact_problem(const StepProblem& step, const GranularSystem& system);
+template <int D>
+LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularSystem& system);
 
 /// Solves a prepared step by a contact solver (see solve_friction) on the contact problem of
 /// the whole packing, u = W r + q. Its tolerance is on the natural map. `maximum_iterations` bounds the matrices
 /// factorised, and 100 times as many the sweeps. The contacts of the law must open; with one that pulls, r + pull
 /// obeys Coulomb's law. Sets contacts, velocities, and of the report what the solver knows. An iteration is a check of
 /// the solver: ten sweeps, a step along a curve, or one of Newton's.
-void solve_undivided(SolvedStep& step, const Simulation& simulation, const IterationSink& sink);
+template <int D>
+void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink);
 
 }  // namespace nscdd

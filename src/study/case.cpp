@@ -75,6 +75,7 @@ std::vector<PrescribedVelocity> numbered(std::vector<PrescribedVelocity> prescri
 void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   ContactNetwork none;
   none.grains = packing.size();
+  none.dimension = packing.dimension();
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, packing);
   for (std::size_t k = 0; k < prescribed.size(); ++k)
     if (const Index grain = prescribed[k].grain; !start.system.free(grain))
@@ -82,9 +83,17 @@ void set_moving(const Case& one, const Packing& packing, GranularScene& start) {
   const Vector v = assemble(packing, none, prescribed, one.spec.loads).arriving_velocity;
   for (Index i = 0; i < packing.size(); ++i) {
     if (!start.system.free(i)) continue;
-    start.state.velocity_x[at(i)] = v[2 * i];
-    start.state.velocity_y[at(i)] = v[2 * i + 1];
+    start.state.velocity_x[at(i)] = v[none.dimension * i];
+    start.state.velocity_y[at(i)] = v[none.dimension * i + 1];
+    if (none.dimension == 3) start.state.velocity_z[at(i)] = v[none.dimension * i + 2];
   }
+}
+
+// The default is downwards in either dimension, see gravity_of. What is stated must fit.
+void require_gravity(const CaseSpec& spec, Index dimension) {
+  const Components<double>& gravity = spec.dynamics->time.gravity;
+  const bool stated = spec.lines.contains("dynamics.gravity") || gravity != TimeStepping().gravity;
+  if (stated) require_components(gravity, dimension, "dynamics.gravity");
 }
 
 }  // namespace
@@ -209,6 +218,10 @@ void check_dynamics(const CaseSpec& spec) {
 Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   check_dynamics(one.spec);
   const Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  require_gravity(one.spec, packing.dimension());
+  if (packing.dimension() == 3 && one.spec.dynamics->solver.model != SwitchedModel::none)
+    throw Error("solver.switch", "expected none with spheres in space, met " +
+                                     std::string(to_string(one.spec.dynamics->solver.model)));
   GranularScene start = scene(packing, *one.spec.dynamics);
   set_moving(one, packing, start);
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};

@@ -45,7 +45,9 @@ Index run_trials(const ObservedCase& work) {
     const Index step = work.table.steps[at(k / each)];
     if (!problem || k % each == 0) {
       const Simulation simulation = work.lead_in.at(work.one, step - 1, work.table.lead_in).simulation;
-      problem = contact_problem(checked_problem(simulation), simulation.system);
+      problem = in_dimension(simulation.system, [&](auto dimension) {
+        return contact_problem(checked_problem<dimension()>(simulation), simulation.system);
+      });
       grains = simulation.system.free_disks();
     }
     const auto go_on = [&] { return !(stopped = !report(work.monitor, k, total)); };

@@ -18,11 +18,11 @@ struct FrozenSystem {
   Vector right;
 };
 
-FrozenSystem frozen_system(const SolvedStep& step) {
+FrozenSystem frozen_system(const SolvedStep<2>& step) {
   const double alpha = frozen_proximal * step.problem.scale;
   FrozenSystem system{{}, Vector(2 * count(step.contacts))};
   for (Index c = 0; c < count(step.contacts); ++c) {
-    const DiskContact& contact = step.contacts[at(c)];
+    const GrainContact<2>& contact = step.contacts[at(c)];
     const ContactStatus status = status_of(step.problem.law, contact);
     const FrozenContact<2> frozen{.status = status, .slope = sliding_slope(status, contact.friction)};
     const ContactRelation<2> relation = relation_of(frozen, alpha, 0);
@@ -60,7 +60,7 @@ InterfaceIterations::Rival by_algorithm_1(Simulation simulation, StepAlgorithm a
                                 .tolerance = 1e-4,
                                 .warm_start = false,
                                 .eta = {}};
-  const StepReport report = solve_step(simulation).report;
+  const StepReport report = solved_report(simulation);
   return {report.last.iteration, report.status == SolverStatus::converged};
 }
 
@@ -68,7 +68,7 @@ InterfaceIterations::Rival by_admm(Simulation simulation) {
   StepSolver& solver = simulation.dynamics.solver;
   solver.algorithm = StepAlgorithm::two_stage_admm;
   solver.maximum_iterations = std::max<Index>(solver.maximum_iterations / 100, 1);  // 100 of these in each
-  const StepReport report = solve_step(simulation).report;
+  const StepReport report = solved_report(simulation);
   return {report.last.sweeps, report.status == SolverStatus::converged};
 }
 
@@ -76,18 +76,18 @@ InterfaceIterations::Rival by_admm(Simulation simulation) {
 
 InterfaceIterations interface_iterations(const Simulation& simulation) {
   const StepSolver& solver = simulation.dynamics.solver;
-  const SolvedStep step = solve_step(simulation);
+  const SolvedStep<2> step = solve_step(simulation);
   InterfaceIterations result;
   result.report = step.report;
   result.subdomains = step.partition.subdomains;
   result.systems = step.report.interface_systems;
-  for (const DiskContact& contact : step.contacts) {
+  for (const GrainContact<2>& contact : step.contacts) {
     const ContactStatus status = status_of(step.problem.law, contact);
     result.stick += status == ContactStatus::stick;
     result.slide += status != ContactStatus::stick && status != ContactStatus::open;
   }
   const Decomposition parts =
-      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition));
+      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition, 2));
   const FrozenSystem system = frozen_system(step);
   result.none = frozen_interface(parts, system, InterfaceNetwork::none, solver.interface_flexibility);
   result.all = frozen_interface(parts, system, InterfaceNetwork::all, solver.interface_flexibility);
@@ -95,7 +95,7 @@ InterfaceIterations interface_iterations(const Simulation& simulation) {
   Simulation undivided = simulation;
   undivided.partitioner = GridPartitioner{.grid = {1, 1}};
   undivided.state.decomposed_at = -1;
-  result.undivided_factorisations = solve_step(undivided).report.factorisations;
+  result.undivided_factorisations = solved_report(undivided).factorisations;
   result.generic = by_algorithm_1(simulation, StepAlgorithm::generic);
   result.enriched = by_algorithm_1(simulation, StepAlgorithm::enriched);
   result.admm = by_admm(simulation);

@@ -18,11 +18,13 @@ StepSolver plain_solver() {
 }
 
 void advance(Arrival& arrival) {
-  const SolvedStep step = solve_step(arrival.simulation);
-  if (step.report.broke_down())
-    fail("step {}: {}: {}", step.report.step, to_string(step.report.status),
-         describe_breakdown(arrival.simulation, step));
-  arrival.totals.add(take_step(arrival.simulation, step));
+  arrival.totals.add(in_dimension(arrival.simulation.system, [&](auto dimension) {
+    const auto step = solve_step<dimension()>(arrival.simulation);
+    if (step.report.broke_down())
+      fail("step {}: {}: {}", step.report.step, to_string(step.report.status),
+           describe_breakdown(arrival.simulation, step));
+    return take_step(arrival.simulation, step);
+  }));
 }
 
 }  // namespace
@@ -67,11 +69,11 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
   return arrival;
 }
 
-SolvedStep next_step(Simulation simulation, LeadInSolver solver) {
+SolvedStep<2> next_step(Simulation simulation, LeadInSolver solver) {
   StepSolver decomposing = simulation.dynamics.solver;
   if (!decomposes(decomposing.algorithm)) decomposing.algorithm = StepAlgorithm::generic;
   if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
-  SolvedStep step = solve_step(simulation);
+  SolvedStep<2> step = solve_step(simulation);
   simulation.dynamics.solver = std::move(decomposing);
   step.partition = partition_step(simulation, step.problem);
   return step;

@@ -51,6 +51,6 @@ class LeadIn {
 
 /// The next step after a state, solved as a lead-in solves it, but decomposed as the case says. A case with
 /// plain Gauss-Seidel is decomposed as for the generic algorithm.
-SolvedStep next_step(Simulation simulation, LeadInSolver solver);
+SolvedStep<2> next_step(Simulation simulation, LeadInSolver solver);
 
 }  // namespace nscdd

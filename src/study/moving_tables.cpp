@@ -32,7 +32,7 @@ KnownCells known_step(const StudyTable& table, Index row) {
 namespace {
 
 // Subdomains that hold each disk after a fresh decomposition of the present step.
-std::vector<std::set<Index>> memberships(const SolvedStep& step, Index disks) {
+std::vector<std::set<Index>> memberships(const SolvedStep<2>& step, Index disks) {
   std::vector<std::set<Index>> of_disk(at(disks));
   for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
     for (const Index i : {step.problem.geometry[k].a, step.problem.geometry[k].b})
@@ -102,10 +102,10 @@ const ResultColumns<ChainContact>& chain_columns() {
 Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& sink) {
   const Simulation simulation = simulation_at(work, steps);
   const GranularState& state = simulation.state;
-  const SolvedStep step = next_step(simulation, work.table.lead_in);
+  const SolvedStep<2> step = next_step(simulation, work.table.lead_in);
   const auto centre = [&](Index disk) { return std::array{state.x[at(disk)], state.y[at(disk)]}; };
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
-    const DiskContact& c = step.contacts[k];
+    const GrainContact<2>& c = step.contacts[k];
     const StepContact& g = step.problem.geometry[k];
     if (c.impulse.n == 0 && c.impulse.t == 0) continue;
     const bool wall = g.b >= simulation.system.disks();
@@ -148,8 +148,8 @@ const ResultColumns<Iteration>& solver_indicator_columns() {
 Index iterations(const ObservedCase& work, Index step, const Sink<Iteration>& sink) {
   const Simulation simulation = simulation_at(work, step - 1);
   std::vector<IterationRow> rows;
-  const SolvedStep solved = solve_step(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
-  const SolvedCase solver{work.one.spec.name, simulation, solved.report};
+  const StepReport solved = solved_report(simulation, {[&](const IterationRow& row) { rows.push_back(row); }});
+  const SolvedCase solver{work.one.spec.name, simulation, solved};
   // All of the first iterations, then about forty per decade: what a logarithmic axis can show.
   for (const IterationRow& row : rows)
     if (const Index i = row.record.iteration; i <= 20 || begins_interval(i, 40) || &row == &rows.back())
@@ -192,7 +192,8 @@ Index whole_run(const ObservedCase& work, Index steps, const Sink<WholeRun>& sin
   WholeRun run{{work.one.spec.name, own.simulation, own.totals.last}, steps, own.totals};
   for (Index i = 0; i < system.disks(); ++i) {
     if (!system.free(i)) continue;
-    const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)]);
+    const double along_z = system.dimension == 3 ? state.z[at(i)] - plain.z[at(i)] : 0;
+    const double distance = std::hypot(state.x[at(i)] - plain.x[at(i)], state.y[at(i)] - plain.y[at(i)], along_z);
     run.distance_mean += distance / static_cast<double>(system.free_disks());
     run.distance_maximum = std::max(run.distance_maximum, distance);
   }

@@ -107,8 +107,8 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
 PredictedObserved predicted_observed(const Simulation& simulation) {
   require_comparable(simulation.dynamics, simulation.partitioner);
   const StepSolver& solver = simulation.dynamics.solver;
-  PreparedStep step = prepare_solution(simulation);
-  const GranularDecomposition parts = step.iteration.parts();
+  PreparedStep<2> step = prepare_solution(simulation);
+  const GranularDecomposition<2> parts = step.iteration.parts();
   Stretches stretches;
   IterationWatch watch(solver);
   PredictedObserved result{.report = step.report};

@@ -18,7 +18,7 @@ constexpr Index sweeps_of_power = 100;  // in the power of the frozen iteration 
 constexpr double least_angle = 1e-12;   // sine between errors that are multiples of each other
 
 // The solution of the next step, as exact as rounding lets it be.
-SolvedStep solution_of(Simulation simulation) {
+SolvedStep<2> solution_of(Simulation simulation) {
   simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
                                 .criterion = Criterion::natural_map,
                                 .tolerance = rounding,
@@ -26,10 +26,10 @@ SolvedStep solution_of(Simulation simulation) {
   return solve_step(simulation);
 }
 
-void describe(RateAtSolution& result, const SolvedStep& solution) {
+void describe(RateAtSolution& result, const SolvedStep<2>& solution) {
   double squares = 0;
   std::vector<double> margins;
-  for (const DiskContact& contact : solution.contacts) {
+  for (const GrainContact<2>& contact : solution.contacts) {
     squares += squared(contact.impulse);
     margins.push_back(status_margin(solution.problem.law, contact, solution.velocities));
   }
@@ -66,7 +66,7 @@ Rate of_two_modes(const ErrorVector& e0, const ErrorVector& e1, const ErrorVecto
 // A run next to a solution, from a tenth of it to the next.
 class NearbyRun {
  public:
-  NearbyRun(GranularTwoStage& iteration, Vector solution, Index iterations)
+  NearbyRun(GranularTwoStage<2>& iteration, Vector solution, Index iterations)
       : iteration_(iteration),
         solution_(std::move(solution)),
         length_(std::max<Index>(1, iterations / parts_of_run)),
@@ -109,7 +109,7 @@ class NearbyRun {
     }
   }
 
-  GranularTwoStage& iteration_;
+  GranularTwoStage<2>& iteration_;
   Vector solution_, end_, error_;  // states: of the solution, where a part takes it, and what is added to it
   Vector end_velocities_;
   std::vector<ContactStatus> statuses_;
@@ -141,7 +141,8 @@ void observe(RateAtSolution& result, NearbyRun& run) {
 
 }  // namespace
 
-double status_margin(const ContactLaw& law, const DiskContact& contact, const std::vector<DiskVelocity>& velocities) {
+double status_margin(const ContactLaw& law, const GrainContact<2>& contact,
+                     const std::vector<GrainVelocity<2>>& velocities) {
   const LocalVector<2> stop = stopping_impulse(contact, velocities);
   const double n = stop.n + contact.pull;
   const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
@@ -149,7 +150,7 @@ double status_margin(const ContactLaw& law, const DiskContact& contact, const st
   return rubs ? std::min(n, std::abs(contact.friction * n - std::abs(stop.t))) : n;
 }
 
-Vector restart_at(GranularTwoStage& iteration, const std::vector<DiskContact>& contacts) {
+Vector restart_at(GranularTwoStage<2>& iteration, const std::vector<GrainContact<2>>& contacts) {
   const Index unknowns = iteration.parts().interface_size();
   Vector z = Vector::Zero(2 * count(contacts) + unknowns);
   for (std::size_t c = 0; c < contacts.size(); ++c)
@@ -163,8 +164,8 @@ Vector restart_at(GranularTwoStage& iteration, const std::vector<DiskContact>& c
 RateAtSolution rate_at_solution(const Simulation& simulation) {
   require_comparable(simulation.dynamics, simulation.partitioner);
   const StepSolver& solver = simulation.dynamics.solver;
-  PreparedStep step = prepare_solution(simulation);
-  const SolvedStep solution = solution_of(simulation);
+  PreparedStep<2> step = prepare_solution(simulation);
+  const SolvedStep<2> solution = solution_of(simulation);
   RateAtSolution result{.report = solution.report};
   result.report.interface_size = step.report.interface_size;
   result.report.eta = step.report.eta;
@@ -183,7 +184,7 @@ RateAtSolution rate_at_solution(const Simulation& simulation) {
   result.slide = result.active - result.stick;
   observe(result, run);
 
-  const GranularDecomposition& parts = step.iteration.parts();
+  const GranularDecomposition<2>& parts = step.iteration.parts();
   const Index sweeps = solver.gauss_seidel_sweeps;
   const MapRadius frozen =
       frozen_radius(FrozenIteration(parts, statuses, sweeps, step.enriched, solver.interface_relaxation), {},

@@ -38,9 +38,10 @@ RateAtSolution rate_at_solution(const Simulation& simulation);
 
 /// How far a contact is from another status, N s: with the impulse s that would stop it, r_n = max(0, s_n) and r_t is
 /// s_t clamped to friction r_n, so the nearest of the corners s_n = 0 and |s_t| = friction s_n counts.
-double status_margin(const ContactLaw& law, const DiskContact& contact, const std::vector<DiskVelocity>& velocities);
+double status_margin(const ContactLaw& law, const GrainContact<2>& contact,
+                     const std::vector<GrainVelocity<2>>& velocities);
 
 /// Takes Algorithm 1 to the impulses of solved contacts, step 2 above; returns its state.
-Vector restart_at(GranularTwoStage& iteration, const std::vector<DiskContact>& solved);
+Vector restart_at(GranularTwoStage<2>& iteration, const std::vector<GrainContact<2>>& solved);
 
 }  // namespace nscdd

@@ -8,7 +8,7 @@ namespace {
 // A step of a run that switches models, beside the same step, from the same state, without.
 struct SwitchedStep {
   SolvedCase solver;
-  SolvedStep switched, plain;
+  SolvedStep<2> switched, plain;
 
   const StepReport& report() const { return switched.report; }
   // Part of the contacts in switched subdomains, in the mean over the iterations or at the end.
@@ -44,9 +44,9 @@ double SwitchedStep::largest(double RememberedModel::*distance) const {
 // |V - V'| / max(|V'|, |V_free|) over the free bodies: those of a packing at rest hardly move.
 double SwitchedStep::velocity_error() const {
   double error = 0, speed = 0, free_speed = 0;
-  const auto squared = [](const DiskVelocity& v) { return v.x * v.x + v.y * v.y + v.rim * v.rim; };
+  const auto squared = [](const GrainVelocity<2>& v) { return v.x * v.x + v.y * v.y + v.rim * v.rim; };
   for (std::size_t i = 0; i < plain.velocities.size(); ++i) {
-    const DiskVelocity &a = switched.velocities[i], &b = plain.velocities[i];
+    const GrainVelocity<2>&a = switched.velocities[i], &b = plain.velocities[i];
     if (b.inverse_mass == 0) continue;
     error += squared({a.x - b.x, a.y - b.y, a.rim - b.rim});
     speed += squared(b);

@@ -216,11 +216,8 @@ TEST_CASE("space: a study of a file with z takes tolerances of its columns along
   CHECK(network.number(0, "z_a") == 0);
 }
 
-TEST_CASE("space: spheres do not move yet and have no page: both are refused") {
+TEST_CASE("space: spheres have no page yet: it is refused") {
   const Session session;
   session.file("fcc.toml", lattice);
-  session.file("moving.toml", "[packing]\ngenerator = \"fcc\"\n[partition]\ngrid = [2, 2, 2]\n[dynamics]\nsteps = 1\n");
-  check_refused(session, "simulate moving.toml -o run.h5",
-                {"dynamics", "expected disks in the plane", "met spheres in space"});
   check_refused(session, "report fcc.toml -o page.html", {"report", "expected disks in the plane"});
 }

@@ -52,10 +52,10 @@ Simulation box_with_turning_walls(Index grains, Index seed) {
 }
 
 // M^1/2 V of the free bodies of all subdomains, as FrozenIteration has it.
-Vector scaled_velocities(const GranularDecomposition& parts) {
+Vector scaled_velocities(const GranularDecomposition<2>& parts) {
   std::vector<double> y;
-  for (const GranularSubdomain& subdomain : parts.subdomains)
-    for (const DiskVelocity& v : subdomain.velocities) {
+  for (const GranularSubdomain<2>& subdomain : parts.subdomains)
+    for (const GrainVelocity<2>& v : subdomain.velocities) {
       if (v.inverse_mass == 0) continue;
       const double root = std::sqrt(1 / v.inverse_mass);
       y.insert(y.end(), {root * v.x, root * v.y, root * v.rim / std::sqrt(2.0)});
@@ -63,9 +63,9 @@ Vector scaled_velocities(const GranularDecomposition& parts) {
   return Eigen::Map<const Vector>(y.data(), count(y));
 }
 
-std::vector<ContactStatus> statuses_of(const GranularTwoStage& iteration, const ContactLaw& law, std::size_t n) {
+std::vector<ContactStatus> statuses_of(const GranularTwoStage<2>& iteration, const ContactLaw& law, std::size_t n) {
   std::vector<ContactStatus> result(n);
-  for (const GranularSubdomain& subdomain : iteration.parts().subdomains)
+  for (const GranularSubdomain<2>& subdomain : iteration.parts().subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
       result[at(subdomain.numbers[k])] = status_of(law, subdomain.contacts.contact(k, subdomain.velocities));
   return result;
@@ -78,12 +78,12 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = "generic";
   const Simulation simulation = shaken_lattice(6, 5, dynamics, {2, 2});
-  const StepProblem problem = prepare_step(simulation.system, simulation.state, simulation.dynamics.interaction,
-                                           simulation.dynamics.time, false);
+  const StepProblem<2> problem = prepare_step<2>(simulation.system, simulation.state, simulation.dynamics.interaction,
+                                                 simulation.dynamics.time, false);
   const Partition partition = partition_step(simulation, problem);
-  const GranularDecomposition parts = decompose(problem, partition, "natural", 1);
+  const GranularDecomposition<2> parts = decompose(problem, partition, "natural", 1);
   const Decomposition linear =
-      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+      decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition, 2));
   const std::vector<ContactStatus> stick(problem.contacts.size(), ContactStatus::stick);
   REQUIRE(parts.interface_size() > 20);
   const Matrix generic = dense(contraction(linear, Generic{}, LinearViscous{.epsilon = 0}));
@@ -101,9 +101,9 @@ TEST_CASE("frozen contraction: all contacts stick, it is the rigid contraction o
 TEST_CASE("frozen iteration: many sweeps are an exact Stage 1, with sliding contacts too") {
   // Contacts of a deposit that touch are as many as it needs: no network is close to a dependent one.
   const Simulation simulation = sheared_box(30, {2, 1});
-  const StepProblem problem = prepare_step(simulation.system, simulation.state, simulation.dynamics.interaction,
-                                           simulation.dynamics.time, false);
-  const GranularDecomposition parts = decompose(problem, partition_step(simulation, problem), "natural", 1);
+  const StepProblem<2> problem = prepare_step<2>(simulation.system, simulation.state, simulation.dynamics.interaction,
+                                                 simulation.dynamics.time, false);
+  const GranularDecomposition<2> parts = decompose(problem, partition_step(simulation, problem), "natural", 1);
   for (const auto& sliding : {std::vector<ContactStatus>{ContactStatus::slide_forward},
                               {ContactStatus::slide_forward, ContactStatus::slide_backward},
                               {ContactStatus::slide_backward, ContactStatus::slide_backward,
@@ -124,9 +124,9 @@ TEST_CASE("frozen iteration: with sliding contacts, changes of the velocities of
   for (const Index sweeps : {1, 3}) {
     Simulation simulation = sheared_box(60, {2, 1});
     simulation.dynamics.solver.gauss_seidel_sweeps = sweeps;
-    PreparedStep step = prepare_solution(simulation);
+    PreparedStep<2> step = prepare_solution(simulation);
     const ContactLaw law = step.problem.law;
-    const GranularDecomposition parts = step.iteration.parts();
+    const GranularDecomposition<2> parts = step.iteration.parts();
     const std::size_t n = step.problem.contacts.size();
     int compared = 0, sliding = 0;
     std::vector<std::vector<ContactStatus>> statuses;
@@ -202,20 +202,21 @@ TEST_CASE("the solution of a step, cut into subdomains, is a fixed point of Algo
         Simulation simulation = box_with_turning_walls(60, 2);
         StepSolver& solver = simulation.dynamics.solver;
         solver = {.algorithm = "auto", .criterion = Criterion::natural_map, .tolerance = 1e-13, .eta = "0.1"};
-        const SolvedStep solution = solve_step(simulation);
+        const SolvedStep<2> solution = solve_step(simulation);
         REQUIRE(solution.report.residual.relative_natural_map() < 1e-12);
         simulation.partitioner = GridPartitioner{grid};
         solver.algorithm = algorithm;
         solver.gauss_seidel_sweeps = sweeps;
-        PreparedStep step = prepare_solution(simulation);
+        PreparedStep<2> step = prepare_solution(simulation);
         const Vector z = restart_at(step.iteration, solution.contacts);
         REQUIRE(z.tail(step.report.interface_size).norm() > 0.1 * z.norm());
         CHECK((step.iteration.state() - z).norm() < 1e-14 * z.norm());
         // Every copy has the velocity of its grain in the undivided packing.
         const double speed = largest_speed(solution.velocities, simulation.system.disks());
-        for (const GranularSubdomain& subdomain : step.iteration.parts().subdomains)
+        for (const GranularSubdomain<2>& subdomain : step.iteration.parts().subdomains)
           for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
-            const DiskVelocity &copy = subdomain.velocities[i], &whole = solution.velocities[at(subdomain.bodies[i])];
+            const GrainVelocity<2>&copy = subdomain.velocities[i],
+                  &whole = solution.velocities[at(subdomain.bodies[i])];
             CHECK(std::hypot(copy.x - whole.x, copy.y - whole.y, copy.rim - whole.rim) < 1e-12 * speed);
           }
         for (int k = 0; k < 20; ++k) step.iteration.iterate();
@@ -256,8 +257,8 @@ TEST_CASE("next to the solution of a step the rate of Algorithm 1 is the radius 
 }
 
 TEST_CASE("margin of a status: what an impulse or a velocity lacks to the next corner of the law") {
-  std::vector<DiskVelocity> v{{.inverse_mass = 0}, {.inverse_mass = 2}};
-  DiskContact c{.a = 0, .b = 1, .normal = {0, 1}, .inverse_w = disk_delassus(v[0], v[1]), .friction = 0.5};
+  std::vector<GrainVelocity<2>> v{{.inverse_mass = 0}, {.inverse_mass = 2}};
+  GrainContact<2> c{.a = 0, .b = 1, .normal = {0, 1}, .inverse_w = grain_delassus(v[0], v[1]), .friction = 0.5};
   const auto margin = [&](const ContactLaw& law) { return status_margin(law, c, v); };
   v[1].y = 3;  // parts at 3 m/s; W_nn is 2/kg, W_tt 6/kg
   CHECK(margin(Coulomb{}) == doctest::Approx(1.5));

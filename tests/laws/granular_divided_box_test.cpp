@@ -61,7 +61,7 @@ Simulation falling_box(const std::string& law) {
 }
 
 // Driven bodies that contacts of several subdomains touch.
-Index shared_driven_bodies(const StepProblem& problem, const GranularDecomposition& parts) {
+Index shared_driven_bodies(const StepProblem<2>& problem, const GranularDecomposition<2>& parts) {
   Index shared = 0;
   for (std::size_t i = 0; i < problem.free.size(); ++i)
     shared += problem.free[i].inverse_mass == 0 && parts.interface.multiplicity(static_cast<Index>(i)) > 1;
@@ -78,7 +78,7 @@ Simulation divided(const Simulation& whole, std::array<Index, 2> grid, const std
 
 // The columns that contacts had in the last step: none, the normal one where they slid, both where they
 // stuck.
-std::vector<char> columns_of_last_step(const Simulation& simulation, const StepProblem& problem) {
+std::vector<char> columns_of_last_step(const Simulation& simulation, const StepProblem<2>& problem) {
   std::vector<char> kept;
   for (std::size_t k = 0; k < problem.contacts.size(); ++k) {
     const LocalVector<2> r = impulse_between(simulation.state, problem.geometry[k].a, problem.geometry[k].b);
@@ -95,8 +95,8 @@ TEST_CASE("driven disks across the cuts: what is glued is free, each further cop
   for (const std::array<Index, 2> grid : {std::array<Index, 2>{2, 1}, {1, 2}, {2, 2}, {3, 3}}) {
     CAPTURE(grid[0]);
     CAPTURE(grid[1]);
-    const PreparedStep step = prepare_solution(divided(whole, grid, "generic"));
-    const GranularDecomposition& parts = step.iteration.parts();
+    const PreparedStep<2> step = prepare_solution(divided(whole, grid, "generic"));
+    const GranularDecomposition<2>& parts = step.iteration.parts();
     CHECK(shared_driven_bodies(step.problem, parts) > 0);
     std::vector<Index> glued(step.problem.free.size(), 0);
     for (const Gluing& one : parts.interface.gluing()) {
@@ -122,7 +122,7 @@ TEST_CASE("driven disks, gravity, several sizes, no friction: any division comes
       CAPTURE(algorithm);
       Simulation simulation = divided(whole, grid, algorithm);
       simulation.dynamics.solver.eta = "0.05";  // grains weigh 80 to 300 kg
-      const PreparedStep prepared = prepare_solution(simulation);
+      const PreparedStep<2> prepared = prepare_solution(simulation);
       CHECK(shared_driven_bodies(prepared.problem, prepared.iteration.parts()) > 0);
       const Close step = closely(simulation);
       CHECK(step.interface_size > 0);
@@ -158,7 +158,7 @@ TEST_CASE("driven disks, gravity, several sizes, friction: any division meets th
 TEST_CASE("friction, network active: Stage 2 has the columns that open, sliding and sticking contacts left") {
   Simulation simulation = divided(falling_box("coulomb"), {2, 2}, "enriched");
   simulation.dynamics.solver.network = "active";
-  const PreparedStep step = prepare_solution(simulation);
+  const PreparedStep<2> step = prepare_solution(simulation);
   const double eta = 0.2;
   const std::vector<char> columns = columns_of_last_step(simulation, step.problem);
   Index open = 0, slide = 0, stick = 0;
@@ -167,7 +167,7 @@ TEST_CASE("friction, network active: Stage 2 has the columns that open, sliding 
   CHECK(slide > 0);
   CHECK(stick > 0);
   const Decomposition linear =
-      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition));
+      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition, 2));
   const InterfaceOperator expected = InterfaceFamily(restrict_contacts(linear, columns)).at(eta);
   const InterfaceOperator met = enriched_operator(simulation, step.problem, step.partition, eta);
   const InterfaceOperator all = InterfaceFamily(linear).at(eta);

@@ -26,13 +26,13 @@ double angular_momentum(const GranularSystem& system, const std::vector<double>&
 
 // sum r_n |d| (1 - cos phi) / 2h over the contacts of two disks, phi the angle by which the line of centres
 // turned since the last step, |d| its length then.
-double gain_of_turning_normals(const GranularSystem& system, const SolvedStep& step) {
+double gain_of_turning_normals(const GranularSystem& system, const SolvedStep<2>& step) {
   double sum = 0;
   for (std::size_t k = 0; k < step.contacts.size(); ++k) {
     const StepContact& c = step.problem.geometry[k];
     if (c.b >= system.disks()) continue;
     const double length = system.radius[at(c.a)] + system.radius[at(c.b)] + c.gap, h = step.problem.h;
-    const DiskVelocity &a = step.problem.start[at(c.a)], &b = step.problem.start[at(c.b)];
+    const GrainVelocity<2>&a = step.problem.start[at(c.a)], &b = step.problem.start[at(c.b)];
     const double dx = length * c.normal[0] - h * (b.x - a.x), dy = length * c.normal[1] - h * (b.y - a.y);
     sum += step.contacts[k].impulse.n * (std::hypot(dx, dy) - c.normal[0] * dx - c.normal[1] * dy) / (2 * h);
   }
@@ -43,9 +43,9 @@ double gain_of_turning_normals(const GranularSystem& system, const SolvedStep& s
 // (w = v where they part), r.w <= 0 and W r = v - v^-, the dissipation -r.(v + v^-)/2 is at least
 //     (1 - e)/(1 + e) r.W r/2 - e/(1 + e) sum r_n max(0, v_n^-),
 // the sum over contacts that parted and are pressed together by others.
-double least_dissipation(const SolvedStep& step, double e) {
+double least_dissipation(const SolvedStep<2>& step, double e) {
   double work = 0, pressed = 0;
-  for (const DiskContact& c : step.contacts) {
+  for (const GrainContact<2>& c : step.contacts) {
     const LocalVector<2> before = relative_velocity(c, step.problem.start);
     const LocalVector<2> after = relative_velocity(c, step.velocities);
     work += c.impulse.n * (after.n - before.n) + c.impulse.t * (after.t - before.t);
@@ -94,7 +94,7 @@ TEST_CASE("no gravity, no boundary: energy only falls, by what friction and impa
     double energy = total_energy(energy_of(simulation.system, simulation.state, dynamics.time));
     const double scale = energy;
     for (int k = 0; k < 25; ++k) {
-      const SolvedStep solved = solve_step(simulation);
+      const SolvedStep<2> solved = solve_step(simulation);
       const double least = least_dissipation(solved, restitution);
       const StepReport report = take_step(simulation, solved);
       REQUIRE(report.residual.relative_natural_map() < 1e-4);
@@ -146,7 +146,7 @@ TEST_CASE("default settings: a falling heap without friction gains at most what 
   const double start = total_energy(energy_of(simulation.system, simulation.state, dynamics.time));
   double energy = start;
   for (int k = 0; k < 100; ++k) {
-    const SolvedStep step = solve_step(simulation);
+    const SolvedStep<2> step = solve_step(simulation);
     REQUIRE(step.report.status == SolverStatus::converged);
     const double allowed = gain_of_turning_normals(simulation.system, step);
     const StepReport report = take_step(simulation, step);
@@ -172,7 +172,7 @@ TEST_CASE("angular momentum at q_m changes by r_t times the gap of each contact,
       y[i] += dynamics.time.step / 2 * simulation.state.velocity_y[i];
     }
     const double before = angular_momentum(simulation.system, x, y, simulation.state);
-    const SolvedStep step = solve_step(simulation);
+    const SolvedStep<2> step = solve_step(simulation);
     double expected = 0;
     for (std::size_t c = 0; c < step.contacts.size(); ++c)
       expected += step.contacts[c].impulse.t * step.problem.geometry[c].gap;
@@ -283,7 +283,7 @@ TEST_CASE("a uniform velocity of everything changes nothing but itself") {
   still.dynamics.solver.algorithm = "generic";
   Simulation carried = still;
   for (double& v : carried.state.velocity_x) v += 3;
-  const SolvedStep a = solve_step(still), b = solve_step(carried);
+  const SolvedStep<2> a = solve_step(still), b = solve_step(carried);
   REQUIRE(a.contacts.size() == b.contacts.size());
   for (std::size_t k = 0; k < a.contacts.size(); ++k)
     CHECK(std::abs(a.contacts[k].impulse.n - b.contacts[k].impulse.n) < 1e-11);

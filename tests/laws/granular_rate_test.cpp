@@ -20,7 +20,7 @@ namespace {
 // A lattice of random velocities; what the law adds to v is left out, so that the step is linear.
 struct LinearStep {
   Simulation simulation;
-  StepProblem problem;
+  StepProblem<2> problem;
   Partition partition;
   Decomposition parts;  // the same, for the spectral code
 
@@ -29,13 +29,13 @@ struct LinearStep {
     dynamics.solver.algorithm = "generic";
     if (with_floor) dynamics.boundaries = {wall("floor", {0, -0.5}, {1, -0.5})};
     simulation = shaken_lattice(5, 5, dynamics, grid);
-    problem = prepare_step(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
-    for (DiskContact& c : problem.contacts) c.bias.n = 0;
+    problem = prepare_step<2>(simulation.system, simulation.state, dynamics.interaction, dynamics.time, false);
+    for (GrainContact<2>& c : problem.contacts) c.bias.n = 0;
     partition = partition_step(simulation, problem);
-    parts = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition));
+    parts = decompose(reference_problem(problem, simulation.system.disks()), partition_of_columns(partition, 2));
   }
 
-  GranularTwoStage iteration(double epsilon, double eta, Index sweeps, double omega = 1) const {
+  GranularTwoStage<2> iteration(double epsilon, double eta, Index sweeps, double omega = 1) const {
     StepSolver solver = swept().solver;
     solver.gauss_seidel_sweeps = sweeps;
     solver.interface_relaxation = omega;
@@ -44,7 +44,7 @@ struct LinearStep {
       solver.algorithm = "enriched";
       enriched = InterfaceFamily(parts).at(eta);
     }
-    GranularTwoStage result(decompose(problem, partition, "natural", 1), LinearViscous{epsilon}, solver, enriched);
+    GranularTwoStage<2> result(decompose(problem, partition, "natural", 1), LinearViscous{epsilon}, solver, enriched);
     result.start({});
     return result;
   }
@@ -56,7 +56,7 @@ Scheme scheme_of(double eta) {
 }
 
 // |change of F| from one iteration to the next when it has become small, mean of ten ratios.
-double observed_rate(GranularTwoStage iteration, Index most) {
+double observed_rate(GranularTwoStage<2> iteration, Index most) {
   Vector before = iteration.interface_impulses(), change;
   double first = 0, last = 0;
   std::vector<double> logarithms;
@@ -86,7 +86,7 @@ TEST_CASE("linear law, exact Stage 1: changes of F follow the contraction operat
           CAPTURE(omega);
           const LinearStep step(grid, with_floor);
           const double epsilon = 1.0;
-          GranularTwoStage iteration = step.iteration(epsilon, eta, 400, omega);
+          GranularTwoStage<2> iteration = step.iteration(epsilon, eta, 400, omega);
           Contraction b = contraction(step.parts, scheme_of(eta), LinearViscous{epsilon});
           b.relaxation = omega;
           REQUIRE(b.rows() == iteration.interface_impulses().size());
@@ -113,7 +113,7 @@ TEST_CASE("linear law, exact Stage 1: changes of F shrink by at most the spectra
       const double epsilon = 0.4;
       const Contraction b = contraction(step.parts, scheme_of(eta), LinearViscous{epsilon});
       const double expected = spectral_radius(b).value;
-      GranularTwoStage iteration = step.iteration(epsilon, eta, 400);
+      GranularTwoStage<2> iteration = step.iteration(epsilon, eta, 400);
       Vector f = iteration.interface_impulses();
       double size = 0, first = 0, ratio = 0;
       for (int k = 0; k < 200; ++k) {
@@ -141,7 +141,7 @@ TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code'
       CAPTURE(eta);
       const LinearStep step({2, 2}, true);
       const LinearViscous law{.epsilon = 0.5};
-      GranularTwoStage granular = step.iteration(law.epsilon, eta, sweeps);
+      GranularTwoStage<2> granular = step.iteration(law.epsilon, eta, sweeps);
       const TwoStageIteration linear(step.parts, law, InterfaceFamily(step.parts).at(eta), sweeps);
       const auto loads =
           impact_loads(step.parts, reference_problem(step.problem, step.simulation.system.disks()).arriving_velocity);
@@ -152,7 +152,7 @@ TEST_CASE("linear law, n_GS sweeps: the iterates are those of the spectral code'
         const Vector f = state.tail(linear.interface_size());
         CHECK((granular.interface_impulses() - f).norm() < 1e-10 * f.norm());
         Index row = 0;
-        for (const GranularSubdomain& subdomain : granular.parts().subdomains)
+        for (const GranularSubdomain<2>& subdomain : granular.parts().subdomains)
           for (const LocalVector<2>& r : subdomain.contacts.impulses) {
             CHECK(std::abs(r.n - state[row++]) < 1e-10);
             CHECK(std::abs(r.t - state[row++]) < 1e-10);

@@ -101,9 +101,9 @@ TEST_CASE("total vertical reaction of floor and walls equals the weight of a set
     // n points from the grain into the boundary and the grain feels -r: floor n = (0, -1), walls (-1, 0), (1,
     // 0).
     for (const RememberedImpulse& one : simulation.state.impulses) {
-      if (one.b == n) upward += one.impulse.n;
-      if (one.b == n + 1) upward += one.impulse.t;  // left: t = (0, -1)
-      if (one.b == n + 2) upward -= one.impulse.t;
+      if (one.b == n) upward += one.impulse[0];
+      if (one.b == n + 1) upward += one.impulse[1];  // left: t = (0, -1)
+      if (one.b == n + 2) upward -= one.impulse[1];
     }
     if (step >= steps - last_steps) mean += upward / last_steps;
     // Balance of momentum, every step: floor and walls are all that acts besides gravity.

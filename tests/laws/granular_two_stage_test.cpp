@@ -20,7 +20,7 @@ namespace {
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-bool same_bits(const SolvedStep& a, const SolvedStep& b) {
+bool same_bits(const SolvedStep<2>& a, const SolvedStep<2>& b) {
   if (a.contacts.size() != b.contacts.size() || a.velocities.size() != b.velocities.size()) return false;
   for (std::size_t k = 0; k < a.contacts.size(); ++k)
     if (!same_bits(a.contacts[k].impulse.n, b.contacts[k].impulse.n) ||
@@ -44,11 +44,11 @@ std::uint64_t hash_of(const GranularState& s) {
   for (const auto* field : {&s.x, &s.y, &s.angle, &s.velocity_x, &s.velocity_y, &s.spin})
     for (const double value : *field) add(value);
   for (const RememberedImpulse& one : s.impulses) {
-    add(one.impulse.n);
-    add(one.impulse.t);
+    add(one.impulse[0]);
+    add(one.impulse[1]);
   }
   for (const RememberedGluing& one : s.gluing)
-    for (const double value : {one.x, one.y, one.rim}) add(value);
+    for (const double value : one.impulse) add(value);
   return hash;
 }
 
@@ -97,10 +97,10 @@ std::vector<Variant> variants() {
 
 // One sweep as a textbook has it: contact by contact v = H^T V, the local solution, V += M^-1 H (change of
 // r), of which the relaxed one makes a part.
-void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskContact>& contacts,
-                   std::vector<DiskVelocity>& v) {
-  for (DiskContact& c : contacts) {
-    DiskVelocity &a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
+void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<GrainContact<2>>& contacts,
+                   std::vector<GrainVelocity<2>>& v) {
+  for (GrainContact<2>& c : contacts) {
+    GrainVelocity<2>&a = v[static_cast<std::size_t>(c.a)], &b = v[static_cast<std::size_t>(c.b)];
     const double dx = b.x - a.x, dy = b.y - a.y;
     const double v_n = c.normal[0] * dx + c.normal[1] * dy + c.bias.n;
     const double v_t = c.normal[0] * dy - c.normal[1] * dx - (a.rim + b.rim) + c.bias.t;
@@ -116,15 +116,15 @@ void sweep_by_hand(const ContactLaw& law, double relaxation, std::vector<DiskCon
 }
 
 // A step swept by hand, without any decomposition.
-SolvedStep swept_by_hand(const SolvedStep& step, const Dynamics& dynamics, int sweeps) {
-  const StepProblem& problem = step.problem;
+SolvedStep<2> swept_by_hand(const SolvedStep<2>& step, const Dynamics& dynamics, int sweeps) {
+  const StepProblem<2>& problem = step.problem;
   const ContactLaw law = problem.law;
-  std::vector<std::array<double, 2>> points;
+  std::vector<std::array<double, 3>> points;
   for (const StepContact& c : problem.geometry) points.push_back(c.point);
   const std::vector<Index> visit = contact_order(dynamics.solver.order, problem.contacts, problem.free, 1, points);
-  std::vector<DiskContact> contacts;
+  std::vector<GrainContact<2>> contacts;
   for (const Index c : visit) contacts.push_back(problem.contacts[at(c)]);
-  SolvedStep by_hand = step;
+  SolvedStep<2> by_hand = step;
   by_hand.velocities = problem.free;
   for (int k = 0; k < sweeps; ++k) sweep_by_hand(law, dynamics.solver.contact_relaxation, contacts, by_hand.velocities);
   for (std::size_t k = 0; k < visit.size(); ++k) by_hand.contacts[at(visit[k])] = contacts[k];
@@ -152,7 +152,7 @@ TEST_CASE("one subdomain, generic or enriched, is plain Gauss-Seidel and a loop 
         dynamics.solver.criterion = "none";
         dynamics.solver.maximum_iterations = 12;
         Simulation simulation = shaken_lattice(7, 6, dynamics, {1, 1});
-        const SolvedStep plain = solve_step(simulation);
+        const SolvedStep<2> plain = solve_step(simulation);
         for (const std::string algorithm : {"generic", "enriched"}) {
           simulation.dynamics.solver.algorithm = algorithm;
           CHECK(same_bits(solve_step(simulation), plain));
@@ -237,7 +237,7 @@ TEST_CASE("friction: whatever the variant, glued copies obey Coulomb's law as cl
       const Close step = closely(divided);
       CHECK(step.gluing < 1e-9);
       // At the velocities that V_free + M^-1 H r gives, nothing of the copies.
-      const std::vector<DiskVelocity> v = velocities_of(step.problem, step.contacts);
+      const std::vector<GrainVelocity<2>> v = velocities_of(step.problem, step.contacts);
       CHECK(relative_natural_map(step.contacts, v) < law_tolerance);
       CHECK(largest_difference(step.velocities, v, whole.system.disks()) < 1e-10);
     }
@@ -255,7 +255,7 @@ TEST_CASE("a criterion that is looked at in every k-th iteration ends the same i
       dynamics.solver.maximum_iterations = most;
       std::vector<IterationRow> rows;
       const IterationSink sink{.row = [&](const IterationRow& row) { rows.push_back(row); }, .every = every};
-      const SolvedStep step = solve_step(shaken_lattice(6, 6, dynamics, {3, 2}), sink);
+      const SolvedStep<2> step = solve_step(shaken_lattice(6, 6, dynamics, {3, 2}), sink);
       return std::pair(step, rows);
     };
     const auto [plain, every] = solved(1, 20'000, 1);
@@ -289,7 +289,7 @@ TEST_CASE("mean velocities of copies are V_free + M^-1 H r at every iteration, c
       dynamics.solver.criterion = "none";
       dynamics.solver.maximum_iterations = iterations;
       const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 2});
-      const SolvedStep step = solve_step(simulation);
+      const SolvedStep<2> step = solve_step(simulation);
       const Index n = simulation.system.disks();
       CHECK(largest_difference(step.velocities, velocities_of(step.problem, step.contacts), n) <
             1e-13 * (1 + largest_speed(step.velocities, n)));
@@ -309,16 +309,16 @@ TEST_CASE("METIS parts come to the velocities of the whole as well") {
 TEST_CASE("the generic Stage 2 brings the copies of every grain together at once, and keeps their momentum") {
   Dynamics dynamics = shaking("coulomb");
   set(dynamics.solver, {.name = "generic"});
-  const PreparedStep step = prepare_solution(shaken_lattice(6, 6, dynamics, {3, 3}));
-  GranularDecomposition parts = step.iteration.parts();
+  const PreparedStep<2> step = prepare_solution(shaken_lattice(6, 6, dynamics, {3, 3}));
+  GranularDecomposition<2> parts = step.iteration.parts();
   RandomStream random(5);
-  for (GranularSubdomain& subdomain : parts.subdomains)
-    for (DiskVelocity& v : subdomain.velocities)
+  for (GranularSubdomain<2>& subdomain : parts.subdomains)
+    for (GrainVelocity<2>& v : subdomain.velocities)
       for (double* component : {&v.x, &v.y, &v.rim}) *component = 2 * random.uniform() - 1;
   const auto momentum = [&] {
     Eigen::Vector3d sum{0, 0, 0};
-    for (const GranularSubdomain& subdomain : parts.subdomains)
-      for (const DiskVelocity& v : subdomain.velocities)
+    for (const GranularSubdomain<2>& subdomain : parts.subdomains)
+      for (const GrainVelocity<2>& v : subdomain.velocities)
         sum += Eigen::Vector3d(v.x, v.y, v.rim) / v.inverse_mass;  // of equal disks
     return sum;
   };
@@ -334,17 +334,17 @@ TEST_CASE("a step that starts from the impulses and the gluing of another is whe
   Dynamics dynamics = shaking("coulomb");
   set(dynamics.solver, {.name = "generic"});
   const Simulation simulation = shaken_lattice(6, 6, dynamics, {3, 3});
-  PreparedStep step = prepare_solution(simulation);
+  PreparedStep<2> step = prepare_solution(simulation);
   Index cross_points = 0;
   for (Index grain = 0; grain < simulation.system.disks(); ++grain)
     cross_points += step.iteration.parts().interface.multiplicity(grain) > 2;
   REQUIRE(cross_points > 0);
   for (int k = 0; k < 7; ++k) step.iteration.iterate();
-  GranularTwoStage& met = step.iteration;
-  StepProblem problem = step.problem;
+  GranularTwoStage<2>& met = step.iteration;
+  StepProblem<2> problem = step.problem;
   problem.contacts = met.gather(step.problem).contacts;
-  GranularTwoStage started(decompose(problem, step.partition, dynamics.solver.order, 1), problem.law, dynamics.solver,
-                           {});
+  GranularTwoStage<2> started(decompose(problem, step.partition, dynamics.solver.order, 1), problem.law,
+                              dynamics.solver, {});
   started.start(met.gluing());
   CHECK((started.interface_impulses() - met.interface_impulses()).norm() < 1e-12 * met.interface_impulses().norm());
   for (std::size_t e = 0; e < met.parts().subdomains.size(); ++e) {
@@ -357,7 +357,7 @@ TEST_CASE("conjugate gradients glue a linear step of n interface unknowns in n i
   Dynamics dynamics = shaking("linear_viscous");
   dynamics.interaction.epsilon = 1;
   set(dynamics.solver, {.name = "", .sweeps = 300, .method = "conjugate_gradient"});
-  PreparedStep step = prepare_solution(shaken_lattice(4, 4, dynamics, {2, 1}));
+  PreparedStep<2> step = prepare_solution(shaken_lattice(4, 4, dynamics, {2, 1}));
   const Index n = step.iteration.parts().interface_size();
   REQUIRE(n >= 9);
   double first = 0, last = 0;
@@ -375,13 +375,13 @@ TEST_CASE("semi-implicit: the interface is solved once, then left alone") {
   dynamics.solver.criterion = "none";
   dynamics.solver.maximum_iterations = 1;
   Simulation simulation = shaken_lattice(6, 6, dynamics, {2, 2});
-  const SolvedStep first = solve_step(simulation);
+  const SolvedStep<2> first = solve_step(simulation);
   simulation.dynamics.solver.maximum_iterations = 40;
   Index rows = 0;
-  const SolvedStep last = solve_step(simulation, {[&](const IterationRow& row) {
-                                       ++rows;
-                                       if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
-                                     }});
+  const SolvedStep<2> last = solve_step(simulation, {[&](const IterationRow& row) {
+                                          ++rows;
+                                          if (row.record.iteration > 1) CHECK(row.record.interface_change == 0);
+                                        }});
   CHECK(rows == 40);
   CHECK(first.interface_impulses.norm() > 0);
   CHECK(first.interface_impulses == last.interface_impulses);
@@ -455,7 +455,7 @@ TEST_CASE("contact solvers on the whole packing meet the law, cohesion and resti
       dynamics.solver.maximum_iterations = 100'000;
       Simulation simulation = shaken_lattice(7, 6, dynamics, {1, 1});
       for (int step = 0; step < 3; ++step) {
-        const SolvedStep swept = solve_step(simulation);
+        const SolvedStep<2> swept = solve_step(simulation);
         const bool comparable = swept.report.residual.relative_natural_map() < 1e-9;
         CHECK((comparable || restitution > 0));  // there sweeps may stall at 10^-6
         for (const std::string algorithm : {"auto", "continuation", "admm"}) {
@@ -465,7 +465,7 @@ TEST_CASE("contact solvers on the whole packing meet the law, cohesion and resti
           other.dynamics.solver.algorithm = algorithm;
           other.dynamics.solver.tolerance = 1e-10;
           Index rows = 0;
-          const SolvedStep found = solve_step(other, {[&](const IterationRow& row) { rows += row.step > 0; }});
+          const SolvedStep<2> found = solve_step(other, {[&](const IterationRow& row) { rows += row.step > 0; }});
           CHECK(found.report.status == SolverStatus::converged);
           CHECK(rows == found.report.last.iteration);
           CHECK(contact_residual(found.problem.law, found.contacts, found.velocities).relative_natural_map() < 1e-9);

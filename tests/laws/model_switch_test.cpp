@@ -42,7 +42,7 @@ Simulation column(SwitchedModel model) {
   return simulation_of(grains, dynamics, {1, 4});
 }
 
-std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain& subdomain) {
+std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubdomain<2>& subdomain) {
   std::vector<ContactStatus> statuses;
   for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
     statuses.push_back(status_of(law, subdomain.contacts.contact(k, subdomain.velocities)));
@@ -50,19 +50,19 @@ std::vector<ContactStatus> statuses_of(const ContactLaw& law, const GranularSubd
 }
 
 // M, G, N and the biases of a subdomain at frozen statuses, dense, in (x, y, rim) of all bodies, written out from the
-// definitions of DiskContact. A driven body has rows, but no power: those of G are zero.
+// definitions of GrainContact<2>. A driven body has rows, but no power: those of G are zero.
 struct DenseNetwork {
   Vector mass, velocities, bias;
   Matrix g, rest;
 };
 
-DenseNetwork dense_network(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses) {
+DenseNetwork dense_network(const GranularSubdomain<2>& subdomain, const std::vector<ContactStatus>& statuses) {
   const Index n = 3 * count(subdomain.velocities);
   std::vector<Vector> g, rest;
   std::vector<double> bias;
   for (std::size_t k = 0; k < statuses.size(); ++k) {
     if (statuses[k] == ContactStatus::open) continue;
-    const DiskContact c = subdomain.contacts.contact(k, subdomain.velocities);
+    const GrainContact<2> c = subdomain.contacts.contact(k, subdomain.velocities);
     const auto [x, y] = c.normal;
     Vector normal = Vector::Zero(n), tangent = Vector::Zero(n);
     normal.segment<3>(3 * c.a) << -x, -y, 0;
@@ -86,7 +86,7 @@ DenseNetwork dense_network(const GranularSubdomain& subdomain, const std::vector
     dense.rest.col(column) = rest[at(column)];
   }
   for (Index i = 0; i < count(subdomain.velocities); ++i) {
-    const DiskVelocity& v = subdomain.velocities[at(i)];
+    const GrainVelocity<2>& v = subdomain.velocities[at(i)];
     const double mass = v.inverse_mass > 0 ? 1 / v.inverse_mass : 1;
     dense.mass.segment<3>(3 * i) << mass, mass, mass / 2;
     dense.velocities.segment<3>(3 * i) << v.x, v.y, v.rim;
@@ -95,7 +95,7 @@ DenseNetwork dense_network(const GranularSubdomain& subdomain, const std::vector
   return dense;
 }
 
-std::vector<DiskVelocity> moved(std::vector<DiskVelocity> v, const Vector& change) {
+std::vector<GrainVelocity<2>> moved(std::vector<GrainVelocity<2>> v, const Vector& change) {
   for (Index i = 0; i < count(v); ++i) {
     v[at(i)].x += change[3 * i];
     v[at(i)].y += change[3 * i + 1];
@@ -105,8 +105,8 @@ std::vector<DiskVelocity> moved(std::vector<DiskVelocity> v, const Vector& chang
 }
 
 // M (V - V_0) = G d, N^T V + bias = -alpha d as one dense system in V and d. Returns the velocities.
-std::vector<DiskVelocity> frozen_by_hand(const GranularSubdomain& subdomain, const std::vector<ContactStatus>& statuses,
-                                         double alpha) {
+std::vector<GrainVelocity<2>> frozen_by_hand(const GranularSubdomain<2>& subdomain,
+                                             const std::vector<ContactStatus>& statuses, double alpha) {
   const DenseNetwork dense = dense_network(subdomain, statuses);
   const Index n = dense.mass.size(), columns = dense.g.cols();
   Matrix system = Matrix::Zero(n + columns, n + columns);
@@ -121,9 +121,9 @@ std::vector<DiskVelocity> frozen_by_hand(const GranularSubdomain& subdomain, con
 
 // (S^T (M + G N^T / alpha) S) U = -S^T G (N^T V_0 + bias) / alpha, V = V_0 + S U, dense, with the functions S of a mesh
 // over the box of the bodies that are not kept.
-std::vector<DiskVelocity> homogenised_by_hand(const GranularSubdomain& subdomain,
-                                              const std::vector<ContactStatus>& statuses, double alpha,
-                                              const std::vector<PlacedBody>& bodies, Index cells) {
+std::vector<GrainVelocity<2>> homogenised_by_hand(const GranularSubdomain<2>& subdomain,
+                                                  const std::vector<ContactStatus>& statuses, double alpha,
+                                                  const std::vector<PlacedBody>& bodies, Index cells) {
   const DenseNetwork dense = dense_network(subdomain, statuses);
   double left = infinity, right = -infinity, low = infinity, high = -infinity;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -163,27 +163,27 @@ std::vector<DiskVelocity> homogenised_by_hand(const GranularSubdomain& subdomain
 // A disk on a wall and a second beside it, gap 0.1 at a step of 0.005 s, as one subdomain: after some sweeps the first
 // sticks with a normal impulse, and the second touches nothing.
 struct OnTheFloor {
-  GranularDecomposition parts;
+  GranularDecomposition<2> parts;
   ContactLaw law = Coulomb{};
-  ModelSwitch::Sweeps sweeps = [this](GranularSubdomain& one) {
+  ModelSwitch::Sweeps sweeps = [this](GranularSubdomain<2>& one) {
     return gauss_seidel_sweep(law, one.contacts, one.velocities);
   };
   Vector none = Vector::Zero(0);
   Surroundings around{parts.interface, 0, none};
   ModelSwitch model;
 
-  static GranularDecomposition parts_of() {
+  static GranularDecomposition<2> parts_of() {
     Dynamics dynamics = tight();
     dynamics.interaction.friction = 0.5;
     dynamics.time.alert = 1;
     dynamics.boundaries.push_back(floor_wall());
-    const PreparedStep step = prepare_solution(simulation_of({{0, 0.5}, {1.1, 0.5}}, dynamics));
+    const PreparedStep<2> step = prepare_solution(simulation_of({{0, 0.5}, {1.1, 0.5}}, dynamics));
     return decompose(step.problem, step.partition, ContactOrder::natural, 0);
   }
   OnTheFloor() : parts(parts_of()), model(parts, 0, law, {.after = 3, .flexibility = 1e-6}, 0) {
     for (int k = 0; k < 6; ++k) model.stage_one(parts.subdomains[0], sweeps, around);
   }
-  GranularSubdomain& subdomain() { return parts.subdomains[0]; }
+  GranularSubdomain<2>& subdomain() { return parts.subdomains[0]; }
   RememberedModel report() { return model.report(subdomain(), sweeps, around); }
 };
 
@@ -191,9 +191,9 @@ struct OnTheFloor {
 
 TEST_CASE("a linear subdomain answers what a dense solve of its frozen network does, sliding or not, pushed or not") {
   Dynamics dynamics = divided(SwitchedModel::none);
-  PreparedStep step = prepare_solution(box_of_grains(60, dynamics, {2, 1}));
+  PreparedStep<2> step = prepare_solution(box_of_grains(60, dynamics, {2, 1}));
   for (int k = 0; k < 300; ++k) step.iteration.iterate();
-  for (GranularSubdomain subdomain : step.iteration.parts().subdomains) {
+  for (GranularSubdomain<2> subdomain : step.iteration.parts().subdomains) {
     const auto statuses = statuses_of(step.problem.law, subdomain);
     REQUIRE(std::ranges::count(statuses, ContactStatus::stick) > 3);
     REQUIRE(std::ranges::count(statuses, ContactStatus::open) > 0);
@@ -202,7 +202,7 @@ TEST_CASE("a linear subdomain answers what a dense solve of its frozen network d
       LinearSubdomain linear(subdomain, step.problem.law, statuses, alpha * step.problem.scale);
       REQUIRE(linear.regular());
       for (int push = 0; push < 2; ++push) {
-        GranularSubdomain pushed = subdomain;  // as Stage 2 does
+        GranularSubdomain<2> pushed = subdomain;  // as Stage 2 does
         if (push == 1) pushed.velocities[1].x += pushed.velocities[1].inverse_mass > 0 ? 0.01 : 0;
         const LinearAnswer answer = linear.answer(pushed);
         const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.problem.scale);
@@ -215,10 +215,10 @@ TEST_CASE("a linear subdomain answers what a dense solve of its frozen network d
 
 TEST_CASE("a homogenised subdomain is the dense Galerkin projection, and on a fine mesh the linear one") {
   const Simulation simulation = box_of_grains(60, divided(SwitchedModel::none), {2, 1});
-  PreparedStep step = prepare_solution(simulation);
+  PreparedStep<2> step = prepare_solution(simulation);
   for (int k = 0; k < 300; ++k) step.iteration.iterate();
   const double alpha = 1e-2 * step.problem.scale;
-  for (const GranularSubdomain& subdomain : step.iteration.parts().subdomains) {
+  for (const GranularSubdomain<2>& subdomain : step.iteration.parts().subdomains) {
     const auto statuses = statuses_of(step.problem.law, subdomain);
     std::vector<PlacedBody> bodies;
     for (const Index i : subdomain.bodies) {
@@ -254,7 +254,7 @@ TEST_CASE("where statuses stand still, a run that switches comes to the velociti
   Simulation plain = column(SwitchedModel::none), switched = column(SwitchedModel::linear);
   Index linear_iterations = 0, iterations = 0;
   for (int k = 0; k < 12; ++k) {
-    const SolvedStep a = solve_step(plain), b = solve_step(switched);
+    const SolvedStep<2> a = solve_step(plain), b = solve_step(switched);
     REQUIRE(a.report.status == SolverStatus::converged);
     REQUIRE(b.report.status == SolverStatus::converged);
     const Index disks = plain.system.disks();
@@ -281,11 +281,11 @@ TEST_CASE("a subdomain that is switched goes back in the iteration in which a co
     OnTheFloor one;
     REQUIRE(one.report().switched == 1);
     REQUIRE(one.report().switched_iterations == 2);
-    GranularSubdomain& subdomain = one.subdomain();
+    GranularSubdomain<2>& subdomain = one.subdomain();
     const auto body = std::ranges::find(subdomain.bodies, push.disk) - subdomain.bodies.begin();
     subdomain.velocities[at(body)].x += push.x;
     subdomain.velocities[at(body)].y += push.y;
-    GranularSubdomain by_law = subdomain;
+    GranularSubdomain<2> by_law = subdomain;
     one.sweeps(by_law);
     one.model.stage_one(subdomain, one.sweeps, one.around);
     CHECK(one.report().switched == 0);
@@ -317,7 +317,7 @@ TEST_CASE("a run that switches has the same bits on any number of threads") {
       dynamics.solver.maximum_iterations = 300;
       Simulation simulation = box_of_grains(80, dynamics, {3, 2});
       for (int k = 0; k < 3; ++k) {
-        const SolvedStep step = solve_step(simulation);
+        const SolvedStep<2> step = solve_step(simulation);
         for (const RememberedModel& one : step.models) switched += one.switched_iterations;
         take_step(simulation, step);
       }

@@ -93,9 +93,9 @@ TEST_CASE("eta = optimal kept between two decompositions is raised for the conta
   int raised = 0, as_kept = 0;
   for (int step = 1; step < 10; ++step) {
     CAPTURE(step);
-    SolvedStep solved = solve_step(simulation);
+    SolvedStep<2> solved = solve_step(simulation);
     const double stable = stable_eta(decompose(reference_problem(solved.problem, simulation.system.disks()),
-                                               partition_of_columns(solved.partition)));
+                                               partition_of_columns(solved.partition, 2)));
     CHECK(solved.report.eta == doctest::Approx(std::max(kept, stable)).epsilon(2e-3));
     raised += solved.report.eta > kept;
     as_kept += solved.report.eta == kept;

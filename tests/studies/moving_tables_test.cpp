@@ -35,7 +35,7 @@ Run run_of(const Case& one, Index steps) {
   Run result{simulation_of(one)};
   result.simulation.dynamics.time.steps = steps;
   RunSinks sinks;
-  sinks.step = [&](const Simulation&, const SolvedStep&, const StepReport& report) {
+  sinks.step = [&](const Simulation&, const AnySolvedStep&, const StepReport& report) {
     result.iterations += report.last.iteration;
     result.converged += report.status == SolverStatus::converged;
     result.natural_map = std::max(result.natural_map, report.residual.relative_natural_map());
@@ -224,7 +224,7 @@ TEST_CASE("interface_iterations: a row has the step as its solver takes it, and 
   for (std::size_t row = 0; row < 2; ++row) {
     LeadIn lead_in;
     const VariedCase varied = varied_case(work, static_cast<Index>(row));
-    const SolvedStep step = solve_step(lead_in.at(varied.one, 1).simulation);
+    const SolvedStep<2> step = solve_step(lead_in.at(varied.one, 1).simulation);
     CHECK(integer(table, row, "subdomains") == (row == 0 ? 2 : 6));
     CHECK(integer(table, row, "outer_steps") == step.report.factorisations);
     CHECK(integer(table, row, "outer_steps") == integer(table, row, "outer_steps_undivided"));
@@ -261,7 +261,7 @@ TEST_CASE("solver_indicators: the checks of a contact solver, the last with what
   for (Index k = 0; k < 3; ++k) {
     CAPTURE(k);
     const VariedCase varied = varied_case(work, k);
-    const SolvedStep step = solve_step(lead_in.at(varied.one, 1).simulation);
+    const SolvedStep<2> step = solve_step(lead_in.at(varied.one, 1).simulation);
     REQUIRE(step.report.status == SolverStatus::converged);
     const std::string algorithm(to_string(varied.one.spec.dynamics->solver.algorithm));
     const std::size_t first = row;

@@ -43,10 +43,10 @@ inline Cut cut_lattice(std::array<Index, 2> grid) {
   Dynamics dynamics = tight();
   dynamics.solver.algorithm = "two_stage_newton";
   const Simulation simulation = shaken_lattice(6, 5, dynamics, grid);
-  const StepProblem problem = checked_problem(simulation);
+  const StepProblem<2> problem = checked_problem<2>(simulation);
   const ReferenceProblem whole = reference_problem(problem, simulation.system.disks());
   const SparseMatrix scaled = scaled_connectivity(whole.inertia, whole.h);
-  return {decompose(whole, partition_of_columns(partition_step(simulation, problem))), scaled.transpose() * scaled};
+  return {decompose(whole, partition_of_columns(partition_step(simulation, problem), 2)), scaled.transpose() * scaled};
 }
 
 }  // namespace nscdd::testing

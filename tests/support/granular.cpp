@@ -32,8 +32,9 @@ Dynamics tight() {
 BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::array<double, 2> to, Motion motion) {
   BoundarySpec spec;
   spec.name = name;
-  spec.from = from;
-  spec.to = to;
+  spec.dimension = 2;
+  spec.from = {from[0], from[1], 0};
+  spec.to = {to[0], to[1], 0};
   spec.motion = std::move(motion);
   return spec;
 }
@@ -41,7 +42,7 @@ BoundarySpec wall(const std::string& name, std::array<double, 2> from, std::arra
 BoundarySpec floor_wall() { return wall("floor", {0, 0}, {1, 0}); }
 
 Motion moving(RigidVelocity velocity, std::array<double, 2> centre) {
-  return {.centre = centre, .time = {0}, .velocity = {velocity}};
+  return {.centre = {centre[0], centre[1], 0}, .time = {0}, .velocity = {velocity}};
 }
 
 Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynamics, std::array<Index, 2> grid) {
@@ -62,7 +63,7 @@ Simulation simulation_of(const std::vector<Grain>& grains, const Dynamics& dynam
 }
 
 StepReport advance(Simulation& simulation) {
-  SolvedStep step = solve_step(simulation);
+  SolvedStep<2> step = solve_step(simulation);
   REQUIRE(step.report.status == SolverStatus::converged);
   return take_step(simulation, std::move(step));
 }
@@ -75,7 +76,7 @@ StepReport advance(Simulation& simulation, Index steps) {
 
 LocalVector<2> impulse_between(const GranularState& state, Index a, Index b) {
   for (const RememberedImpulse& one : state.impulses)
-    if (one.a == a && one.b == b) return one.impulse;
+    if (one.a == a && one.b == b) return {one.impulse[0], one.impulse[1]};
   return {};
 }
 
@@ -111,14 +112,14 @@ Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, s
   return {made.system, made.state, own, GridPartitioner{grid}};
 }
 
-double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b, Index disks) {
+double largest_difference(const std::vector<GrainVelocity<2>>& a, const std::vector<GrainVelocity<2>>& b, Index disks) {
   double largest = 0;
   for (std::size_t i = 0; i < at(disks); ++i)
     largest = std::max({largest, std::abs(a[i].x - b[i].x), std::abs(a[i].y - b[i].y), std::abs(a[i].rim - b[i].rim)});
   return largest;
 }
 
-double largest_speed(const std::vector<DiskVelocity>& v, Index disks) {
+double largest_speed(const std::vector<GrainVelocity<2>>& v, Index disks) {
   double largest = 0;
   for (std::size_t i = 0; i < at(disks); ++i) largest = std::max(largest, std::hypot(v[i].x, v[i].y));
   return largest;

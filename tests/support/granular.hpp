@@ -52,9 +52,9 @@ Simulation shaken_lattice(Index columns, Index rows, const Dynamics& dynamics, s
                           std::uint64_t seed = 1);
 
 /// max |V_a - V_b| over disks and components, m/s.
-double largest_difference(const std::vector<DiskVelocity>& a, const std::vector<DiskVelocity>& b, Index disks);
+double largest_difference(const std::vector<GrainVelocity<2>>& a, const std::vector<GrainVelocity<2>>& b, Index disks);
 
 /// Largest speed of a velocity, m/s.
-double largest_speed(const std::vector<DiskVelocity>& v, Index disks);
+double largest_speed(const std::vector<GrainVelocity<2>>& v, Index disks);
 
 }  // namespace nscdd::testing

@@ -6,7 +6,7 @@
 namespace nscdd::testing {
 
 Close closely(const Simulation& simulation) {
-  PreparedStep step = prepare_solution(simulation);
+  PreparedStep<2> step = prepare_solution(simulation);
   Close result;
   for (int k = 1; k <= 60'000 && (result.gluing > 1e-10 || result.map > 1e-10); ++k) {
     step.iteration.iterate();
@@ -21,9 +21,9 @@ Close closely(const Simulation& simulation) {
   return result;
 }
 
-double relative_natural_map(const std::vector<DiskContact>& contacts, const std::vector<DiskVelocity>& v) {
+double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const std::vector<GrainVelocity<2>>& v) {
   double map = 0, impulses = 0;
-  for (const DiskContact& c : contacts) {
+  for (const GrainContact<2>& c : contacts) {
     const LocalVector<2> w = relative_velocity(c, v), r{c.impulse.n, c.impulse.t};
     const LocalVector<2> one = natural_map(r, {w.n + c.bias.n, w.t + c.bias.t}, c.friction, c.inverse_w.inverse_n);
     map += one.n * one.n + one.t * one.t;

@@ -12,15 +12,15 @@ namespace nscdd::testing {
 /// the most). Iterations may rest for thousands of sweeps while impulses drift along a direction that the
 /// network can carry, until a contact opens: no criterion on changes would do.
 struct Close {
-  StepProblem problem;
-  std::vector<DiskContact> contacts;
-  std::vector<DiskVelocity> velocities;
+  StepProblem<2> problem;
+  std::vector<GrainContact<2>> contacts;
+  std::vector<GrainVelocity<2>> velocities;
   double gluing = 1, map = 1;  ///< IterationRecord::gluing and the relative natural map at the end
   Index interface_size = 0;
 };
 Close closely(const Simulation& simulation);
 
 /// |natural map| / |r| of Coulomb's law, contact by contact.
-double relative_natural_map(const std::vector<DiskContact>& contacts, const std::vector<DiskVelocity>& v);
+double relative_natural_map(const std::vector<GrainContact<2>>& contacts, const std::vector<GrainVelocity<2>>& v);
 
 }  // namespace nscdd::testing

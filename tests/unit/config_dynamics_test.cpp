@@ -37,7 +37,7 @@ TEST_CASE("moving case: everything read") {
   CHECK(dynamics.boundaries[0].shape == BoundaryShape::disks);
   CHECK(dynamics.boundaries[0].motion.velocity.empty());
   CHECK(dynamics.boundaries[1].motion.velocity.front().spin == -0.075);
-  CHECK(dynamics.boundaries[1].motion.centre == std::array<double, 2>{-0.198, -0.198});
+  CHECK(dynamics.boundaries[1].motion.centre == std::array<double, 3>{-0.198, -0.198, 0});
   CHECK(dynamics.boundaries[2].shape == BoundaryShape::wall);
   CHECK(dynamics.boundaries[2].motion.time == std::vector<double>{0, 0.02});
   CHECK(dynamics.boundaries[2].motion.velocity[1].spin == -0.075);
@@ -134,13 +134,13 @@ TEST_CASE("moving case: without [solver] every step is solved by auto to a natur
   CHECK(to_toml(parse(to_toml(one))) == to_toml(one));
   Simulation simulation = simulation_of({one});  // the partition of two subdomains has no part in it
   for (int k = 0; k < 3; ++k) {
-    const SolvedStep step = solve_step(simulation);
+    const SolvedStep<2> step = solve_step(simulation);
     CHECK(step.report.status == SolverStatus::converged);
     if (k > 0) CHECK(step.report.residual.relative_natural_map() <= 1e-8);  // in step 0 all fall alike
     CHECK(step.report.interface_size == 0);
     CHECK(std::isnan(step.report.last.zeta));  // auto knows none
     const bool starts_from_zero = std::ranges::all_of(
-        step.problem.contacts, [](const DiskContact& c) { return c.impulse.n == 0 && c.impulse.t == 0; });
+        step.problem.contacts, [](const GrainContact<2>& c) { return c.impulse.n == 0 && c.impulse.t == 0; });
     CHECK(starts_from_zero == (k == 0));
     take_step(simulation, step);
   }
@@ -185,7 +185,7 @@ TEST_CASE("moving case: every error of a boundary names file, line and key") {
     require_error(replaced(good, "name = \"floor\"", "name = \"" + name + "\""),
                   "boundary[0].name: expected a text of one line");
   require_error(replaced(good, "shape = \"wall\"", "shape = \"spheres\""),
-                "boundary[2].shape: expected one of \"wall\", \"disks\", \"grains\", met \"spheres\"");
+                "boundary[2].shape: expected one of \"wall\", \"disks\", \"grains\", \"cylinder\", met \"spheres\"");
   require_error(replaced(good, "shape = \"disks\"", "shape = \"wall\""), "unknown key 'boundary[0].radius'");
   require_error(replaced(good, "shape = \"wall\"", "shape = \"grains\""),
                 "boundary[2].first: expected a value, met none");

@@ -156,7 +156,7 @@ TEST_CASE("DATBOX: laws, gravity, walls and motions") {
   CHECK(wall.motion.time == std::vector<double>{0, 1});
   CHECK(wall.motion.velocity[0].y == 1.5);
   CHECK(wall.motion.velocity[1].y == 3);
-  CHECK(wall.motion.centre == std::array<double, 2>{0, -0.5});
+  CHECK(wall.motion.centre == std::array<double, 3>{0, -0.5, 0});
   const BoundarySpec& pair = dynamics.boundaries[1];
   CHECK(pair.shape == BoundaryShape::grains);
   CHECK(pair.first == 1);
@@ -226,8 +226,8 @@ TEST_CASE("DATBOX: a plank above the disks is a wall from above") {
   texts.bodies =
       replaced(texts.bodies, "coo2=-5.0000000E-01  coo3= 5.2359878E-01", "coo2= 5.0000000E+00  coo3= 0.0000000E+00");
   const Dynamics dynamics = datbox_dynamics(read(texts));
-  CHECK(dynamics.boundaries[0].from == std::array<double, 2>{3, 4.5});
-  CHECK(dynamics.boundaries[0].to == std::array<double, 2>{-3, 4.5});
+  CHECK(dynamics.boundaries[0].from == std::array<double, 3>{3, 4.5, 0});
+  CHECK(dynamics.boundaries[0].to == std::array<double, 3>{-3, 4.5, 0});
 }
 
 TEST_CASE("DATBOX: contacts are found in spite of seven digits") {

@@ -14,11 +14,11 @@ using namespace nscdd::testing;
 
 namespace {
 
-StepProblem prepared(const Simulation& s) {
-  return prepare_step(s.system, s.state, s.dynamics.interaction, s.dynamics.time, s.dynamics.solver.warm_start);
+StepProblem<2> prepared(const Simulation& s) {
+  return prepare_step<2>(s.system, s.state, s.dynamics.interaction, s.dynamics.time, s.dynamics.solver.warm_start);
 }
 
-std::set<std::pair<Index, Index>> pairs_of(const StepProblem& problem) {
+std::set<std::pair<Index, Index>> pairs_of(const StepProblem<2>& problem) {
   std::set<std::pair<Index, Index>> result;
   for (const StepContact& c : problem.geometry) result.insert({c.a, c.b});
   return result;
@@ -41,7 +41,7 @@ TEST_CASE("contacts: every pair that is near or would be at the end of the step,
                         .velocity_x = 10 * random.uniform() - 5,
                         .velocity_y = 10 * random.uniform() - 5});
     const Simulation s = simulation_of(grains, dynamics);
-    const StepProblem problem = prepared(s);
+    const StepProblem<2> problem = prepared(s);
     double smallest = 1;
     for (const Grain& one : grains) smallest = std::min(smallest, one.radius);
     const double alert = 0.2 * smallest, h = 0.01;
@@ -71,7 +71,7 @@ TEST_CASE("contacts: a wall that comes fast is met in time, one that leaves is l
     Simulation s = simulation_of({{.x = 0.12 + speed * 0.0025, .radius = 0.1}}, dynamics);
     double deepest = 0;
     for (int k = 0; k < 3; ++k) {
-      const SolvedStep step = solve_step(s);
+      const SolvedStep<2> step = solve_step(s);
       deepest = std::max(deepest, step.report.overlap.maximum);
       take_step(s, step);
     }
@@ -151,7 +151,7 @@ TEST_CASE("driven motion: rotation about a foot, translation and both, at exact 
     CHECK(std::abs(s.state.angle[i] - omega * t) < 1e-11);
     CHECK(s.state.spin[i] == doctest::Approx(omega).epsilon(1e-14));
   }
-  const Wall at_end = moved(s.system.walls[0], s.system.boundaries[1].motion, s.state.poses[1]);
+  const Wall at_end = moved<2>(s.system.walls[0], s.system.boundaries[1].motion, s.state.poses[1]);
   CHECK(at_end.normal[0] == doctest::Approx(std::cos(-omega * t)).epsilon(1e-12));
   CHECK(at_end.normal[1] == doctest::Approx(std::sin(-omega * t)).epsilon(1e-12));
   // The given point (-3, 1) turns about the foot, which rises.
@@ -217,7 +217,7 @@ TEST_CASE("overlaps: the largest, their mean, and the largest as a part of the s
   const Simulation s = simulation_of(
       {{.radius = 1}, {.x = 1.9375, .radius = 1}, {.x = -1.09375, .radius = 0.125}, {.x = -2, .radius = 0.5}},
       Dynamics());
-  const Interpenetration found = interpenetration(s.system, prepared(s));
+  const Interpenetration found = interpenetration(s.system, prepared(s).geometry);
   CHECK(found.maximum == 0.0625);
   CHECK(found.mean == (0.0625 + 0.03125) / 2);
   CHECK(found.relative == 0.03125 / 0.125);

@@ -4,7 +4,7 @@
 #include "../support/granular.hpp"
 #include "ddm/granular_two_stage.hpp"
 #include "linalg/random.hpp"
-#include "mechanics/disk_contacts.hpp"
+#include "mechanics/grain_contacts.hpp"
 
 #include <Eigen/LU>
 #include <doctest/doctest.h>
@@ -31,7 +31,7 @@ struct SmallProblem {
 };
 
 // From positions, radii and velocities alone, in the order of step.geometry.
-SmallProblem written_down(const Simulation& s, const SolvedStep& step) {
+SmallProblem written_down(const Simulation& s, const SolvedStep<2>& step) {
   const Index n = s.system.disks(), contacts = count(step.problem.geometry);
   const double h = s.dynamics.time.step;
   SmallProblem p;
@@ -123,10 +123,10 @@ std::vector<Vector> every_solution(const SmallProblem& p, int statuses_per_conta
   }
 }
 
-Vector velocities_of(const Simulation& s, const SolvedStep& step) {
+Vector velocities_of(const Simulation& s, const SolvedStep<2>& step) {
   Vector v(3 * s.system.disks());
   for (Index i = 0; i < s.system.disks(); ++i) {
-    const DiskVelocity& one = step.velocities[at(i)];
+    const GrainVelocity<2>& one = step.velocities[at(i)];
     v.segment(3 * i, 3) << one.x, one.y, one.rim / s.system.radius[at(i)];
   }
   return v;
@@ -178,7 +178,7 @@ TEST_CASE("frictionless: velocities and impulses are those of the only solution 
       CAPTURE(cluster.name);
       CAPTURE(seed);
       Simulation simulation = shaken(cluster, "frictionless", 0.4, seed);
-      const SolvedStep step = solve_step(simulation);
+      const SolvedStep<2> step = solve_step(simulation);
       REQUIRE(step.report.status == SolverStatus::converged);
       const SmallProblem problem = written_down(simulation, step);
       REQUIRE(problem.friction.size() <= 5);
@@ -189,7 +189,7 @@ TEST_CASE("frictionless: velocities and impulses are those of the only solution 
       for (const double relaxation : {0.7, 1.5}) {  // other iterates, the same end
         CAPTURE(relaxation);
         simulation.dynamics.solver.contact_relaxation = relaxation;
-        const SolvedStep relaxed = solve_step(simulation);
+        const SolvedStep<2> relaxed = solve_step(simulation);
         REQUIRE(relaxed.report.status == SolverStatus::converged);
         CHECK((velocities_of(simulation, relaxed) - v).norm() < 1e-9);
       }
@@ -209,7 +209,7 @@ TEST_CASE("Coulomb friction: the result is a solution with one status per contac
         CAPTURE(friction);
         CAPTURE(seed);
         const Simulation simulation = shaken(cluster, "coulomb", friction, seed);
-        const SolvedStep step = solve_step(simulation);
+        const SolvedStep<2> step = solve_step(simulation);
         REQUIRE(step.report.status == SolverStatus::converged);
         const SmallProblem problem = written_down(simulation, step);
         if (problem.friction.size() > 3) continue;
@@ -239,7 +239,7 @@ TEST_CASE("relaxation: a resting disk is given that part of what its weight stil
       dynamics.solver.contact_relaxation = relaxation;
       dynamics.solver.criterion = "none";
       dynamics.solver.maximum_iterations = sweeps;
-      const SolvedStep step = solve_step(simulation_of({{.y = 0.5, .mass = 2}}, dynamics));
+      const SolvedStep<2> step = solve_step(simulation_of({{.y = 0.5, .mass = 2}}, dynamics));
       const double lacking = std::pow(1 - relaxation, static_cast<double>(sweeps));
       CHECK(step.contacts.at(0).impulse.n == doctest::Approx((1 - lacking) * 2 * g * 0.005).epsilon(1e-13));
     }
@@ -256,7 +256,7 @@ TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide
   dynamics.boundaries = {floor_wall()};
   dynamics.interaction.friction = 0.3;
   for (const double speed : {-3.0, 3.0}) {
-    const SolvedStep step = solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
+    const SolvedStep<2> step = solve_step(simulation_of({{.y = 0.5, .velocity_x = speed, .velocity_y = -1}}, dynamics));
     CHECK(step.report.residual.slide == 1);
     CHECK(step.report.residual.stick == 0);
   }
@@ -264,17 +264,17 @@ TEST_CASE("residual: sums of parts add up entry by entry, and both ways to slide
 
 TEST_CASE("glued copies: their masses add up, and in their speed rims count as much as centres") {
   const Simulation simulation = simulation_of({{.x = 0, .y = 0.5}, {.x = 1, .y = 0.5}, {.x = 2, .y = 0.5}}, tight());
-  const SolvedStep step = solve_step(simulation);
+  const SolvedStep<2> step = solve_step(simulation);
   REQUIRE(step.contacts.size() == 2);
-  GranularDecomposition parts =
+  GranularDecomposition<2> parts =
       decompose(step.problem, {.subdomains = 2, .subdomain_of_contact = {0, 1}}, "natural", 1);
   REQUIRE(parts.interface.gluing().size() == 1);
   double mass = 0;  // of all copies together
-  for (const GranularSubdomain& subdomain : parts.subdomains)
-    for (const DiskVelocity& v : subdomain.velocities) mass += 1 / v.inverse_mass;
+  for (const GranularSubdomain<2>& subdomain : parts.subdomains)
+    for (const GrainVelocity<2>& v : subdomain.velocities) mass += 1 / v.inverse_mass;
   CHECK(mass == doctest::Approx(3));
-  for (GranularSubdomain& subdomain : parts.subdomains)
-    for (DiskVelocity& v : subdomain.velocities) v.x = v.y = v.rim = 2;
+  for (GranularSubdomain<2>& subdomain : parts.subdomains)
+    for (GrainVelocity<2>& v : subdomain.velocities) v.x = v.y = v.rim = 2;
   CHECK(glued_speed_squared(parts, 0) + glued_speed_squared(parts, 1) == 2 * (4 + 4 + 4));
 }
 
@@ -301,13 +301,14 @@ TEST_CASE("residual: a resting disk whose reaction lacks d is off by d, by d / m
   Dynamics dynamics = tight();
   dynamics.boundaries = {floor_wall()};
   const Simulation simulation = simulation_of({{.y = 0.5, .mass = 2}}, dynamics);
-  const SolvedStep step = solve_step(simulation);
+  const SolvedStep<2> step = solve_step(simulation);
   REQUIRE(step.contacts.size() == 1);
   const double whole = 2 * g * 0.005, d = 0.3 * whole;
-  StepProblem lacking = step.problem;
+  StepProblem<2> lacking = step.problem;
   lacking.contacts[0].impulse.n = whole - d;
-  const GranularDecomposition parts = decompose(lacking, {.subdomains = 1, .subdomain_of_contact = {0}}, "natural", 1);
-  const std::vector<DiskVelocity> v = velocities_of(lacking, lacking.contacts);
+  const GranularDecomposition<2> parts =
+      decompose(lacking, {.subdomains = 1, .subdomain_of_contact = {0}}, "natural", 1);
+  const std::vector<GrainVelocity<2>> v = velocities_of(lacking, lacking.contacts);
   const ContactResidual off = contact_residual(Coulomb{}, parts.subdomains[0].contacts, v);
   CHECK(std::sqrt(off.natural_map) == doctest::Approx(d).epsilon(1e-12));
   CHECK(off.relative_natural_map() == doctest::Approx(0.3 / 0.7).epsilon(1e-12));

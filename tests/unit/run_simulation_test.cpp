@@ -31,7 +31,8 @@ TEST_CASE("run: a disk that falls comes to rest, and not at its turning point") 
   simulation.state.velocity_y[0] = 0.5;  // thrown up: slow for a moment at the top
   Index sunk = 0;
   RunSinks sinks;
-  sinks.step = [&](const Simulation&, const SolvedStep& solved, const StepReport& report) {
+  sinks.step = [&](const Simulation&, const AnySolvedStep& any, const StepReport& report) {
+    const auto& solved = std::get<SolvedStep<2>>(any);
     ++sunk;
     CHECK(count(solved.contacts) == report.contacts);
   };
@@ -84,7 +85,7 @@ TEST_CASE("run: a step that cannot be prepared ends it, the last good state kept
   Simulation simulation = one_disk(1);
   RunSinks sinks;
   double y = 0;
-  sinks.step = [&](const Simulation& after, const SolvedStep&, const StepReport&) { y = after.state.y[0]; };
+  sinks.step = [&](const Simulation& after, const AnySolvedStep&, const StepReport&) { y = after.state.y[0]; };
   simulation.dynamics.time.gravity = {0, 2e5};  // ten radii per step after two
   const RunOutcome outcome = run_simulation(simulation, sinks);
   CHECK(outcome.end == RunEnd::broke_down);
@@ -122,7 +123,7 @@ TEST_CASE("status changes: contacts that close and contacts that open count") {
   };
   const Simulation simulation = testing::simulation_of({hitting(0, 1), hitting(70, 10), {}}, dynamics);
   std::vector<Index> changes;
-  const SolvedStep step =
+  const SolvedStep<2> step =
       solve_step(simulation, {.row = [&](const IterationRow& row) { changes.push_back(row.status_changes); }});
   REQUIRE(step.contacts.size() == 2);
   CHECK(step.contacts[0].impulse.n == 0);

@@ -152,7 +152,7 @@ TEST_CASE("vtp: a step of a divided box as VTK reads it") {
   dynamics.solver.algorithm = "generic";
   Simulation simulation = box_of_grains(60, dynamics, {2, 1});
   take_step(simulation, solve_step(simulation));
-  const SolvedStep step = solve_step(simulation);
+  const SolvedStep<2> step = solve_step(simulation);
   take_step(simulation, step);
   const TemporaryFolder folder;
   write_file(folder / "box.vtp", vtp_text(simulation.system, trajectory_step(simulation, step)));

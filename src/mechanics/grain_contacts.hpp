@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/contact_frame.hpp"
+#include "mechanics/contact_law.hpp"
+
+namespace nscdd {
+
+/// Velocity of a grain while a step is solved, a disk in the plane (D = 2) or a sphere in space (D = 3). The speed of
+/// the rim, radius x angular velocity, stands for the spin: a full disk has the inertia mass/2 in it and a full sphere
+/// 2 mass/5, whatever the radius, and contacts need no lever arm.
+template <int D>
+struct GrainVelocity;
+template <>
+struct GrainVelocity<2> {
+  double x = 0, y = 0, rim = 0;  ///< m/s
+  double inverse_mass = 0;       ///< 1/kg; 0 for a body whose motion is prescribed
+};
+/// On a cache line of its own: a sweep visits grains in no order.
+template <>
+struct alignas(64) GrainVelocity<3> {
+  double x = 0, y = 0, z = 0, rim_x = 0, rim_y = 0, rim_z = 0;  ///< m/s
+  double inverse_mass = 0;                                      ///< 1/kg
+};
+
+/// Unknowns of a grain: its velocity and the speed of its rim, (x, y, rim) or (x, y, z, rim_x, rim_y, rim_z).
+template <int D>
+inline constexpr Index unknowns_of_grain = D == 2 ? 3 : 6;
+template <int D>
+using GrainUnknowns = std::array<double, at(unknowns_of_grain<D>)>;
+
+/// Mass over inertia in the speed of the rim: 2 of a full disk, 5/2 of a full sphere.
+template <int D>
+inline constexpr double rim_mass_ratio = D == 2 ? 2.0 : 2.5;
+
+/// Velocities as an argument beside one that says the dimension.
+template <int D>
+using GrainVelocities = std::type_identity_t<std::span<const GrainVelocity<D>>>;
+
+inline GrainUnknowns<2> unknowns(const GrainVelocity<2>& v) { return {v.x, v.y, v.rim}; }
+inline GrainUnknowns<3> unknowns(const GrainVelocity<3>& v) { return {v.x, v.y, v.z, v.rim_x, v.rim_y, v.rim_z}; }
+inline GrainVelocity<2> with_unknowns(const GrainUnknowns<2>& u, double inverse_mass) {
+  return {u[0], u[1], u[2], inverse_mass};
+}
+inline GrainVelocity<3> with_unknowns(const GrainUnknowns<3>& u, double inverse_mass) {
+  return {u[0], u[1], u[2], u[3], u[4], u[5], inverse_mass};
+}
+
+/// Inertia of unknown k over the mass: 1 of translations, that of the rim behind them.
+template <int D>
+constexpr double inertia_ratio(Index k) {
+  return k < D ? 1 : 1 / rim_mass_ratio<D>;
+}
+
+/// |v|^2 without the rim, (m/s)^2.
+inline double squared_velocity(const GrainVelocity<2>& v) { return v.x * v.x + v.y * v.y; }
+inline double squared_velocity(const GrainVelocity<3>& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
+/// The square of the speed of the rim, (m/s)^2.
+inline double squared_rim(const GrainVelocity<2>& v) { return v.rim * v.rim; }
+inline double squared_rim(const GrainVelocity<3>& v) {
+  return v.rim_x * v.rim_x + v.rim_y * v.rim_y + v.rim_z * v.rim_z;
+}
+template <int D>
+bool is_finite(const GrainVelocity<D>& v) {
+  return std::ranges::all_of(unknowns(v), [](double one) { return std::isfinite(one); });
+}
+
+/// Kinetic energy of a free grain, J.
+template <int D>
+double kinetic_energy(const GrainVelocity<D>& v) {
+  return (squared_velocity(v) + squared_rim(v) / rim_mass_ratio<D>) / (2 * v.inverse_mass);
+}
+
+/// W of a contact of two grains: W_nn = 1/m_a + 1/m_b, W_tt = 3 W_nn of disks and 7/2 W_nn of spheres in every
+/// tangential direction, W_nt = 0.
+template <int D>
+DiagonalDelassus grain_delassus(const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
+  const double inverse = 1 / (a.inverse_mass + b.inverse_mass);
+  return {inverse, inverse * (1 / (1 + rim_mass_ratio<D>))};
+}
+
+/// One contact of a <- b in its frame, n from a to b. In the plane t is n turned by +90 degrees:
+///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a) - rim_a - rim_b,
+/// in space (n, t_1, t_2) are those of tangents_of:
+///     v_n = n (V_b - V_a),   v_t = t (V_b - V_a - (rim_a + rim_b) x n)  for t_1 and t_2,
+/// with everything a law may need. Sweeps use the shorter ContactRows.
+template <int D>
+struct GrainContact {
+  std::int32_t a = 0, b = 0;   ///< positions in the array of velocities
+  Direction<D> normal{1, 0};   ///< n
+  DiagonalDelassus inverse_w;  ///< kg
+  LocalVector<D> bias = {};    ///< m/s, added to v before the law: gap / h, restitution
+  double friction = 0;
+  double pull = 0;              ///< largest pulling impulse, N s; 0 unless the law pulls
+  LocalVector<D> impulse = {};  ///< r, N s
+};
+
+/// Sums over the contacts of one sweep, (N s)^2: |r - r_before|^2 and |r|^2.
+struct SweepSums {
+  double change = 0, impulses = 0;
+};
+
+/// Relative velocity of a contact of two grains, m/s, without bias.
+inline LocalVector<2> relative_velocity(const Direction<2>& normal, const GrainVelocity<2>& a,
+                                        const GrainVelocity<2>& b) {
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  return {normal[0] * dx + normal[1] * dy, normal[0] * dy - normal[1] * dx - a.rim - b.rim};
+}
+inline LocalVector<3> relative_velocity(const Direction<3>& n, const GrainVelocity<3>& a, const GrainVelocity<3>& b) {
+  const auto [t1, t2] = tangents_of(n);
+  const double dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z;
+  const double sx = a.rim_x + b.rim_x, sy = a.rim_y + b.rim_y, sz = a.rim_z + b.rim_z;
+  // t (s x n) = s (n x t), n x t_1 = t_2 and n x t_2 = -t_1
+  return {n[0] * dx + n[1] * dy + n[2] * dz,
+          {t1[0] * dx + t1[1] * dy + t1[2] * dz - (t2[0] * sx + t2[1] * sy + t2[2] * sz),
+           t2[0] * dx + t2[1] * dy + t2[2] * dz + (t1[0] * sx + t1[1] * sy + t1[2] * sz)}};
+}
+template <int D>
+LocalVector<D> relative_velocity(const GrainContact<D>& c, GrainVelocities<D> v) {
+  return relative_velocity(c.normal, v[static_cast<std::size_t>(c.a)], v[static_cast<std::size_t>(c.b)]);
+}
+
+/// V += M^-1 p of one grain, for an impulse p on its unknowns, N s.
+inline void push(GrainVelocity<2>& grain, const GrainUnknowns<2>& p) {
+  grain.x += grain.inverse_mass * p[0];
+  grain.y += grain.inverse_mass * p[1];
+  grain.rim += rim_mass_ratio<2> * grain.inverse_mass * p[2];
+}
+inline void push(GrainVelocity<3>& grain, const GrainUnknowns<3>& p) {
+  const double rim = rim_mass_ratio<3> * grain.inverse_mass;
+  grain.x += grain.inverse_mass * p[0];
+  grain.y += grain.inverse_mass * p[1];
+  grain.z += grain.inverse_mass * p[2];
+  grain.rim_x += rim * p[3];
+  grain.rim_y += rim * p[4];
+  grain.rim_z += rim * p[5];
+}
+
+/// V += M^-1 H_c r: the velocities of both grains of a contact after an impulse r on b and -r on a.
+template <int D>
+void apply_impulse(const GrainContact<D>& c, LocalVector<D> r, std::type_identity_t<std::span<GrainVelocity<D>>> v) {
+  push(v[static_cast<std::size_t>(c.a)], impulse_on_grain(c.normal, -1, r));
+  push(v[static_cast<std::size_t>(c.b)], impulse_on_grain(c.normal, 1, r));
+}
+
+/// The impulse with which the contact would be at rest, bias included: r - W^-1 (v + bias).
+template <int D>
+LocalVector<D> stopping_impulse(const GrainContact<D>& c, GrainVelocities<D> v) {
+  return c.impulse - c.inverse_w.solve(relative_velocity(c, v) + c.bias);
+}
+
+/// A contact as a sweep reads it, 32 bytes in the plane and 40 in space.
+template <int D>
+struct ContactRow;
+template <>
+struct ContactRow<2> {
+  std::int32_t a = 0, b = 0;  ///< positions in the array of velocities
+  double normal_x = 1, normal_y = 0;
+  double bias_n = 0;  ///< m/s
+
+  Direction<2> normal() const { return {normal_x, normal_y}; }
+};
+template <>
+struct ContactRow<3> {
+  std::int32_t a = 0, b = 0;
+  double normal_x = 1, normal_y = 0, normal_z = 0;
+  double bias_n = 0;
+
+  Direction<3> normal() const { return {normal_x, normal_y, normal_z}; }
+};
+
+/// Contacts as a sweep reads them. At 10^5 grains memory limits its speed: what never changes is stored apart from the
+/// impulses, and nothing that the velocities (masses, hence W) or the law (friction) know already.
+template <int D>
+struct ContactRows {
+  std::vector<ContactRow<D>> rows;
+  std::vector<LocalVector<D>> impulses;  ///< r, N s
+  std::vector<Tangent<D>> bias_t;        ///< m/s; empty without tangential restitution
+  std::vector<double> pull;              ///< N s; empty unless the law pulls
+  double friction = 0;                   ///< between free grains
+  double boundary_friction = 0;          ///< if one of both bodies is driven
+
+  std::size_t size() const { return rows.size(); }
+  GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
+};
+
+/// One nonlinear Gauss-Seidel sweep over the contacts in the order they have in memory. Each takes the impulse that its
+/// law gives at the present velocities, or the part `relaxation` of the way to it, and its grains are updated at once:
+/// the velocities carry the off-diagonal part of W, which is never formed.
+template <int D>
+SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
+                             std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation = 1);
+
+/// How well impulses and velocities obey the contact law: sums over contacts, so that subdomains add up.
+struct ContactResidual {
+  double natural_map = 0;     ///< |natural map|^2 with rho = 1/W_nn of each contact, (N s)^2
+  double impulses = 0;        ///< |r|^2, (N s)^2
+  double violation = 0;       ///< |W_c (r_c' - r_c)|^2, r_c' the law's answer now; SumDVDV of LMGC90, (m/s)^2
+  double work = 0;            ///< (r_c' + r_c)/2 . W_c (r_c' - r_c); SumDVoR of LMGC90, J
+  double scale_work = 0;      ///< mean of r_c . W_c r_c and r_c' . W_c r_c'; SumWRR of LMGC90, J
+  double scale_velocity = 0;  ///< mean of |W_c r_c|^2 and |W_c r_c'|^2; SumWRWR of LMGC90, (m/s)^2
+  Index active = 0;           ///< contacts with an impulse
+  Index stick = 0, slide = 0;
+
+  ContactResidual& operator+=(const ContactResidual& other);
+
+  /// |natural map| / |r|: error of the contact law in the form of De Saxce; 0 if there is no impulse.
+  double relative_natural_map() const;
+  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not yet divided by its tolerance.
+  double quad_dv() const;
+  double mean_dv_over_r() const;
+};
+
+/// Sums over the contacts at the velocities v. With a cohesive law the natural map is that of the shifted impulses,
+/// with a viscous law r' - r.
+template <int D>
+ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v);
+template <int D>
+ContactResidual contact_residual(const ContactLaw& law, const std::vector<GrainContact<D>>& contacts,
+                                 GrainVelocities<D> v);
+
+/// Status of each contact under the law: open, stick or slide.
+template <int D>
+ContactStatus status_of(const ContactLaw& law, const GrainContact<D>& contact);
+
+}  // namespace nscdd
