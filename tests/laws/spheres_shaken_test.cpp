@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Many spheres: what holds of every step, whichever algorithm solves it.
+#include "../support/spheres.hpp"
+#include "linalg/threads.hpp"
+#include "mechanics/time_stepping.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+Vector3 momentum_of(const Simulation& s) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t i = 0; i < s.system.mass.size(); ++i) sum += s.system.mass[i] * velocity_of_ball(s.state, i);
+  return sum;
+}
+
+double largest_difference_in_space(const std::vector<GrainVelocity<3>>& a, const std::vector<GrainVelocity<3>>& b,
+                                   std::size_t grains) {
+  double largest = 0;
+  for (std::size_t i = 0; i < grains; ++i) {
+    const GrainUnknowns<3> one = unknowns(a[i]), other = unknowns(b[i]);
+    for (std::size_t k = 0; k < one.size(); ++k) largest = std::max(largest, std::abs(one[k] - other[k]));
+  }
+  return largest;
+}
+
+Dynamics shaken(double friction) {
+  Dynamics dynamics = tight();
+  dynamics.interaction.friction = friction;
+  dynamics.solver.tolerance = 1e-11;
+  return dynamics;
+}
+
+}  // namespace
+
+TEST_CASE("spheres: momentum stays, numerical energy is rounding at theta = 1/2, and a step repeats every bit") {
+  Dynamics dynamics = shaken(0.4);
+  dynamics.time.gravity = {0, 0, 0};
+  Simulation one = shaken_cube(4, dynamics), other = one;
+  const Vector3 momentum = momentum_of(one);
+  for (int k = 0; k < 5; ++k) {
+    const StepReport report = advance_in_space(one);
+    advance_in_space(other);
+    CHECK((momentum_of(one) - momentum).norm() < 1e-11);
+    CHECK(std::abs(report.energy.numerical) < 1e-12 * report.energy.kinetic * 64);
+    CHECK(report.energy.dissipation > -1e-9);
+    for (const auto values : numbers_of_grains(3)) CHECK(one.state.*values == other.state.*values);
+  }
+}
+
+TEST_CASE("spheres: every algorithm finds the velocities of plain sweeps where there is no friction") {
+  // Without friction velocities are unique.
+  const Simulation whole = shaken_cube(4, shaken(0));
+  const SolvedStep<3> plain = solve_step<3>(whole);
+  REQUIRE(plain.report.status == SolverStatus::converged);
+  REQUIRE(plain.report.residual.active > 20);
+  for (const char* name : {"generic", "enriched", "newton", "admm", "two_stage_newton", "two_stage_admm"})
+    for (const Components<Index>& grid : {Components<Index>{2, 2, 2}, Components<Index>{3, 1, 1}}) {
+      CAPTURE(std::string(name));
+      Simulation cut = whole;
+      cut.partitioner = GridPartitioner{grid};
+      cut.dynamics.solver.algorithm = name;
+      cut.dynamics.solver.tolerance = 1e-10;
+      cut.dynamics.solver.gluing_tolerance = 1e-10;
+      const SolvedStep<3> step = solve_step<3>(cut);
+      CHECK(step.report.status == SolverStatus::converged);
+      CHECK(largest_difference_in_space(step.velocities, plain.velocities, 64) < 1e-7);
+    }
+}
+
+TEST_CASE("spheres: with friction every algorithm solves the step, and cut ones glue") {
+  for (const char* name : {"nlgs", "generic", "enriched", "newton", "two_stage_newton", "two_stage_admm"}) {
+    CAPTURE(std::string(name));
+    Simulation simulation = shaken_cube(4, shaken(0.3), {2, 2, 2});
+    simulation.dynamics.solver.algorithm = name;
+    simulation.dynamics.solver.tolerance = 1e-9;
+    simulation.dynamics.solver.gluing_tolerance = 1e-9;
+    const SolvedStep<3> step = solve_step<3>(simulation);
+    CHECK(step.report.status == SolverStatus::converged);
+    // Of what is kept: the velocities are those of the impulses, and obey the law.
+    const std::vector<GrainVelocity<3>> found = velocities_of(step.problem, step.contacts);
+    CHECK(largest_difference_in_space(found, step.velocities, 64) < 1e-7);
+    CHECK(contact_residual(step.problem.law, step.contacts, found).relative_natural_map() < 1e-7);
+    CHECK(step.report.residual.stick > 5);
+    CHECK(step.report.residual.slide > 5);
+  }
+}
+
+TEST_CASE("spheres: threads change no bit of Algorithm 1, and one subdomain is plain Gauss-Seidel") {
+  Dynamics dynamics = shaken(0.3);
+  dynamics.solver.maximum_iterations = 50;
+  Simulation simulation = shaken_cube(4, dynamics, {2, 2, 2});
+  simulation.dynamics.solver.algorithm = "generic";
+  const auto solved = [](const Simulation& s, Index threads) {
+    const ThreadLimit limit(threads);
+    return solve_step<3>(s).velocities;
+  };
+  CHECK(largest_difference_in_space(solved(simulation, 1), solved(simulation, 2), 64) == 0);
+  Simulation plain = simulation, alone = simulation;
+  plain.dynamics.solver.algorithm = "nlgs";
+  alone.partitioner = GridPartitioner{{1, 1, 1}};
+  CHECK(largest_difference_in_space(solved(plain, 1), solved(alone, 1), 64) == 0);
+}
+
+TEST_CASE("spheres in a plane move as disks do where nothing rubs") {
+  const Simulation disks = shaken_lattice(5, 4, shaken(0));
+  std::vector<Ball> balls;
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(0.5, -0.3, 0.7, 0.2).normalized();
+  for (std::size_t i = 0; i < disks.system.radius.size(); ++i)
+    balls.push_back({.centre = turn * Vector3(disks.state.x[i], disks.state.y[i], 0),
+                     .radius = disks.system.radius[i],
+                     .mass = disks.system.mass[i],
+                     .velocity = turn * Vector3(disks.state.velocity_x[i], disks.state.velocity_y[i], 0)});
+  Simulation flat = disks, askew = simulation_of(balls, flat.dynamics);
+  const Vector3 gravity = turn * Vector3(0, -g, 0);
+  askew.dynamics.time.gravity = {gravity[0], gravity[1], gravity[2]};
+  for (int k = 0; k < 3; ++k) {
+    advance(flat);
+    advance_in_space(askew);
+  }
+  for (std::size_t i = 0; i < balls.size(); ++i)
+    CHECK((centre_of_ball(askew.state, i) - turn * Vector3(flat.state.x[i], flat.state.y[i], 0)).norm() < 1e-9);
+}
+
+TEST_CASE("spheres: a step of another dimension is refused by name") {
+  const Simulation simulation = shaken_cube(2, shaken(0.3));
+  CHECK_THROWS_WITH_AS(solve_step<2>(simulation),
+                       "simulation: expected disks in the plane here, met a system of spheres in space", Error);
+}
