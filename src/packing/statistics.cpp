@@ -74,7 +74,24 @@ double sphere_box_volume(const std::array<double, 3>& low, const std::array<doub
   const Rectangle plane{low[0], high[0], low[1], high[1]};
   // z = sin t: the disk at z has the radius cos t.
   const auto slice = [&](double t) { return std::cos(t) * area_in(plane, 0, 0, std::cos(t)); };
-  return integral(slice, std::asin(std::max(low[2], -1.0)), std::asin(std::min(high[2], 1.0)), 1e-10);
+  // The area has a kink where the disk begins to reach over a side or a corner: the integral is taken between them.
+  const double from = std::asin(std::max(low[2], -1.0)), to = std::asin(std::min(high[2], 1.0));
+  std::vector<double> ends{from, to};
+  const auto add_kinks = [&](double reach) {
+    if (reach >= 1) return;
+    for (const double t : {-std::acos(reach), std::acos(reach)})
+      if (t > from && t < to) ends.push_back(t);
+  };
+  for (const double x : {low[0], high[0]}) {
+    add_kinks(std::abs(x));
+    for (const double y : {low[1], high[1]}) add_kinks(std::hypot(x, y));
+  }
+  for (const double y : {low[1], high[1]}) add_kinks(std::abs(y));
+  std::sort(ends.begin(), ends.end());
+  double volume = 0;
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i)
+    if (ends[i] < ends[i + 1]) volume += integral(slice, ends[i], ends[i + 1], 5e-12);
+  return volume;
 }
 
 double disk_corner_area(double a, double b) {

@@ -92,6 +92,29 @@ TEST_CASE("statistics: the part of a sphere in a box, against octants, caps and 
   }
 }
 
+TEST_CASE("statistics: the parts of a sphere in eight boxes about a corner add up, wherever sides and corners cut") {
+  RandomStream random(4);
+  const auto number = [&] { return 2.6 * random.uniform() - 1.3; };
+  double worst = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::array<double, 3> low{}, high{}, corner{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double a = number(), b = trial % 2 == 0 ? number() : 20;  // a box, or an octant of space
+      low[k] = std::min(a, b);
+      high[k] = std::max(a, b);
+      corner[k] = std::clamp(number(), low[k], high[k]);
+    }
+    double sum = 0;
+    for (std::size_t part = 0; part < 8; ++part) {
+      std::array<double, 3> from = low, to = high;
+      for (std::size_t k = 0; k < 3; ++k) ((part >> k & 1) == 0 ? to : from)[k] = corner[k];
+      sum += sphere_box_volume(from, to);
+    }
+    worst = std::max(worst, std::abs(sum - sphere_box_volume(low, high)));
+  }
+  CHECK(worst < 1e-9);
+}
+
 TEST_CASE("statistics: spheres fill boxes, rest on three, and weigh by volume") {
   const SolidFraction one = solid_fraction({{3.0}, {-7.0}, {2.0}, {}, {5.0}});
   CHECK(one.box == doctest::Approx(pi / 6));
