@@ -24,17 +24,24 @@ std::optional<CaseSpec> parse(std::string_view text) {
 }
 
 Index grains(const Generator& generator) {
-  if (const auto* strip = std::get_if<TriangularStrip>(&generator)) return strip->grains;
-  if (const auto* deposit = std::get_if<Deposit>(&generator)) return deposit->grains;
-  const auto& lattice = std::get<HexagonalLattice>(generator);
-  return lattice.columns * lattice.rows;  // both at most 10^5
+  return std::visit(
+      [](const auto& one) -> Index {
+        if constexpr (requires { one.grains; })
+          return one.grains;
+        else if constexpr (requires { one.sites; })
+          return one.sites.columns * one.sites.rows * one.sites.layers;  // each at most 10^5
+        else
+          return one.columns * one.rows;
+      },
+      generator);
 }
 
 void require_sound(const Model& model) {
   const Index n = model.packing.size(), contacts = model.network.size();
   require(n >= 1, "a packing has a grain");
   require(count(model.packing.mass) == n, "every grain has a mass");
-  require(model.problem.h.rows() == 2 * n && model.problem.h.cols() == contacts, "H has its shape");
+  require(model.problem.h.rows() == model.packing.dimension() * n && model.problem.h.cols() == contacts,
+          "H has its shape");
   require(count(model.partition.subdomain_of_contact) == contacts, "every contact has a subdomain");
   Index distributed = 0;
   for (const Subdomain& subdomain : model.parts.subdomains) distributed += count(subdomain.contacts);
