@@ -30,6 +30,7 @@
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/lattice.hpp>
+#include <nscdd/packing/generators/sphere_deposit.hpp>
 #include <nscdd/packing/generators/sphere_lattice.hpp>
 #include <nscdd/packing/packing.hpp>
 #include <nscdd/study/model.hpp>

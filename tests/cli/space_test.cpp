@@ -202,6 +202,60 @@ TEST_CASE("space: a lattice with holes, as its generator and as a file with z, h
   }
 }
 
+TEST_CASE("space: a deposit is made, looked at and studied like any other packing") {
+  const Session session;
+  const std::string keys =
+      "grains = 60\nwidth = 1.2\ndepth = 0.9\nradius_min = 0.1\nradius_max = 0.2\ndistribution = \"uniform_volume\"\n";
+  session.file("bed.toml", "[packing]\ngenerator = \"sphere_deposit\"\n" + keys + "[partition]\ngrid = [2, 2, 2]\n" +
+                               "[loads]\ncompression = [0.0, 0.0, 1.0]\n");
+  const auto grains_of = [&](const std::string& name) {  // without the remarks, which name the file
+    const std::string text = session.read(name);
+    return text.substr(text.find("\nx,y,z,radius") + 1);
+  };
+  answer(session, "generate bed.toml -o bed.csv");
+  const CsvTable bed = read_table(grains_of("bed.csv"));
+  REQUIRE(bed.rows.size() == 60);
+  for (std::size_t row = 0; row < 60; ++row) {
+    const double radius = bed.number(row, "radius");
+    CHECK(bed.number(row, "x") >= radius);
+    CHECK(bed.number(row, "x") <= 1.2 - radius);
+    CHECK(bed.number(row, "y") >= radius);
+    CHECK(bed.number(row, "y") <= 0.9 - radius);
+    CHECK(bed.number(row, "z") >= radius);
+  }
+  answer(session, "generate bed.toml -o again.csv");
+  CHECK(grains_of("again.csv") == grains_of("bed.csv"));
+
+  const auto whole = row_of(answer(session, "inspect bed.toml"), "whole");
+  REQUIRE(whole.size() == 5);
+  CHECK(whole[0] == 60);
+  CHECK(whole[1] > 90);
+  CHECK(whole[1] <= 180);       // three contacts per grain at most
+  CHECK(whole[2] == whole[1]);  // each grain on three before it: no contact depends on others
+  CHECK(whole[4] == 0);
+
+  const std::string options = " --subdomains 2x2x2 --epsilon 1 --solver ";
+  const CsvTable dense = table(session, "sweep bed.toml" + options + "dense");
+  const CsvTable file = table(session, "sweep bed.csv --set loads.compression=0,0,1" + options + "dense");
+  const CsvTable shifted = table(session, "sweep bed.toml --certify" + options + "shift-invert");
+  const double radius = dense.number(0, "spectral_radius");
+  CHECK(radius > 0.01);
+  CHECK(radius < 1);
+  CHECK(file.number(0, "spectral_radius") == radius);
+  CHECK(std::abs(shifted.number(0, "spectral_radius") - radius) < 1e-9);
+  CHECK(dense.number(0, "contacts") == whole[1]);
+
+  const auto refused = [&](const std::string& from, const std::string& to, std::initializer_list<std::string> parts) {
+    session.file("bad.toml", replaced(session.read("bed.toml"), from, to));
+    check_refused(session, "generate bad.toml -o bad.csv", parts);
+  };
+  refused("grains = 60", "grains = 0", {"bad.toml:3", "packing.grains"});
+  refused("width = 1.2", "width = 0.3", {"packing.width", "at least 2 radius_max = 0.4 m, met 0.3"});
+  refused("depth = 0.9", "depth = 0.39", {"packing.depth", "at least 2 radius_max = 0.4 m, met 0.39"});
+  refused("radius_min = 0.1", "radius_min = 0.3", {"packing.radius_min", "at most radius_max = 0.2, met 0.3"});
+  refused("depth = 0.9", "layers = 3", {"bad.toml:5", "layers"});
+}
+
 TEST_CASE("space: a study of a file with z takes tolerances of its columns along z") {
   const Session session;
   session.file("study/bed.toml", "[packing]\nfile = \"bed.csv\"\n[partition]\ngrid = [2, 2, 2]\n");

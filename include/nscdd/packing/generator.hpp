@@ -3,6 +3,7 @@
 
 #include <nscdd/packing/generators/deposit.hpp>
 #include <nscdd/packing/generators/lattice.hpp>
+#include <nscdd/packing/generators/sphere_deposit.hpp>
 #include <nscdd/packing/generators/sphere_lattice.hpp>
 
 #include <variant>
@@ -11,7 +12,8 @@ namespace nscdd {
 
 /// Every generator of packings: one file and one word here. Each has `name`, `summary`, fields and `generate`; one of
 /// spheres also `static constexpr Index dimension = 3`.
-using Generator = std::variant<TriangularStrip, HexagonalLattice, Deposit, CubicLattice, FccLattice, HcpLattice>;
+using Generator =
+    std::variant<TriangularStrip, HexagonalLattice, Deposit, CubicLattice, FccLattice, HcpLattice, SphereDeposit>;
 
 /// The packing of a generator. The monitor counts grains; one that asks to stop leaves those there are.
 inline Packing generate(const Generator& generator, const Monitor& monitor = {}) {

@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "packing/sphere_heap.hpp"
+
+#include <numbers>
+
+namespace nscdd {
+namespace {
+
+// Added to sizes, relative to them: far more than coordinates lose by rounding.
+constexpr double margin = 1e-6;
+// Smaller grains per cell of the largest beyond which they get a level of their own.
+constexpr double crowded = 8;
+// Far more motions than a drop takes (some ten; a few hundred where sizes are 1 : 100).
+constexpr Index most_motions = 20'000;
+// What a set of supports may miss of the conditions of equilibrium, by the rounding of unit vectors.
+constexpr double balance_rounding = 1e-14;
+// And what it may miss where normals are nearly dependent, to be taken if none is better.
+constexpr double most_missed = 1e-9;
+// Speed, relative to that of a fall, below which a sphere is on a crest: rounding knows no more which way is down.
+constexpr double crest = 1e-7;
+// Angle within which an arc has not begun.
+constexpr double standstill = 1e-6;
+
+bool carries(const Carried& carried, std::size_t k) {
+  const auto end = carried.by.begin() + static_cast<std::ptrdiff_t>(carried.supports);
+  return std::find(carried.by.begin(), end, k) != end;
+}
+
+// Supports are in ascending order, and those that are not there are 0.
+bool same_supports(const Carried& a, const Carried& b) { return a.supports == b.supports && a.by == b.by; }
+
+// The velocity that a set of supports leaves, and by how much the others are in its way. False where a support does not
+// push, or the normals are dependent.
+bool try_supports(std::span<const SpacePoint> normals, Carried& carried, double& missed) {
+  const auto n = [&](std::size_t i) -> const SpacePoint& { return normals[carried.by[i]]; };
+  std::array<double, 3> lambda{};
+  SpacePoint v = -SpacePoint::UnitZ();
+  if (carried.supports == 1) {
+    lambda[0] = n(0).z();
+  } else if (carried.supports == 2) {
+    const double c = n(0).dot(n(1)), det = n(0).cross(n(1)).squaredNorm();
+    if (det < 1e-20) return false;
+    lambda[0] = (n(0).z() - c * n(1).z()) / det;
+    lambda[1] = (n(1).z() - c * n(0).z()) / det;
+  } else if (carried.supports == 3) {
+    const double det = n(0).dot(n(1).cross(n(2)));
+    if (std::abs(det) < 1e-12) return false;
+    for (std::size_t i = 0; i < 3; ++i) lambda[i] = n((i + 1) % 3).cross(n((i + 2) % 3)).z() / det;
+  }
+  missed = 0;
+  for (std::size_t i = 0; i < carried.supports; ++i) {
+    if (!(lambda[i] > 0)) return false;
+    v += lambda[i] * n(i);
+  }
+  if (carried.supports == 3) v.setZero();
+  for (std::size_t k = 0; k < normals.size(); ++k)
+    if (!carries(carried, k)) missed = std::max(missed, -normals[k].dot(v));
+  carried.velocity = v;
+  return true;
+}
+
+// The part of a direction that is tangent to a surface, of length 1; zero where it has none.
+SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {
+  const SpacePoint part = direction - direction.dot(normal) * normal;
+  return part.norm() > crest * direction.norm() ? SpacePoint(part.normalized()) : SpacePoint(SpacePoint::Zero());
+}
+
+// The nearest place at which all gaps vanish, to rounding: Newton's step of least length, twice.
+void touch_exactly(SpacePoint& centre, std::span<const Obstacle> obstacles, double radius) {
+  for (int pass = 0; pass < 2; ++pass) {
+    SpacePoint step = SpacePoint::Zero();
+    std::array<SpacePoint, 3> basis;
+    std::size_t found = 0;
+    for (const Obstacle& one : obstacles.first(std::min<std::size_t>(3, obstacles.size()))) {
+      const SpacePoint n = one.normal(centre);
+      SpacePoint e = n;
+      for (std::size_t i = 0; i < found; ++i) e -= e.dot(basis[i]) * basis[i];
+      if (e.norm() < crest) continue;
+      e.normalize();
+      step += e * ((-one.gap(centre) - n.dot(step)) / n.dot(e));
+      basis[found++] = e;
+    }
+    if (!(step.norm() < 1e-6 * radius)) return;
+    centre += step;
+  }
+}
+
+}  // namespace
+
+Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried> but) {
+  Carried best;
+  double least = most_missed;
+  const auto attempt = [&](std::initializer_list<std::size_t> set) {
+    Carried carried;
+    for (const std::size_t k : set) carried.by[carried.supports++] = k;
+    if (std::any_of(but.begin(), but.end(), [&](const Carried& other) { return same_supports(carried, other); }))
+      return false;
+    double missed = 0;
+    if (!try_supports(normals, carried, missed) || missed >= least) return false;
+    best = carried;
+    least = missed;
+    return least <= balance_rounding;
+  };
+  if (attempt({})) return best;
+  const std::size_t n = normals.size();
+  for (std::size_t i = 0; i < n; ++i)
+    if (attempt({i})) return best;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      if (attempt({i, j})) return best;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      for (std::size_t k = j + 1; k < n; ++k)
+        if (attempt({i, j, k})) return best;
+  return best;
+}
+
+double first_crossing(double q_u, double q_w, double k, double grazing) {
+  const double a = std::sqrt(q_u * q_u + q_w * q_w);
+  if (a - k <= grazing) return infinity;
+  const double nearest = std::atan2(q_w, q_u);
+  const double before = std::atan2(std::sqrt(std::max(0.0, (a - k) * (a + k))), k);
+  const double entry = nearest - before;
+  return nearest > 0 ? std::max(entry, 0.0) : entry + 2 * std::numbers::pi;
+}
+
+SphereHeap::SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii)
+    : width_(width), depth_(depth) {
+  spheres_.reserve(radii.size());
+  next_.reserve(radii.size());
+  const auto cells_for = [](std::size_t grains) { return 2.0 * static_cast<double>(grains) + 64; };
+  const double base = width * depth;
+  // A box far wider than its grains can fill is cut into fewer, wider columns.
+  const auto side_for = [&](double largest, std::size_t grains) {
+    return std::max(2 * largest, std::sqrt(base / cells_for(grains)));
+  };
+  add_level(largest_radius, side_for(largest_radius, radii.size()));
+  std::sort(radii.begin(), radii.end());
+  double volume = 0;
+  for (const double r : radii) volume += 4 * std::numbers::pi / 3 * r * r * r;
+  const double room = std::max(volume, 2 * largest_radius * base);  // about the volume of the bed
+  while (true) {
+    const double largest = levels_.back().largest;
+    radii.erase(std::lower_bound(radii.begin(), radii.end(), largest / 2), radii.end());
+    if (radii.empty() || static_cast<double>(radii.size()) * 8 * largest * largest * largest <= crowded * room) return;
+    // The bound is a little above the largest of them, so that rounding hides no grain beyond the border of a
+    // cell. Where the grains are few, cells are wider than that: they stay about as many as the grains.
+    const double bound = radii.back() * (1 + margin);
+    add_level(bound, std::max(side_for(bound, radii.size()), std::cbrt(room / cells_for(radii.size()))));
+  }
+}
+
+void SphereHeap::add_level(double largest, double side) {
+  Level level{.largest = largest,
+              .side = side,
+              .columns = static_cast<std::size_t>(width_ / side) + 1,
+              .rows = static_cast<std::size_t>(depth_ / side) + 1};
+  level.filled.assign(level.columns * level.rows, 0);
+  levels_.push_back(std::move(level));
+}
+
+void SphereHeap::add(const Sphere& sphere) {
+  auto level = levels_.rbegin();
+  while (level->largest < sphere.radius) ++level;
+  const std::size_t column = level->row_of(sphere.centre.y()) * level->columns + level->column_of(sphere.centre.x());
+  const std::size_t layer = level->layer_of(sphere.centre.z());
+  level->layers = std::max(level->layers, layer + 1);
+  level->first.resize(std::max(level->first.size(), level->layers * level->filled.size()), -1);
+  level->filled[column] = std::max(level->filled[column], layer + 1);
+  std::int32_t& first = level->first[layer * level->filled.size() + column];
+  next_.push_back(first);
+  first = static_cast<std::int32_t>(spheres_.size());
+  spheres_.push_back(sphere);
+}
+
+// How far coordinates are off at that height, m.
+double SphereHeap::rounding(double height) const {
+  return std::numeric_limits<double>::epsilon() * std::max({width_, depth_, height});
+}
+
+Obstacle SphereHeap::wall(Index number, double radius) const {
+  switch (number) {
+    case Obstacle::floor:
+      return {.number = number, .plane = true, .at = SpacePoint::UnitZ(), .reach = radius};
+    case Obstacle::floor - 1:
+      return {.number = number, .plane = true, .at = SpacePoint::UnitX(), .reach = radius};
+    case Obstacle::floor - 2:
+      return {.number = number, .plane = true, .at = -SpacePoint::UnitX(), .reach = radius - width_};
+    case Obstacle::floor - 3:
+      return {.number = number, .plane = true, .at = SpacePoint::UnitY(), .reach = radius};
+    default:
+      return {.number = number, .plane = true, .at = -SpacePoint::UnitY(), .reach = radius - depth_};
+  }
+}
+
+Obstacle SphereHeap::around(Index grain, double radius) const {
+  const Sphere& sphere = spheres_[at(grain)];
+  return {.number = grain, .plane = false, .at = sphere.centre, .reach = radius + sphere.radius};
+}
+
+// Visits the grains whose centre is in a box, and some beside it.
+template <class Visit>
+void SphereHeap::visit_box(const Level& level, const SpacePoint& low, const SpacePoint& high, Visit&& visit) {
+  const std::size_t left = level.column_of(low.x()), right = level.column_of(high.x());
+  const std::size_t back = level.row_of(high.y()), bottom = level.layer_of(low.z());
+  const std::size_t top = std::min(level.layers, level.layer_of(high.z()) + 1);
+  for (std::size_t row = level.row_of(low.y()); row <= back; ++row)
+    for (std::size_t column = row * level.columns + left; column <= row * level.columns + right; ++column)
+      for (std::size_t layer = std::min(top, level.filled[column]); layer-- > bottom;)
+        for (std::int32_t i = level.first[layer * level.filled.size() + column]; i >= 0; i = next_[at(i)]) {
+          ++work_.candidates;
+          visit(static_cast<Index>(i), spheres_[at(i)]);
+        }
+}
+
+void SphereHeap::fall(Traveller& one) {
+  ++work_.motions;
+  const SpacePoint from = one.centre;
+  Index met = Obstacle::floor;
+  double height = one.radius;
+  for (const Level& level : levels_) {
+    const double reach = one.radius + level.largest;
+    SpacePoint low = from.array() - reach, high = from.array() + reach;
+    std::size_t top = 0;
+    for (std::size_t row = level.row_of(low.y()); row <= level.row_of(high.y()); ++row)
+      for (std::size_t column = level.column_of(low.x()); column <= level.column_of(high.x()); ++column)
+        top = std::max(top, level.filled[row * level.columns + column]);
+    if (std::isfinite(from.z())) top = std::min(top, level.layer_of(from.z()) + 1);
+    for (std::size_t layer = top; layer-- > 0;) {
+      // What lies in this layer or below stops a sphere no higher than this.
+      if (height >= static_cast<double>(layer + 1) * level.side + reach) break;
+      low.z() = high.z() = (static_cast<double>(layer) + 0.5) * level.side;
+      visit_box(level, low, high, [&](Index i, const Sphere& sphere) {
+        if (sphere.centre.z() >= from.z()) return;
+        const double r = one.radius + sphere.radius;
+        const double d = std::hypot(from.x() - sphere.centre.x(), from.y() - sphere.centre.y());
+        if (r - d <= 8 * rounding(sphere.centre.z())) return;
+        const double stop = sphere.centre.z() + std::sqrt((r - d) * (r + d));
+        if (stop > height) height = stop, met = i;
+      });
+    }
+  }
+  // A grain touched from the start may seem, by rounding, to have been met a little higher.
+  one.centre.z() = std::min(height, from.z());
+  const double touching = 32 * rounding(one.centre.z());
+  std::erase_if(one.touched,
+                [&](const Obstacle& old) { return old.number == met || std::abs(old.gap(one.centre)) > touching; });
+  one.touched.push_back(met >= 0 ? around(met, one.radius) : wall(met, one.radius));
+}
+
+// Where a sphere goes that one or two obstacles carry; empty where others stop it on a crest.
+std::optional<SphereHeap::Step> SphereHeap::next_step(const Traveller& one, const Carried& carried,
+                                                      std::span<const SpacePoint> normals) const {
+  Step step;
+  step.count = carried.supports;
+  for (std::size_t i = 0; i < carried.supports; ++i) step.pivots[i] = one.touched[carried.by[i]];
+  if (step.pivots[0].plane) std::swap(step.pivots[0], step.pivots[1]);
+  const Obstacle& pivot = step.pivots[0];
+  Arc& arc = step.arc;
+  arc.centre = pivot.at;
+  std::vector<SpacePoint> ways;
+  if (step.count == 2) {
+    const Obstacle& other = step.pivots[1];
+    const SpacePoint axis = other.plane ? other.at : SpacePoint((other.at - pivot.at).normalized());
+    arc.centre += (one.centre - pivot.at).dot(axis) * axis;
+    const SpacePoint along = axis.cross(one.centre - arc.centre).normalized();
+    ways = {along, -along};
+    if (along.z() > 0) std::swap(ways[0], ways[1]);
+  } else {
+    const SpacePoint& n = normals[carried.by[0]];
+    const double slope = std::hypot(n.x(), n.y());
+    if (slope > 0) ways.emplace_back(n.z() * n.x() / slope, n.z() * n.y() / slope, -slope);
+    if (slope <= crest) {
+      SpacePoint away = SpacePoint::Zero();
+      for (const SpacePoint& other : normals) away += other;
+      for (const SpacePoint& way :
+           {away, SpacePoint(1, 0, 0), SpacePoint(-1, 0, 0), SpacePoint(0, 1, 0), SpacePoint(0, -1, 0)})
+        if (const SpacePoint t = tangent(way, n); !t.isZero()) ways.push_back(t);
+    }
+  }
+  arc.radius = (one.centre - arc.centre).norm();
+  arc.outwards = (one.centre - arc.centre) / arc.radius;
+  const bool steep = carried.velocity.norm() > crest;
+  for (const SpacePoint& way : ways) {
+    bool free = true;
+    for (std::size_t k = 0; k < normals.size(); ++k)
+      if (!carries(carried, k) && normals[k].dot(way) < -crest) free = false;
+    if (!free && !steep) continue;
+    arc.ahead = way;
+    return step;
+  }
+  return std::nullopt;
+}
+
+bool SphereHeap::roll(Traveller& one, const Step& step) {
+  ++work_.motions;
+  const Arc& arc = step.arc;
+  const auto pivots = std::span(step.pivots).first(step.count);
+  const double graze = 8 * rounding(one.centre.z());
+
+  // A support lets go where its multiplier, up to a positive factor n_z - c n'_z, falls to 0; c = n . n' is constant.
+  double end = 2 * std::numbers::pi;
+  std::optional<Index> released, met;
+  for (std::size_t i = 0; i < pivots.size(); ++i) {
+    const auto curvature = [](const Obstacle& o) { return o.plane ? 0 : 1 / o.reach; };
+    double factor = curvature(pivots[i]), constant = factor * pivots[i].at.z();
+    if (pivots.size() == 2) {
+      const Obstacle& other = pivots[1 - i];
+      const double c = pivots[i].normal(one.centre).dot(other.normal(one.centre));
+      factor -= c * curvature(other);
+      constant -= c * curvature(other) * other.at.z();
+    }
+    const double angle = first_crossing(-factor * arc.outwards.z(), -factor * arc.ahead.z(),
+                                        (factor * arc.centre.z() - constant) / arc.radius, 0);
+    if (angle < end) end = angle, released = pivots[i].number;
+  }
+  const auto is_pivot = [&](Index number) {
+    return std::any_of(pivots.begin(), pivots.end(), [&](const Obstacle& o) { return o.number == number; });
+  };
+  const auto meet = [&](Index number, double angle) {
+    if (angle < end) end = angle, met = number, released = std::nullopt;
+  };
+  for (Index number = Obstacle::floor; number >= Obstacle::floor - 4; --number) {
+    if (is_pivot(number)) continue;
+    const Obstacle plane = wall(number, one.radius);
+    meet(number, first_crossing(-plane.at.dot(arc.outwards), -plane.at.dot(arc.ahead),
+                                plane.gap(arc.centre) / arc.radius, graze / arc.radius));
+  }
+  for (const Level& level : levels_) {
+    const double reach = (one.radius + level.largest) * (1 + margin);
+    const double piece = reach / arc.radius;
+    SpacePoint here = one.centre;
+    for (double from = 0; from < end; from += piece) {
+      const double to = std::min(end, from + piece);
+      const SpacePoint there = arc.at(to);
+      const double room = reach + arc.radius * (1 - std::cos(0.5 * (to - from)));
+      visit_box(level, here.cwiseMin(there).array() - room, here.cwiseMax(there).array() + room,
+                [&](Index i, const Sphere& sphere) {
+                  const SpacePoint q = sphere.centre - arc.centre;
+                  const double r = one.radius + sphere.radius, q_u = q.dot(arc.outwards), q_w = q.dot(arc.ahead);
+                  const double k = (q.squaredNorm() + (arc.radius - r) * (arc.radius + r)) / (2 * arc.radius);
+                  if (k > 0 && k * k > q_u * q_u + q_w * q_w) return;
+                  if (is_pivot(i)) return;
+                  meet(i, first_crossing(q_u, q_w, k, graze * r / (arc.radius * arc.radius)));
+                });
+      here = there;
+    }
+  }
+
+  if (met && end < standstill &&
+      std::any_of(one.touched.begin(), one.touched.end(), [&](const Obstacle& old) { return old.number == *met; }))
+    return false;
+
+  one.centre = arc.at(end);
+  std::vector<Obstacle> touched;
+  for (const Obstacle& pivot : pivots)
+    if (pivot.number != released) touched.push_back(pivot);
+  if (met) touched.push_back(*met >= 0 ? around(*met, one.radius) : wall(*met, one.radius));
+  touch_exactly(one.centre, touched, one.radius);
+  const double touching = 32 * rounding(one.centre.z());
+  for (const Obstacle& old : one.touched)
+    if (old.number != released && old.number != met && !is_pivot(old.number) &&
+        std::abs(old.gap(one.centre)) <= touching)
+      touched.push_back(old);
+  one.touched = std::move(touched);
+  return true;
+}
+
+SphereHeap::Rest SphereHeap::at_rest(Traveller& one, const Carried& carried) const {
+  Rest rest;
+  std::vector<Obstacle> holding;
+  for (std::size_t i = 0; i < carried.supports; ++i) holding.push_back(one.touched[carried.by[i]]);
+  // On a crest, those that stop it hold it too.
+  for (std::size_t k = 0; k < one.touched.size() && holding.size() < 3; ++k)
+    if (!carries(carried, k)) holding.push_back(one.touched[k]);
+  touch_exactly(one.centre, holding, one.radius);
+  rest.centre = {std::clamp(one.centre.x(), one.radius, width_ - one.radius),
+                 std::clamp(one.centre.y(), one.radius, depth_ - one.radius), one.centre.z()};
+  for (const Obstacle& obstacle : holding) rest.supports.push_back(obstacle.number);
+  return rest;
+}
+
+std::optional<SphereHeap::Rest> SphereHeap::settle(double x, double y, double radius) {
+  Traveller one{.centre = {x, y, infinity}, .radius = radius};
+  std::vector<SpacePoint> normals;
+  std::vector<Carried> in_vain;
+  const Index last = work_.motions + most_motions;
+  fall(one);
+  while (work_.motions < last) {
+    for (const Obstacle& obstacle : one.touched)
+      if (obstacle.number == Obstacle::floor)
+        return Rest{.centre = {one.centre.x(), one.centre.y(), radius}, .supports = {Obstacle::floor}};
+    normals.clear();
+    for (const Obstacle& obstacle : one.touched) normals.push_back(obstacle.normal(one.centre));
+    const Carried carried = carried_by(normals, in_vain);
+    if (carried.supports == 0) {
+      fall(one);
+      in_vain.clear();
+      continue;
+    }
+    const auto step = carried.supports < 3 ? next_step(one, carried, normals) : std::nullopt;
+    if (!step) return at_rest(one, carried);
+    if (roll(one, *step))
+      in_vain.clear();
+    else
+      in_vain.push_back(carried);
+  }
+  ++work_.abandoned;
+  return std::nullopt;
+}
+
+}  // namespace nscdd
