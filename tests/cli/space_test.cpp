@@ -282,20 +282,20 @@ TEST_CASE("space: spheres fall into a drum that turns; a run that is cut short g
   const std::string drum =
       "[packing]\ngenerator = \"cubic\"\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1\n"
       "[masses]\ndensity = 2500\n[partition]\ngrid = [2, 2, 1]\n"
-      "[dynamics]\nstep = 0.005\nsteps = 8\n[solver]\nalgorithm = \"generic\"\n"
+      "[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
       "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
       "centre = [1, 0, 1]\nspin = [0, 2, 0]\n"
       "[[boundary]]\nname = \"end\"\nshape = \"wall\"\npoint = [0, -0.6, 0]\nnormal = [0, 1, 0]\n";
   session.file("drum.toml", drum);
   answer(session, "simulate drum.toml -o whole.h5");
-  answer(session, "simulate drum.toml --steps 4 -o parts.h5");
+  answer(session, "simulate drum.toml --steps 40 -o parts.h5");
   answer(session, "simulate drum.toml --restart -o parts.h5");
   const TrajectoryStep whole = read_last_step(session.folder / "whole.h5");
   const TrajectoryStep parts = read_last_step(session.folder / "parts.h5");
-  CHECK(whole.state.step == 8);
+  CHECK(whole.state.step == 80);
   for (const auto values : numbers_of_grains(3)) CHECK(whole.state.*values == parts.state.*values);
   CHECK(whole.state.poses[0].turn.coeffs() == parts.state.poses[0].turn.coeffs());
-  CHECK(whole.contacts.size() > 20);
+  CHECK(whole.state.impulses.size() > 5);
   answer(session, "export whole.h5 --vtk pictures");
   check_refused(session, "simulate drum.toml -o a.h5 --set dynamics.gravity=0,-9", {"dynamics.gravity", "three"});
   session.file("flat.toml", std::string(drum).replace(drum.find("[1, 0, 1]"), 9, "[1, 0]"));
