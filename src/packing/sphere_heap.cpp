@@ -10,8 +10,9 @@ namespace {
 constexpr double margin = 1e-6;
 // Smaller grains per cell of the largest beyond which they get a level of their own.
 constexpr double crowded = 8;
-// Far more motions than a drop takes (some ten; a few hundred where sizes are 1 : 100).
-constexpr Index most_motions = 20'000;
+// Far more motions than a drop takes: 4 on average of equal sizes, and 230 at most of 10^5 small ones among some that
+// are ten to a hundred times as large.
+constexpr Index most_motions = 5000;
 // What a set of supports may miss of the conditions of equilibrium, by the rounding of unit vectors.
 constexpr double balance_rounding = 1e-14;
 // And what it may miss where normals are nearly dependent, to be taken if none is better.
@@ -115,11 +116,11 @@ Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried>
   return best;
 }
 
-double first_crossing(double q_u, double q_w, double k, double grazing) {
+double first_crossing(double q_u, double q_w, double excess) {
+  if (!(excess > 0)) return infinity;
   const double a = std::sqrt(q_u * q_u + q_w * q_w);
-  if (a - k <= grazing) return infinity;
   const double nearest = std::atan2(q_w, q_u);
-  const double before = std::atan2(std::sqrt(std::max(0.0, (a - k) * (a + k))), k);
+  const double before = std::atan2(std::sqrt(std::max(0.0, excess * (2 * a - excess))), a - excess);
   const double entry = nearest - before;
   return nearest > 0 ? std::max(entry, 0.0) : entry + 2 * std::numbers::pi;
 }
@@ -215,6 +216,7 @@ void SphereHeap::visit_box(const Level& level, const SpacePoint& low, const Spac
 
 void SphereHeap::fall(Traveller& one) {
   ++work_.motions;
+  one.left.reset();
   const SpacePoint from = one.centre;
   Index met = Obstacle::floor;
   double height = one.radius;
@@ -236,7 +238,7 @@ void SphereHeap::fall(Traveller& one) {
         const double d = std::hypot(from.x() - sphere.centre.x(), from.y() - sphere.centre.y());
         if (r - d <= 8 * rounding(sphere.centre.z())) return;
         const double stop = sphere.centre.z() + std::sqrt((r - d) * (r + d));
-        if (stop > height) height = stop, met = i;
+        if (stop > height || (stop == height && i < met)) height = stop, met = i;
       });
     }
   }
@@ -297,6 +299,7 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
   const Arc& arc = step.arc;
   const auto pivots = std::span(step.pivots).first(step.count);
   const double graze = 8 * rounding(one.centre.z());
+  const SpacePoint axis = arc.outwards.cross(arc.ahead);
 
   // A support lets go where its multiplier, up to a positive factor n_z - c n'_z, falls to 0; c = n . n' is constant.
   double end = 2 * std::numbers::pi;
@@ -310,21 +313,25 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
       factor -= c * curvature(other);
       constant -= c * curvature(other) * other.at.z();
     }
-    const double angle = first_crossing(-factor * arc.outwards.z(), -factor * arc.ahead.z(),
-                                        (factor * arc.centre.z() - constant) / arc.radius, 0);
+    const double u = -factor * arc.outwards.z(), w = -factor * arc.ahead.z();
+    const double angle = first_crossing(u, w, std::hypot(u, w) - (factor * arc.centre.z() - constant) / arc.radius);
     if (angle < end) end = angle, released = pivots[i].number;
   }
   const auto is_pivot = [&](Index number) {
     return std::any_of(pivots.begin(), pivots.end(), [&](const Obstacle& o) { return o.number == number; });
   };
   const auto meet = [&](Index number, double angle) {
-    if (angle < end) end = angle, met = number, released = std::nullopt;
+    // What has just let go is behind, though rounding may see it ahead.
+    if (number == one.left && angle < standstill) return;
+    // Of what is met at one place the first in number counts: the bed does not depend on the order of search.
+    if (angle < end || (angle == end && met && number < *met)) end = angle, met = number, released = std::nullopt;
   };
   for (Index number = Obstacle::floor; number >= Obstacle::floor - 4; --number) {
     if (is_pivot(number)) continue;
     const Obstacle plane = wall(number, one.radius);
-    meet(number, first_crossing(-plane.at.dot(arc.outwards), -plane.at.dot(arc.ahead),
-                                plane.gap(arc.centre) / arc.radius, graze / arc.radius));
+    const double u = -plane.at.dot(arc.outwards), w = -plane.at.dot(arc.ahead);
+    const double deepest = arc.radius * std::hypot(u, w) - plane.gap(arc.centre);
+    if (deepest > graze) meet(number, first_crossing(u, w, deepest / arc.radius));
   }
   for (const Level& level : levels_) {
     const double reach = (one.radius + level.largest) * (1 + margin);
@@ -337,11 +344,12 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
       visit_box(level, here.cwiseMin(there).array() - room, here.cwiseMax(there).array() + room,
                 [&](Index i, const Sphere& sphere) {
                   const SpacePoint q = sphere.centre - arc.centre;
-                  const double r = one.radius + sphere.radius, q_u = q.dot(arc.outwards), q_w = q.dot(arc.ahead);
-                  const double k = (q.squaredNorm() + (arc.radius - r) * (arc.radius + r)) / (2 * arc.radius);
-                  if (k > 0 && k * k > q_u * q_u + q_w * q_w) return;
-                  if (is_pivot(i)) return;
-                  meet(i, first_crossing(q_u, q_w, k, graze * r / (arc.radius * arc.radius)));
+                  const double reach_i = one.radius + sphere.radius, u = q.dot(arc.outwards), w = q.dot(arc.ahead);
+                  const double h = q.dot(axis), in_plane = std::sqrt(u * u + w * w), d = in_plane - arc.radius;
+                  const double room_squared = reach_i * reach_i - h * h - d * d;
+                  // Nowhere nearer than reach_i - graze, to first order.
+                  if (room_squared <= 2 * reach_i * graze || is_pivot(i)) return;
+                  meet(i, first_crossing(u, w, room_squared / (2 * arc.radius)));
                 });
       here = there;
     }
@@ -363,7 +371,15 @@ bool SphereHeap::roll(Traveller& one, const Step& step) {
         std::abs(old.gap(one.centre)) <= touching)
       touched.push_back(old);
   one.touched = std::move(touched);
+  one.left = released;
   return true;
+}
+
+// The centre, without what rounding puts it beyond floor and walls.
+SpacePoint SphereHeap::in_box(const Traveller& one) const {
+  const double r = one.radius;
+  return {std::clamp(one.centre.x(), r, width_ - r), std::clamp(one.centre.y(), r, depth_ - r),
+          std::max(one.centre.z(), r)};
 }
 
 SphereHeap::Rest SphereHeap::at_rest(Traveller& one, const Carried& carried) const {
@@ -374,8 +390,7 @@ SphereHeap::Rest SphereHeap::at_rest(Traveller& one, const Carried& carried) con
   for (std::size_t k = 0; k < one.touched.size() && holding.size() < 3; ++k)
     if (!carries(carried, k)) holding.push_back(one.touched[k]);
   touch_exactly(one.centre, holding, one.radius);
-  rest.centre = {std::clamp(one.centre.x(), one.radius, width_ - one.radius),
-                 std::clamp(one.centre.y(), one.radius, depth_ - one.radius), one.centre.z()};
+  rest.centre = in_box(one);
   for (const Obstacle& obstacle : holding) rest.supports.push_back(obstacle.number);
   return rest;
 }
@@ -388,8 +403,10 @@ std::optional<SphereHeap::Rest> SphereHeap::settle(double x, double y, double ra
   fall(one);
   while (work_.motions < last) {
     for (const Obstacle& obstacle : one.touched)
-      if (obstacle.number == Obstacle::floor)
-        return Rest{.centre = {one.centre.x(), one.centre.y(), radius}, .supports = {Obstacle::floor}};
+      if (obstacle.number == Obstacle::floor) {
+        one.centre.z() = radius;
+        return Rest{.centre = in_box(one), .supports = {Obstacle::floor}};
+      }
     normals.clear();
     for (const Obstacle& obstacle : one.touched) normals.push_back(obstacle.normal(one.centre));
     const Carried carried = carried_by(normals, in_vain);

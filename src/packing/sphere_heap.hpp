@@ -45,9 +45,9 @@ struct Carried {
 /// and the curvature of their arcs decides, which the normals do not know.
 Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried> but = {});
 
-/// Where the first angle >= 0 is at which q_u cos(angle) + q_w sin(angle) rises to k: infinite if it stays below, or
-/// gets above by no more than `grazing`. What is above and still rises is met at once.
-double first_crossing(double q_u, double q_w, double k, double grazing);
+/// Where the first angle >= 0 is at which q_u cos(angle) + q_w sin(angle) = a cos(angle - nearest) rises to a - excess,
+/// a = hypot(q_u, q_w): infinite for an excess of 0 or less. What is above and still rises is met at once.
+double first_crossing(double q_u, double q_w, double excess);
 
 /// Work that beds were made with.
 struct RollingWork {
@@ -101,11 +101,12 @@ class SphereHeap {
       return centre + radius * (std::cos(angle) * outwards + std::sin(angle) * ahead);
     }
   };
-  /// A sphere on its way: what it touches, as many as are kept.
+  /// A sphere on its way: what it touches, and what stopped carrying it as its last arc ended.
   struct Traveller {
     SpacePoint centre;
     double radius = 0;
     std::vector<Obstacle> touched = {};
+    std::optional<Index> left = std::nullopt;
   };
   struct Step {
     Arc arc;
@@ -122,6 +123,7 @@ class SphereHeap {
   bool roll(Traveller& one, const Step& step);
   std::optional<Step> next_step(const Traveller& one, const Carried& carried,
                                 std::span<const SpacePoint> normals) const;
+  SpacePoint in_box(const Traveller& one) const;
   Rest at_rest(Traveller& one, const Carried& carried) const;
   template <class Visit>
   void visit_box(const Level& level, const SpacePoint& low, const SpacePoint& high, Visit&& visit);

@@ -9,7 +9,7 @@ namespace nscdd {
 namespace {
 
 // A drop that has no end is dropped anew elsewhere. It never was among 10^7 drops of all kinds.
-constexpr int most_drops = 100;
+constexpr int most_drops = 10;
 
 void require_bounds(const SphereDeposit& deposit) {
   SphereDeposit::fields(deposit, [](std::string_view key, const auto& value, const Field& field) {
