@@ -39,6 +39,25 @@ py::object of_impulses(const Step& step, const auto& part) {
   return strided_view(step.state, first, count(all), sizeof(RememberedImpulse));
 }
 
+// A component of the impulses in their frame, which is what is remembered in the plane alone.
+py::object of_plane_impulses(const Step& step, std::size_t component) {
+  if (step.system->dimension != 2)
+    fail("impulse_{}: expected disks in the plane, met spheres in space, of which `impulse` has x, y and z",
+         component == 0 ? "n" : "t");
+  return of_impulses(
+      step, [component](const auto& one) -> auto& { return one.impulse[component]; });
+}
+
+py::object impulses_of(const Step& step) {
+  const auto& all = step.state->impulses;
+  static const RememberedImpulse none;
+  const double* first = (all.empty() ? none : all.front()).impulse.data();
+  py::array_t<double> array({count(all), Index{3}}, {sizeof(RememberedImpulse), sizeof(double)}, first,
+                            keeper(step.state));
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
 py::dict report_of(const Step& step) {
   py::dict report;
   const std::vector<Column> columns = headings(step_columns());
@@ -102,7 +121,16 @@ void bind_step(py::module_& module) {
       .def_property_readonly("angle", of_state(&GranularState::angle), "rad")
       .def_property_readonly("velocity_x", of_state(&GranularState::velocity_x), "m/s")
       .def_property_readonly("velocity_y", of_state(&GranularState::velocity_y), "m/s")
-      .def_property_readonly("spin", of_state(&GranularState::spin), "rad/s")
+      .def_property_readonly("spin", of_state(&GranularState::spin), "rad/s, in space about z")
+      .def_property_readonly("z", of_state(&GranularState::z), "centres, m; empty in the plane, as all of the next")
+      .def_property_readonly("velocity_z", of_state(&GranularState::velocity_z), "m/s")
+      .def_property_readonly("spin_x", of_state(&GranularState::spin_x), "rad/s")
+      .def_property_readonly("spin_y", of_state(&GranularState::spin_y), "rad/s")
+      .def_property_readonly("turn_w", of_state(&GranularState::turn_w),
+                             "the rotation since the beginning in space, a unit quaternion w + x i + y j + z k")
+      .def_property_readonly("turn_x", of_state(&GranularState::turn_x), "of it")
+      .def_property_readonly("turn_y", of_state(&GranularState::turn_y), "of it")
+      .def_property_readonly("turn_z", of_state(&GranularState::turn_z), "of it")
       .def_property_readonly(
           "radius", [](const S& s) { return view(s.system, s.system->radius); }, "m")
       .def_property_readonly(
@@ -123,22 +151,16 @@ void bind_step(py::module_& module) {
           },
           "second body, with a larger number")
       .def_property_readonly(
-          "impulse_n",
-          [](const S& s) {
-            return of_impulses(
-                s, [](const auto& i) -> auto& { return i.impulse[0]; });
-          },
-          "normal impulse of these contacts, N s, pressing > 0")
+          "impulse_n", [](const S& s) { return of_plane_impulses(s, 0); },
+          "normal impulse of these contacts in the plane, N s, pressing > 0")
       .def_property_readonly(
-          "impulse_t",
-          [](const S& s) {
-            return of_impulses(
-                s, [](const auto& i) -> auto& { return i.impulse[1]; });
-          },
-          "tangential impulse, N s")
+          "impulse_t", [](const S& s) { return of_plane_impulses(s, 1); }, "tangential impulse in the plane, N s")
+      .def_property_readonly("impulse", &impulses_of,
+                             "impulse of these contacts on b, N s, a row (x, y, z) each; in the plane (n, t, 0)")
       .def_property_readonly("report", &report_of, "how the step was solved: a row of the table `steps` as a dict")
       .def("__repr__", [](const S& s) {
-        return fmt::format("<nscdd.Step {} at {} s, {} disks>", s.state->step, s.state->time, s.system->disks());
+        return fmt::format("<nscdd.Step {} at {} s, {} {}s>", s.state->step, s.state->time, s.system->disks(),
+                           shape_of_grains(s.system->dimension));
       });
 }
 

@@ -28,22 +28,25 @@ class Run:
 
 
 def simulate(case: str | os.PathLike[str], *, packing: Packing | None = None,
-             subdomains: str | tuple[int, int] | None = None, settings: Mapping[str, object] | None = None,
+             subdomains: str | tuple[int, int] | tuple[int, int, int] | None = None,
+             settings: Mapping[str, object] | None = None,
              callback: StepObserver = None, progress: _arguments.Progress = None, threads: int = 0) -> Run:
     """Takes the steps of a case file with [dynamics] (docs/cases.md), or of a folder DATBOX of LMGC90, in memory: nothing
     is written.
 
     packing     in place of that of the case, such as the `packing` of a run that settled it
-    subdomains  (columns, rows) or "metis:N", in place of those of the case
+    subdomains  (columns, rows), in space (columns, rows, layers), or "metis:N", in place of those of the case
     settings    parameters of the case that are to be others, {"dynamics.steps": 50, "solver.algorithm": "generic"}
     callback    is shown each step once it is taken; where it returns False, the run ends
     progress    counts steps
 
-    Ctrl-C ends it within a step, between two iterations. Breaking down is data: see `end` and `reason`. Raises Error for what cannot be used, for a setting without effect,
-    and for a case whose packing is to be settled by another one unless `packing` gives it.
+    Ctrl-C ends it within a step, between two iterations. Breaking down is data: see `end` and `reason`. Raises Error
+    for what cannot be used, for a setting without effect, and for a case whose packing is to be settled by another one
+    unless `packing` gives it.
     """
     cut = None if subdomains is None else _arguments.subdomains(subdomains)
     if cut is not None and not isinstance(cut, str):
-        raise TypeError(f"subdomains: expected (columns, rows) or a text such as 'metis:4', met {subdomains!r}")
+        raise TypeError("subdomains: expected (columns, rows), (columns, rows, layers) or a text such as "
+                        f"'metis:4', met {subdomains!r}")
     return Run(_core.simulate(_arguments.path(case), packing, cut, _arguments.settings(settings or {}), callback,
                               _arguments.progress(progress), threads))

@@ -111,13 +111,13 @@ void require_same_case(const std::string& path, const TrajectoryHeader& found, c
 }
 
 void require_same_disks(const std::string& path, const GranularSystem& old, const GranularSystem& system) {
-  if (old.dimension != system.dimension)
-    fail("{}: expected {}s, met {}s", path, shape_of_grains(system.dimension), shape_of_grains(old.dimension));
+  const std::string_view shape = shape_of_grains(system.dimension);
+  if (old.dimension != system.dimension) fail("{}: expected {}s, met {}s", path, shape, shape_of_grains(old.dimension));
   if (old.radius.size() != system.radius.size())
-    fail("{}: expected {} disks, met {}", path, system.radius.size(), old.radius.size());
+    fail("{}: expected {} {}s, met {}", path, system.radius.size(), shape, old.radius.size());
   for (std::size_t i = 0; i < system.radius.size(); ++i)
     if (old.radius[i] != system.radius[i] || old.mass[i] != system.mass[i] || old.driven_by[i] != system.driven_by[i])
-      fail("{}: expected the disks of this case, met another disk {}", path, i);
+      fail("{}: expected the {}s of this case, met another {} {}", path, shape, shape, i);
 }
 
 void require_same_start(const std::string& path, const GranularState& asked) {
@@ -264,8 +264,8 @@ std::string report_text(const RunTotals& totals, const Simulation& simulation, c
                   simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
   const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
   const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // whatever the partition
-  text += fmt::format("disks: {} free, {} driven; {} contacts, {}\n", free, simulation.system.disks() - free,
-                      totals.last.contacts,
+  text += fmt::format("{}s: {} free, {} driven; {} contacts, {}\n", shape_of_grains(simulation.system.dimension), free,
+                      simulation.system.disks() - free, totals.last.contacts,
                       undivided ? fmt::format("solved undivided by {}", to_string(algorithm))
                                 : fmt::format("interface of {} unknowns", totals.last.interface_size));
   if (totals.steps == 0) return text;

@@ -48,17 +48,24 @@ FclibInfo info_of(const Options& options, const TrajectoryHeader& header, const 
   info.title = fmt::format("{}, step {}", case_name(options, header), *options.step);
   if (options.subdomain) *info.title += fmt::format(", subdomain {}", *options.subdomain);
   const double h = before.dynamics.time.step;
+  const bool space = before.system.dimension == 3;
+  const std::string_view shape = shape_of_grains(before.system.dimension);
   info.description =
-      fmt::format("Contact problem of disks from t = {:.12g} s to {:.12g} s, law {}. Contacts ascend by their bodies.",
-                  before.state.time, before.state.time + h, to_string(before.dynamics.interaction.law));
+      fmt::format("Contact problem of {}s from t = {:.12g} s to {:.12g} s, law {}. Contacts ascend by their bodies.",
+                  shape, before.state.time, before.state.time + h, to_string(before.dynamics.interaction.law));
   if (!options.local)
-    *info.description += options.subdomain ? " Bodies: free disks of the subdomain's contacts, ascending, split masses."
-                                           : " Bodies: the free disks, ascending.";
+    *info.description +=
+        options.subdomain
+            ? fmt::format(" Bodies: free {}s of the subdomain's contacts, ascending, split masses.", shape)
+            : fmt::format(" Bodies: the free {}s, ascending.", shape);
   if (solved) *info.description += " The solution is that of the run, as far as it converged.";
-  info.math_info = options.local ? "u = W r + q; (n, t) per contact, t = n turned by 90 degrees; N s, m/s"
-                                 : "M v = H r + f, u = H^T v + w; (vx, vy, spin) per body, (n, t) per contact, "
-                                   "t = n turned by 90 degrees; w holds gap/h, restitution and driven bodies; "
-                                   "N s, m/s, rad/s";
+  const std::string_view frame = space ? "(n, t_1, t_2) per contact, tangents as docs/formats.md says"
+                                       : "(n, t) per contact, t = n turned by 90 degrees";
+  info.math_info = options.local ? fmt::format("u = W r + q; {}; N s, m/s", frame)
+                                 : fmt::format(
+                                       "M v = H r + f, u = H^T v + w; {} per body, {}; w holds gap/h, restitution and "
+                                       "driven bodies; N s, m/s, rad/s",
+                                       space ? "(vx, vy, vz, spin about x, y, z)" : "(vx, vy, spin)", frame);
   if (options.subdomain) *info.math_info += "; interface impulses of the last iteration are loads";
   return info;
 }

@@ -228,7 +228,8 @@ Action declare_simulate(Command& command) {
   auto options = std::make_shared<Options>();
   command.required("CASE", options->name,
                    "case file (.toml) with [dynamics], a known case, or a folder DATBOX of LMGC90");
-  command.add("--subdomains PARTITION", options->subdomains, "partition: NXxNY for a regular grid, metis:N for METIS");
+  command.add("--subdomains PARTITION", options->subdomains,
+              "partition: NXxNY[xNZ] for a regular grid, metis:N for METIS");
   for (ParameterOption& one : options->parameters)
     command.add(one.option + " " + one.form, one.value, fmt::format("{}: {}", one.help, one.key)).words = one.words;
   command.add("--set KEY=VALUE", options->settings, "a parameter of the case, such as interaction.friction=0.2");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "ddm/step_solver.hpp"
+#include "ddm/contact_order.hpp"
 #include "mechanics/time_stepping.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
@@ -28,14 +28,6 @@ struct GranularDecomposition {
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 };
-
-/// Permutation of the contacts: the order in which they are to lie in memory. `bodies`: velocities of the
-/// disks (driven ones may be shared within a colour). `points`: where the contacts are, m, all of them for
-/// `interleaved`.
-template <int D>
-std::vector<Index> contact_order(Choice<ContactOrder> order, const std::vector<GrainContact<D>>& contacts,
-                                 const std::vector<GrainVelocity<D>>& bodies, std::uint64_t seed,
-                                 std::span<const std::array<double, 3>> points);
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
 /// them. `order`, `seed`: see contact_order. Where several processes share the step, each has its own subdomains and

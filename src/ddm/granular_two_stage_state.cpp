@@ -90,7 +90,7 @@ template <int D>
 void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      if (const LocalVector<D> r = subdomain.contacts.impulses[k]; squared(r) != 0)
+      if (const LocalVector<D> r = subdomain.contacts.impulses[k]; carries(r))
         apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
   constexpr Index size = unknowns_of_grain<D>;

@@ -24,7 +24,7 @@ struct TrajectoryContact {
   Index subdomain = 0;
   double second_tangential = 0;  ///< in space along t_2, N s
 
-  bool carries() const { return impulse.n != 0 || impulse.t != 0 || second_tangential != 0; }
+  bool carries() const { return nscdd::carries(local<3>()); }
   double tangential() const { return std::hypot(impulse.t, second_tangential); }  ///< its size
   template <int D>
   LocalVector<D> local() const {

@@ -33,7 +33,7 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
     sum.natural_map +=
         squared(natural_map(LocalVector<D>{r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
   }
-  if (squared(r) == 0) return;
+  if (!carries(r)) return;
   ++sum.active;
   const ContactStatus status = status_under(law, c);
   sum.stick += status == ContactStatus::stick;

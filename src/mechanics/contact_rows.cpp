@@ -50,7 +50,8 @@ SweepSums sweep(const Law& law, ContactRows<2>& contacts, std::span<GrainVelocit
   return sums;
 }
 
-// The same of spheres.
+// The same of spheres, also number by number: by relative_velocity, impulse_on_grain and push, which each ask for the
+// tangents, a sweep takes 1.1 to 1.4 times as long.
 template <bool relaxed, bool tangential_bias, class Law>
 SweepSums sweep(const Law& law, ContactRows<3>& contacts, std::span<GrainVelocity<3>> velocities, double relaxation) {
   SweepSums sums;

@@ -88,7 +88,7 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
   double boundary_work = 0, dissipation = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const GrainContact<D>& c = contacts[k];
-    if (squared(c.impulse) == 0) continue;
+    if (!carries(c.impulse)) continue;
     const StepContact& g = problem.geometry[k];
     state.impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal)});
     dissipation -= dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
@@ -122,9 +122,9 @@ GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodi
     const double m = 1 / bodies[i].inverse_mass;
     const GrainUnknowns<D> v = unknowns(bodies[i]);
     for (Index k = 0; k < unknowns_of_grain<D>; ++k) {
-      const double rim_mass = m / rim_mass_ratio<D>;
-      inertia.push_back(k < D ? m : rim_mass * radius[i] * radius[i]);
-      momentum.push_back(k < D ? m * v[at(k)] : rim_mass * radius[i] * v[at(k)]);
+      const double mass = m * inertia_ratio<D>(k), arm = k < D ? 1 : radius[i];  // v is the speed of the rim
+      inertia.push_back(mass * arm * arm);
+      momentum.push_back(mass * arm * v[at(k)]);
     }
     driven[i] = with_unknowns(GrainUnknowns<D>{}, bodies[i].inverse_mass);
   }

@@ -94,10 +94,8 @@ StepProblem<D> checked_problem(const Simulation& simulation) {
 }
 
 void check_next_step(const Simulation& simulation) {
-  in_dimension(simulation.system, [&](auto dimension) {
-    partition_step(simulation, checked_problem<dimension()>(simulation));
-    return 0;
-  });
+  in_dimension(simulation.system,
+               [&](auto dimension) { partition_step(simulation, checked_problem<dimension()>(simulation)); });
 }
 
 template <int D>

@@ -290,10 +290,10 @@ TEST_CASE("space: spheres fall into a drum that turns; a run that is cut short g
   answer(session, "simulate drum.toml -o whole.h5");
   answer(session, "simulate drum.toml --steps 40 -o parts.h5");
   answer(session, "simulate drum.toml --restart -o parts.h5");
-  const TrajectoryStep whole = read_last_step(session.folder / "whole.h5");
-  const TrajectoryStep parts = read_last_step(session.folder / "parts.h5");
+  const nscdd::TrajectoryStep whole = nscdd::read_last_step(session.folder / "whole.h5");
+  const nscdd::TrajectoryStep parts = nscdd::read_last_step(session.folder / "parts.h5");
   CHECK(whole.state.step == 80);
-  for (const auto values : numbers_of_grains(3)) CHECK(whole.state.*values == parts.state.*values);
+  for (const auto values : nscdd::numbers_of_grains(3)) CHECK(whole.state.*values == parts.state.*values);
   CHECK(whole.state.poses[0].turn.coeffs() == parts.state.poses[0].turn.coeffs());
   CHECK(whole.state.impulses.size() > 5);
   answer(session, "export whole.h5 --vtk pictures");

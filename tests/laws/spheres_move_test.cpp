@@ -289,9 +289,11 @@ TEST_CASE("a driven group goes round an axis as one body, and what stands on it 
     dynamics.interaction.friction = 0.5;  // with 1 plain sweeps run round in a cycle
     dynamics.boundaries = {spec};
     Simulation simulation = simulation_of(balls, dynamics);
-    advance_in_space(simulation, steps);
+    const StepReport last = advance_in_space(simulation, steps);
     const GranularState& state = simulation.state;
     CHECK(state.impulses.size() == 3);
+    CHECK(std::abs(last.energy.numerical) < 1e-12);  // the table's work, that of its turning grains included
+    CHECK(std::abs(last.energy.boundary_work) > 1e-8);
     const Eigen::AngleAxisd turn(omega * state.time, up);
     const auto carried = [&](std::size_t k) { return Vector3(axis_point + turn * (balls[k].centre - axis_point)); };
     for (std::size_t k = 0; k < 3; ++k) {
@@ -303,4 +305,66 @@ TEST_CASE("a driven group goes round an axis as one body, and what stands on it 
   const double coarse = drift(100), fine = drift(200);
   CHECK(fine < 0.01);
   CHECK(coarse / fine == doctest::Approx(4).epsilon(0.02));  // of second order where all contacts stick
+}
+
+TEST_CASE("rotations follow each other about axes that stand still in space, of spheres and of boundaries") {
+  Dynamics dynamics = tight();
+  dynamics.time.step = 0.01;
+  dynamics.time.gravity = {0, 0, 0};
+  BoundarySpec spec;
+  spec.name = "pair";
+  spec.shape = BoundaryShape::grains;
+  spec.first = 1;
+  spec.last = 1;
+  const double quarter = std::numbers::pi / 2;  // in 100 steps
+  spec.motion = {.centre = {5, 0, 0}, .time = {0.999, 1.001}, .velocity = {{.spin_x = quarter}, {.spin_y = quarter}}};
+  dynamics.boundaries = {spec};
+  Simulation simulation = simulation_of({Ball{.spin = Vector3(quarter, 0, 0)}, Ball{.centre = {5, 2, 0}}}, dynamics);
+  advance_in_space(simulation, 100);
+  set_velocity<3>(simulation.state, 0, {0, 0, 0, 0, 0.5 * quarter, 0}, 0.5);
+  advance_in_space(simulation, 100);
+  const GranularState& s = simulation.state;
+  // z goes to -y by the first, and stays there; y goes to z, then to x.
+  for (const std::size_t i : {0, 1}) {
+    CHECK((turn_of_ball(s, i) * Vector3(0, 0, 1) - Vector3(0, -1, 0)).norm() < 1e-11);
+    CHECK((turn_of_ball(s, i) * Vector3(0, 1, 0) - Vector3(1, 0, 0)).norm() < 1e-11);
+  }
+  CHECK((centre_of_ball(s, 1) - Vector3(7, 0, 0)).norm() < 1e-11);
+}
+
+TEST_CASE("a driven group of fixed orientation goes round, but its spheres neither turn nor rub by their rims") {
+  Dynamics dynamics = tight();
+  dynamics.time.gravity = {0, 0, 0};
+  BoundarySpec spec;
+  spec.name = "group";
+  spec.shape = BoundaryShape::grains;
+  spec.first = 0;
+  spec.last = 0;
+  spec.orientation = Orientation::fixed;
+  spec.motion = moving_in_space(Vector3::Zero(), 2 * up, Vector3(1, 0, 0));
+  dynamics.boundaries = {spec};
+  Simulation simulation = simulation_of({Ball{}, Ball{.centre = {9, 9, 9}}}, dynamics);
+  advance_in_space(simulation, 50);
+  const GranularState& s = simulation.state;
+  CHECK(turn_of_ball(s, 0).vec().norm() == 0);
+  CHECK(spin_of_ball(s, 0).norm() == 0);
+  CHECK((centre_of_ball(s, 0) - (Vector3(1, 0, 0) - Eigen::AngleAxisd(2 * s.time, up) * Vector3(1, 0, 0))).norm() <
+        1e-12);
+}
+
+TEST_CASE("cohesion: a sphere hangs below a plane while its weight is less, and falls with more") {
+  for (const double share : {0.9, 1.1}) {
+    Dynamics dynamics = tight();
+    dynamics.interaction.law = "cohesive";
+    dynamics.interaction.cohesion = 2 * g / share;
+    dynamics.boundaries = {plane("ceiling", Vector3(0, 0, 0.5), -up)};
+    Simulation simulation = simulation_of({Ball{.mass = 2}}, dynamics);
+    advance_in_space(simulation, 10);
+    if (share < 1) {
+      CHECK(std::abs(simulation.state.z[0]) < 1e-13);
+      CHECK(close(impulse_on_second(simulation.state, 0, 1), -2 * g * dynamics.time.step * up) < 1e-12);
+    } else {
+      CHECK(simulation.state.z[0] < -1e-3);
+    }
+  }
 }

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Many spheres: what holds of every step, whichever algorithm solves it.
 #include "../support/spheres.hpp"
+#include "ddm/contact_order.hpp"
+#include "formats/export.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/time_stepping.hpp"
 
 #include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
 
 using namespace nscdd;
 using namespace nscdd::testing;
@@ -129,4 +135,89 @@ TEST_CASE("spheres: a step of another dimension is refused by name") {
   const Simulation simulation = shaken_cube(2, shaken(0.3));
   CHECK_THROWS_WITH_AS(solve_step<2>(simulation),
                        "simulation: expected disks in the plane here, met a system of spheres in space", Error);
+}
+
+TEST_CASE("spheres: what is remembered, impulses and gluing, is where the next step of a pyramid at rest begins") {
+  const double gap = 0.01, out = (1 + gap) / std::sqrt(3.0), height = std::sqrt(1 - out * out);
+  for (const char* name : {"nlgs", "generic"}) {
+    CAPTURE(std::string(name));
+    Dynamics dynamics = shaken(0.8);
+    dynamics.time.alert = 0.001;
+    dynamics.boundaries = {plane("floor", Vector3::Zero(), Vector3(0, 0, 1))};
+    std::vector<Ball> balls{{.centre = {0, 0, 0.5 + height}}};
+    for (int k = 0; k < 3; ++k) {
+      const double angle = 0.3 + 2 * std::numbers::pi * k / 3;
+      balls.push_back({.centre = {out * std::cos(angle), out * std::sin(angle), 0.5}});
+    }
+    dynamics.solver.algorithm = name;
+    dynamics.solver.tolerance = dynamics.solver.gluing_tolerance = 1e-9;
+    Simulation simulation = simulation_of(balls, dynamics, {2, 2, 1});
+    advance_in_space(simulation, 3);
+    const SolvedStep<3> cold = solve_step<3>(simulation);
+    REQUIRE(cold.report.status == SolverStatus::converged);
+    CHECK((cold.report.interface_size > 0) == (std::string_view(name) == "generic"));
+    CHECK(cold.report.residual.stick == 6);
+    simulation.dynamics.solver.warm_start = true;
+    const SolvedStep<3> warm = solve_step<3>(simulation);
+    CHECK(cold.report.last.iteration > 10);
+    CHECK(warm.report.last.iteration <= 2);
+  }
+}
+
+TEST_CASE("spheres: the contact problem of a step, and of each subdomain, is solved by what the run found") {
+  Simulation simulation = shaken_cube(3, shaken(0.3), {2, 1, 2});
+  simulation.dynamics.solver.algorithm = "generic";
+  simulation.dynamics.solver.gluing_tolerance = 1e-11;
+  const Simulation before = simulation;
+  const SolvedStep<3> solved = solve_step<3>(simulation);
+  take_step(simulation, solved);
+  const TrajectoryStep after = trajectory_step(simulation, solved);
+  const auto require_solution = [&](const FclibFile& file) {
+    const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
+    REQUIRE(file.solution.has_value());
+    CHECK(problem.dimension == 3);
+    CHECK((body_velocities(problem, file.solution->r) - file.solution->v).norm() < 1e-9);
+    CHECK((problem.h.transpose() * file.solution->v + problem.w - file.solution->u).norm() < 1e-12);
+    return problem;
+  };
+  const auto whole = require_solution(fclib_of_step(before, &after));
+  CHECK(whole.mass.rows() == 6 * 27);
+  CHECK(whole.mass.coeff(0, 0) == 1);
+  CHECK(whole.mass.coeff(3, 3) == doctest::Approx(0.4 * 0.25));
+  for (Index e = 0; e < 4; ++e) {
+    const FclibFile file = fclib_of_subdomain(before, after, e);
+    const auto& problem = std::get<GlobalFrictionProblem>(file.problem);
+    // The impulses of the interface are loads: grains of a subdomain move as in the whole.
+    const Vector v = body_velocities(problem, file.solution->r);
+    std::set<Index> grains;
+    for (std::size_t k = 0; k < solved.contacts.size(); ++k)
+      if (solved.partition.subdomain_of_contact[k] == e)
+        grains.insert({solved.problem.geometry[k].a, solved.problem.geometry[k].b});
+    REQUIRE(v.size() == 6 * count(grains));
+    Index row = 0;
+    for (const Index grain : grains) {
+      const GrainUnknowns<3> expected = unknowns_of<3>(after.state, at(grain), 1);
+      for (const double one : expected) CHECK(std::abs(v[row++] - one) < 1e-8);
+    }
+  }
+}
+
+TEST_CASE("interleaved sweeps in space follow a curve from neighbour to neighbour") {
+  std::vector<GrainContact<3>> contacts;
+  std::vector<std::array<double, 3>> points;
+  for (int i = 0; i < 8; ++i)
+    for (int j = 0; j < 8; ++j)
+      for (int k = 0; k < 8; ++k) {
+        const auto body = static_cast<std::int32_t>(contacts.size());
+        contacts.push_back({.a = 2 * body, .b = 2 * body + 1, .inverse_w = {}});  // none shares a body: one colour
+        points.push_back({0.1 * i, 0.1 * j, 0.1 * k});
+      }
+  const std::vector<GrainVelocity<3>> bodies(2 * contacts.size(), GrainVelocity<3>{.inverse_mass = 1});
+  const std::vector<Index> order = contact_order("interleaved", contacts, bodies, 1, points);
+  REQUIRE(std::set<Index>(order.begin(), order.end()).size() == contacts.size());
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    double steps = 0;
+    for (std::size_t d = 0; d < 3; ++d) steps += std::abs(points[at(order[k])][d] - points[at(order[k - 1])][d]) / 0.1;
+    CHECK(steps == doctest::Approx(1));
+  }
 }

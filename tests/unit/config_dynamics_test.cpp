@@ -280,3 +280,64 @@ TEST_CASE("moving case: flexibilities are numbers, multiples of W or optimal, an
   CHECK(back.dynamics->solver.eta == EtaChoice("3 W"));
   CHECK(back.dynamics->interaction.epsilon == spec.dynamics->interaction.epsilon);
 }
+
+TEST_CASE("moving case in space: boundaries are read, written and read again; mixed numbers are refused") {
+  const std::string text =
+      "[packing]\ngenerator = \"fcc\"\n[partition]\ngrid = [2, 2, 2]\n[dynamics]\nsteps = 3\n"
+      "[[boundary]]\nname = \"side\"\nshape = \"wall\"\npoint = [1, 2, 3]\nnormal = [0, 0, 2]\n"
+      "centre = [4, 5, 6]\nvelocity = [7, 8, 9]\nspin = [0.1, 0.2, 0.3]\n"
+      "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [0, 0, 1]\nto = [0, 1, 1]\nradius = 1.5\n"
+      "side = \"outside\"\nmotion = [[0, 0, 0, 0, 0, 0, 0], [0.5, 1, 2, 3, 4, 5, 6]]\n"
+      "[[boundary]]\nname = \"plate\"\nshape = \"grains\"\nfirst = 0\nlast = 3\norientation = \"fixed\"\n"
+      "spin = [0, 0, 1]\n";
+  const CaseSpec one = parse(text), back = parse(to_toml(one));
+  CHECK(to_toml(back) == to_toml(one));
+  const std::vector<BoundarySpec>& found = back.dynamics->boundaries;
+  REQUIRE(found.size() == 3);
+  for (const BoundarySpec& each : found) CHECK(each.dimension == 3);
+  CHECK(found[0].point == std::array<double, 3>{1, 2, 3});
+  CHECK(found[0].normal == std::array<double, 3>{0, 0, 2});
+  CHECK(found[0].motion.centre == std::array<double, 3>{4, 5, 6});
+  const RigidVelocity v = found[0].motion.at(0);
+  CHECK(std::array{v.x, v.y, v.z, v.spin_x, v.spin_y, v.spin} == std::array{7.0, 8.0, 9.0, 0.1, 0.2, 0.3});
+  const RigidVelocity half = found[1].motion.at(0.25);
+  CHECK(std::array{half.x, half.y, half.z, half.spin_x, half.spin_y, half.spin} ==
+        std::array{0.5, 1.0, 1.5, 2.0, 2.5, 3.0});
+  CHECK(found[1].side == CylinderSide::outside);
+  CHECK(found[1].radius == 1.5);
+  CHECK(found[2].orientation == Orientation::fixed);
+  require_error(replaced(text, "velocity = [7, 8, 9]", "velocity = [7, 8]"),
+                "boundary[0].velocity: expected numbers for space as in point, met numbers for the plane");
+  require_error(replaced(text, "spin = [0.1, 0.2, 0.3]", "spin = 0.1"),
+                "boundary[0].spin: expected numbers for space as in point, met numbers for the plane");
+  require_error(replaced(text, "[0.5, 1, 2, 3, 4, 5, 6]", "[0.5, 1, 2, 3]"),
+                "boundary[1].motion: expected numbers for");
+  require_error(replaced(text, "point = [1, 2, 3]\nnormal", "from = [1, 2, 3]\nto"),
+                "boundary[0].from: expected point and normal of a wall in space, met from and to");
+  require_error(replaced(text, "radius = 1.5", "radius = 0"), "boundary[1].radius");
+  require_error(replaced(text, "normal = [0, 0, 2]", "normal = [0, 0, 0]"), "normal: expected a direction");
+}
+
+TEST_CASE("moving case in space: boundaries and gravity of the other dimension are refused by name") {
+  const std::string space =
+      "[packing]\ngenerator = \"fcc\"\n[partition]\ngrid = [1, 1, 1]\n[masses]\ndensity = 1\n"
+      "[dynamics]\nsteps = 1\n";
+  const auto refused = [](const std::string& text, const char* part) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(simulation_of(resolve(parse(text))), doctest::Contains(part), Error);
+  };
+  refused(space + "gravity = [0, -9.81]\n", "dynamics.gravity: expected three numbers for a packing in space");
+  refused(space + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n",
+          "boundary 'f': expected a wall by point and normal");
+  refused(space + "[[boundary]]\nname = \"f\"\nshape = \"disks\"\nfrom = [0, 0]\nto = [1, 0]\nradius = 1\n",
+          "boundary 'f': expected shape wall, cylinder or grains for a packing in space, met disks");
+  refused(space + "[[boundary]]\nname = \"f\"\nshape = \"grains\"\nfirst = 0\nlast = 0\nspin = 1\n",
+          "boundary 'f': expected three components for a packing in space, met two");
+  refused(space + "[solver]\nalgorithm = \"generic\"\nswitch = \"linear\"\n", "solver.switch: expected none");
+  const std::string plane = replaced(replaced(space, "fcc", "hexagonal"), "[1, 1, 1]", "[1, 1]");
+  refused(plane + "gravity = [0, 0, -9.81]\n", "dynamics.gravity: expected two numbers for a packing in the plane");
+  refused(plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
+          "boundary 'd': expected shape wall, disks or grains for a packing in the plane, met cylinder");
+  refused(plane + "[[boundary]]\nname = \"f\"\nshape = \"wall\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n",
+          "boundary 'f': expected a wall by from and to");
+}

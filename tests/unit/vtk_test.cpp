@@ -105,6 +105,34 @@ TEST_CASE("vtp: VTK reads every number as it was, grains before contacts, feet a
   CHECK(a.size() == 21);
 }
 
+TEST_CASE("vtp: spheres have z, quaternions and spins, and their contacts the size of the tangential impulse") {
+  const TemporaryFolder folder;
+  Shown shown = two_grains_and_a_wall();
+  shown.system.dimension = 3;
+  GranularState& state = shown.step.state;
+  state.angle.clear();
+  state.z = {5, 6};
+  state.velocity_z = {7, 8};
+  state.spin_x = {0.5, 1};
+  state.spin_y = {1.5, 2};
+  state.spin = {2.5, 3};
+  state.turn_w = {1, 0};
+  state.turn_x = {0, 0.6};
+  state.turn_y = {0, 0.8};
+  state.turn_z = {0, 0};
+  shown.step.contacts[0].second_tangential = 0.3;
+  shown.step.contacts[0].geometry.point[2] = 4;
+  write_file(folder / "frame.vtp", shown.text());
+  Arrays a = arrays_of(read_by_vtk(folder / "frame.vtp"));
+  CHECK(a["points"] == Values{0.25, -2, 5, 1.0 / 3, 1e-300, 6, 9, 0.5, 4, 8, 0.75, 0});
+  CHECK(a["point/velocity"] == Values{1, 3, 7, 2, -4, 8, 0, 0, 0, 0, 0, 0});
+  CHECK(a["point/turn"] == Values{1, 0, 0, 0, 0, 0.6, 0.8, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(a["point/spin"] == Values{0.5, 1.5, 2.5, 1, 2, 3, 0, 0, 0, 0, 0, 0});
+  CHECK(a["cell/impulse_t"] == Values{0, 0, 0.5, 0.5, 0});
+  CHECK(a.count("point/angle") == 0);
+  CHECK(a.size() == 22);
+}
+
 TEST_CASE("vtp: what became of the subdomain of each contact, in a run that switches models") {
   const TemporaryFolder folder;
   Shown shown = two_grains_and_a_wall();

@@ -62,6 +62,10 @@ double squared(LocalVector<D> a) {
   return dot(a, a);
 }
 
+/// Whether it is not 0. (Its square may be where it is not.)
+inline bool carries(const LocalVector<2>& r) { return r.n != 0 || r.t != 0; }
+inline bool carries(const LocalVector<3>& r) { return r.n != 0 || r.t.first != 0 || r.t.second != 0; }
+
 /// Status of a contact with Coulomb friction. Open: r = 0. Stick: v = 0, the impulse inside the cone. Slide: v_n = 0
 /// and |r_t| = friction r_n against the velocity. In the plane r_t = -friction r_n (forward, v_t >= 0) or +friction r_n
 /// (backward, v_t <= 0); in space there is one `slide`, whose direction is that of the impulse.
