@@ -13,52 +13,8 @@ constexpr double crowded = 8;
 // Far more motions than a drop takes: 4 on average of equal sizes, and 230 at most of 10^5 small ones among some that
 // are ten to a hundred times as large.
 constexpr Index most_motions = 5000;
-// What a set of supports may miss of the conditions of equilibrium, by the rounding of unit vectors.
-constexpr double balance_rounding = 1e-14;
-// And what it may miss where normals are nearly dependent, to be taken if none is better.
-constexpr double most_missed = 1e-9;
-// Speed, relative to that of a fall, below which a sphere is on a crest: rounding knows no more which way is down.
-constexpr double crest = 1e-7;
 // Angle within which an arc has not begun.
 constexpr double standstill = 1e-6;
-
-bool carries(const Carried& carried, std::size_t k) {
-  const auto end = carried.by.begin() + static_cast<std::ptrdiff_t>(carried.supports);
-  return std::find(carried.by.begin(), end, k) != end;
-}
-
-// Supports are in ascending order, and those that are not there are 0.
-bool same_supports(const Carried& a, const Carried& b) { return a.supports == b.supports && a.by == b.by; }
-
-// The velocity that a set of supports leaves, and by how much the others are in its way. False where a support does not
-// push, or the normals are dependent.
-bool try_supports(std::span<const SpacePoint> normals, Carried& carried, double& missed) {
-  const auto n = [&](std::size_t i) -> const SpacePoint& { return normals[carried.by[i]]; };
-  std::array<double, 3> lambda{};
-  SpacePoint v = -SpacePoint::UnitZ();
-  if (carried.supports == 1) {
-    lambda[0] = n(0).z();
-  } else if (carried.supports == 2) {
-    const double c = n(0).dot(n(1)), det = n(0).cross(n(1)).squaredNorm();
-    if (det < 1e-20) return false;
-    lambda[0] = (n(0).z() - c * n(1).z()) / det;
-    lambda[1] = (n(1).z() - c * n(0).z()) / det;
-  } else if (carried.supports == 3) {
-    const double det = n(0).dot(n(1).cross(n(2)));
-    if (std::abs(det) < 1e-12) return false;
-    for (std::size_t i = 0; i < 3; ++i) lambda[i] = n((i + 1) % 3).cross(n((i + 2) % 3)).z() / det;
-  }
-  missed = 0;
-  for (std::size_t i = 0; i < carried.supports; ++i) {
-    if (!(lambda[i] > 0)) return false;
-    v += lambda[i] * n(i);
-  }
-  if (carried.supports == 3) v.setZero();
-  for (std::size_t k = 0; k < normals.size(); ++k)
-    if (!carries(carried, k)) missed = std::max(missed, -normals[k].dot(v));
-  carried.velocity = v;
-  return true;
-}
 
 // The part of a direction that is tangent to a surface, of length 1; zero where it has none.
 SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {
@@ -66,64 +22,7 @@ SpacePoint tangent(const SpacePoint& direction, const SpacePoint& normal) {
   return part.norm() > crest * direction.norm() ? SpacePoint(part.normalized()) : SpacePoint(SpacePoint::Zero());
 }
 
-// The nearest place at which all gaps vanish, to rounding: Newton's step of least length, twice.
-void touch_exactly(SpacePoint& centre, std::span<const Obstacle> obstacles, double radius) {
-  for (int pass = 0; pass < 2; ++pass) {
-    SpacePoint step = SpacePoint::Zero();
-    std::array<SpacePoint, 3> basis;
-    std::size_t found = 0;
-    for (const Obstacle& one : obstacles.first(std::min<std::size_t>(3, obstacles.size()))) {
-      const SpacePoint n = one.normal(centre);
-      SpacePoint e = n;
-      for (std::size_t i = 0; i < found; ++i) e -= e.dot(basis[i]) * basis[i];
-      if (e.norm() < crest) continue;
-      e.normalize();
-      step += e * ((-one.gap(centre) - n.dot(step)) / n.dot(e));
-      basis[found++] = e;
-    }
-    if (!(step.norm() < 1e-6 * radius)) return;
-    centre += step;
-  }
-}
-
 }  // namespace
-
-Carried carried_by(std::span<const SpacePoint> normals, std::span<const Carried> but) {
-  Carried best;
-  double least = most_missed;
-  const auto attempt = [&](std::initializer_list<std::size_t> set) {
-    Carried carried;
-    for (const std::size_t k : set) carried.by[carried.supports++] = k;
-    if (std::any_of(but.begin(), but.end(), [&](const Carried& other) { return same_supports(carried, other); }))
-      return false;
-    double missed = 0;
-    if (!try_supports(normals, carried, missed) || missed >= least) return false;
-    best = carried;
-    least = missed;
-    return least <= balance_rounding;
-  };
-  if (attempt({})) return best;
-  const std::size_t n = normals.size();
-  for (std::size_t i = 0; i < n; ++i)
-    if (attempt({i})) return best;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j)
-      if (attempt({i, j})) return best;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j)
-      for (std::size_t k = j + 1; k < n; ++k)
-        if (attempt({i, j, k})) return best;
-  return best;
-}
-
-double first_crossing(double q_u, double q_w, double excess) {
-  if (!(excess > 0)) return infinity;
-  const double a = std::sqrt(q_u * q_u + q_w * q_w);
-  const double nearest = std::atan2(q_w, q_u);
-  const double before = std::atan2(std::sqrt(std::max(0.0, excess * (2 * a - excess))), a - excess);
-  const double entry = nearest - before;
-  return nearest > 0 ? std::max(entry, 0.0) : entry + 2 * std::numbers::pi;
-}
 
 SphereHeap::SphereHeap(double width, double depth, double largest_radius, std::vector<double> radii)
     : width_(width), depth_(depth) {
@@ -286,7 +185,7 @@ std::optional<SphereHeap::Step> SphereHeap::next_step(const Traveller& one, cons
   for (const SpacePoint& way : ways) {
     bool free = true;
     for (std::size_t k = 0; k < normals.size(); ++k)
-      if (!carries(carried, k) && normals[k].dot(way) < -crest) free = false;
+      if (!carried.has(k) && normals[k].dot(way) < -crest) free = false;
     if (!free && !steep) continue;
     arc.ahead = way;
     return step;
@@ -388,7 +287,7 @@ SphereHeap::Rest SphereHeap::at_rest(Traveller& one, const Carried& carried) con
   for (std::size_t i = 0; i < carried.supports; ++i) holding.push_back(one.touched[carried.by[i]]);
   // On a crest, those that stop it hold it too.
   for (std::size_t k = 0; k < one.touched.size() && holding.size() < 3; ++k)
-    if (!carries(carried, k)) holding.push_back(one.touched[k]);
+    if (!carried.has(k)) holding.push_back(one.touched[k]);
   touch_exactly(one.centre, holding, one.radius);
   rest.centre = in_box(one);
   for (const Obstacle& obstacle : holding) rest.supports.push_back(obstacle.number);

@@ -292,9 +292,9 @@ TEST_CASE("deposit: equal seeds give equal bytes, others do not, sizes do not de
   CHECK(wide.x != p.x);
 }
 
-TEST_CASE("deposit: a monitor follows, and may stop it") {
+TEST_CASE_TEMPLATE("deposit: a monitor follows, and may stop it", AnyDeposit, Deposit, SphereDeposit) {
   Index last = -1;
-  const Packing p = generate(Deposit{.grains = 5000}, [&](Index done, Index total) {
+  const Packing p = generate(AnyDeposit{.grains = 5000}, [&](Index done, Index total) {
     CHECK(done > last);
     CHECK(total == 5000);
     last = done;

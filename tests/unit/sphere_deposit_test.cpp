@@ -421,18 +421,6 @@ TEST_CASE("sphere deposit: equal seeds give equal bytes, others do not, sizes do
   CHECK(disks.radius == p.radius);
 }
 
-TEST_CASE("sphere deposit: a monitor follows, and may stop it") {
-  Index last = -1;
-  const Packing p = generate(SphereDeposit{.grains = 5000}, [&](Index done, Index total) {
-    CHECK(done > last);
-    CHECK(total == 5000);
-    last = done;
-    return done < 2000;
-  });
-  CHECK(p.size() == last);
-  CHECK(p.size() < 5000);
-}
-
 TEST_CASE("sphere deposit: what cannot be is refused by its key") {
   const auto refused = [](const SphereDeposit& deposit, const char* part) {
     CHECK_THROWS_WITH_AS(generate(deposit), doctest::Contains(part), Error);
