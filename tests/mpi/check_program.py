@@ -264,6 +264,32 @@ def children(parent):
     return sorted(found)
 
 
+# Spheres of a lattice that fall into a drum, which turns: they touch it after some sixty steps.
+DRUM = """
+[packing]
+generator = "cubic"
+columns = 3
+rows = 3
+layers = 3
+disorder = 0.1
+[masses]
+density = 2500
+[partition]
+grid = [2, 2, 1]
+[dynamics]
+step = 0.005
+[solver]
+algorithm = "generic"
+[[boundary]]
+name = "drum"
+shape = "cylinder"
+from = [1, 0, 1]
+to = [1, 1, 1]
+radius = 2.2
+centre = [1, 0, 1]
+spin = [0, 2, 0]
+"""
+
 RUN = ["simulate", "settle-1k", "--algorithm", "generic", "--subdomains", "3x2", "--criterion", "natural_map",
        "--tolerance", "1e-3", "--iterations", "300", "--set", "solver.warm_start=true"]
 
@@ -315,6 +341,16 @@ def same_runs(folder):
     check(iterations(files("conjugate")[1]) == iterations(files("conjugate-3")[1]), "conjugate gradients: other bits")
     check(pictures(folder, files("conjugate")[0]) == pictures(folder, files("conjugate-3")[0]),
           "conjugate gradients: another trajectory")
+    drum = os.path.join(folder, "drum.toml")
+    with open(drum, "w") as file:
+        file.write(DRUM)
+    spheres = ["simulate", drum]
+    simulate(0, "spheres", "80", start=spheres)
+    check(len(iterations(files("spheres")[1])) > 200, "spheres: steps of several iterations expected")
+    simulate(3, "spheres-3", "70", start=spheres)
+    simulate(2, "spheres-3", "80", "--restart", start=spheres)
+    check(pictures(folder, files("spheres")[0]) == pictures(folder, files("spheres-3")[0]), "spheres: another trajectory")
+    check(iterations(files("spheres")[1]) == iterations(files("spheres-3")[1]), "spheres: other bits")
     newton = ["simulate", "settle-1k", "--subdomains", "3x2", "--algorithm", "two_stage_newton", "--tolerance", "1e-11",
               "--iterations", "1000", "--set", "solver.interface_network=none"]
     simulate(0, "newton", "1", start=newton)
