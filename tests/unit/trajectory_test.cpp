@@ -306,7 +306,7 @@ TEST_CASE("trajectory: numbers of steps, bodies and subdomains that are none are
   const auto require_refused = [&](const std::function<void(TrajectoryStep&)>& damage, const std::string& part) {
     CAPTURE(part);
     TrajectoryStep step{simulation.state, {TrajectoryContact{}}};
-    step.state.gluing.push_back({0, 1, 0, 0, 0});
+    step.state.gluing.push_back({.grain = 0, .subdomain = 1});
     damage(step);
     { TrajectoryWriter writer(path, header_of(simulation), step, headings(step_columns())); }
     CHECK_THROWS_WITH_AS(read_last_step(path), doctest::Contains(part.c_str()), Error);
