@@ -13,30 +13,34 @@ constexpr Index most_eigenvalues = 2500;
 constexpr Index most_iterations = 3000;
 
 // A linear system of Newton's method at the end of a step: its relations and its right-hand side.
+template <int D>
 struct FrozenSystem {
-  std::vector<ContactRelation<2>> relations;
+  std::vector<ContactRelation<D>> relations;
   Vector right;
 };
 
-FrozenSystem frozen_system(const SolvedStep<2>& step) {
+template <int D>
+FrozenSystem<D> frozen_system(const SolvedStep<D>& step) {
   const double alpha = frozen_proximal * step.problem.scale;
-  FrozenSystem system{{}, Vector(2 * count(step.contacts))};
+  FrozenSystem<D> system{{}, Vector(D * count(step.contacts))};
   for (Index c = 0; c < count(step.contacts); ++c) {
-    const GrainContact<2>& contact = step.contacts[at(c)];
-    const ContactStatus status = status_of(step.problem.law, contact);
-    const FrozenContact<2> frozen{.status = status, .slope = sliding_slope(status, contact.friction)};
-    const ContactRelation<2> relation = relation_of(frozen, alpha, 0);
-    const LocalVector<2> u = relative_velocity(contact, step.problem.free) + contact.bias;
-    const LocalVector<2> b = alpha * contact.impulse - u;
-    system.right.segment<2>(2 * c) = relation.q * Eigen::Vector2d(b.n, b.t);
+    const GrainContact<D>& contact = step.contacts[at(c)];
+    const double rho = 1 / (1 / contact.inverse_w.inverse_n + alpha);
+    const LocalVector<D> now = relative_velocity(contact, step.velocities) + contact.bias;
+    const FrozenContact<D> frozen = frozen_contact(contact.impulse - rho * now, contact.friction);
+    const ContactRelation<D> relation = relation_of(frozen, alpha, rho);
+    const LocalVector<D> u = relative_velocity(contact, step.problem.free) + contact.bias;
+    set_component(system.right, c, alpha * contact.impulse - u);
+    system.right.template segment<D>(D * c) = relation.q * system.right.template segment<D>(D * c);
     system.relations.push_back(relation);
   }
   return system;
 }
 
-FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem& system, InterfaceNetwork network,
+template <int D>
+FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem<D>& system, InterfaceNetwork network,
                                  double flexibility) {
-  CutContacts<2> cut(parts, {network, flexibility, frozen_tolerance, most_iterations, multifrontal()});
+  CutContacts<D> cut(parts, {network, flexibility, frozen_tolerance, most_iterations, multifrontal()});
   FrozenInterface result;
   if (parts.interface_size() == 0 || !cut.factorise(system.relations)) return result;
   cut.solve(system.right);
@@ -49,6 +53,29 @@ FrozenInterface frozen_interface(const Decomposition& parts, const FrozenSystem&
   result.predicted = static_cast<double>(predicted_iterations(eigenvalues, {frozen_tolerance, most_iterations}));
   const double radius = (1.0 - eigenvalues.array()).abs().maxCoeff();
   result.richardson = radius < 1 ? std::ceil(std::log(frozen_tolerance) / std::log(radius)) : infinity;
+  return result;
+}
+
+// The two-stage Newton method on the step, and one linear system at its end with each network.
+template <int D>
+InterfaceIterations by_newton(const Simulation& simulation) {
+  const double flexibility = simulation.dynamics.solver.interface_flexibility;
+  const SolvedStep<D> step = solve_step<D>(simulation);
+  InterfaceIterations result;
+  result.report = step.report;
+  result.subdomains = step.partition.subdomains;
+  result.systems = step.report.interface_systems;
+  for (const GrainContact<D>& contact : step.contacts) {
+    const ContactStatus status = status_of(step.problem.law, contact);
+    result.stick += status == ContactStatus::stick;
+    result.slide += status != ContactStatus::stick && status != ContactStatus::open;
+  }
+  const Decomposition parts =
+      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition, D));
+  const FrozenSystem<D> system = frozen_system(step);
+  result.none = frozen_interface(parts, system, InterfaceNetwork::none, flexibility);
+  result.all = frozen_interface(parts, system, InterfaceNetwork::all, flexibility);
+  result.active = frozen_interface(parts, system, InterfaceNetwork::active, flexibility);
   return result;
 }
 
@@ -75,23 +102,8 @@ InterfaceIterations::Rival by_admm(Simulation simulation) {
 }  // namespace
 
 InterfaceIterations interface_iterations(const Simulation& simulation) {
-  const StepSolver& solver = simulation.dynamics.solver;
-  const SolvedStep<2> step = solve_step(simulation);
-  InterfaceIterations result;
-  result.report = step.report;
-  result.subdomains = step.partition.subdomains;
-  result.systems = step.report.interface_systems;
-  for (const GrainContact<2>& contact : step.contacts) {
-    const ContactStatus status = status_of(step.problem.law, contact);
-    result.stick += status == ContactStatus::stick;
-    result.slide += status != ContactStatus::stick && status != ContactStatus::open;
-  }
-  const Decomposition parts =
-      decompose(reference_problem(step.problem, simulation.system.disks()), partition_of_columns(step.partition, 2));
-  const FrozenSystem system = frozen_system(step);
-  result.none = frozen_interface(parts, system, InterfaceNetwork::none, solver.interface_flexibility);
-  result.all = frozen_interface(parts, system, InterfaceNetwork::all, solver.interface_flexibility);
-  result.active = frozen_interface(parts, system, InterfaceNetwork::active, solver.interface_flexibility);
+  InterfaceIterations result =
+      in_dimension(simulation.system, [&](auto dimension) { return by_newton<dimension()>(simulation); });
   Simulation undivided = simulation;
   undivided.partitioner = GridPartitioner{.grid = {1, 1}};
   undivided.state.decomposed_at = -1;

@@ -69,14 +69,17 @@ Arrival LeadIn::at(const Case& one, Index steps, LeadInSolver solver) {
   return arrival;
 }
 
-SolvedStep<2> next_step(Simulation simulation, LeadInSolver solver) {
+template <int D>
+SolvedStep<D> next_step(Simulation simulation, LeadInSolver solver) {
   StepSolver decomposing = simulation.dynamics.solver;
   if (!decomposes(decomposing.algorithm)) decomposing.algorithm = StepAlgorithm::generic;
   if (solver == LeadInSolver::plain) simulation.dynamics.solver = plain_solver();
-  SolvedStep<2> step = solve_step(simulation);
+  SolvedStep<D> step = solve_step<D>(simulation);
   simulation.dynamics.solver = std::move(decomposing);
   step.partition = partition_step(simulation, step.problem);
   return step;
 }
+template SolvedStep<2> next_step(Simulation, LeadInSolver);
+template SolvedStep<3> next_step(Simulation, LeadInSolver);
 
 }  // namespace nscdd

@@ -50,7 +50,9 @@ class LeadIn {
 };
 
 /// The next step after a state, solved as a lead-in solves it, but decomposed as the case says. A case with
-/// plain Gauss-Seidel is decomposed as for the generic algorithm.
-SolvedStep<2> next_step(Simulation simulation, LeadInSolver solver);
+/// plain Gauss-Seidel is decomposed as for the generic algorithm. Throws Error for a system of another dimension than
+/// D.
+template <int D>
+SolvedStep<D> next_step(Simulation simulation, LeadInSolver solver);
 
 }  // namespace nscdd

@@ -2,6 +2,7 @@
 #include "study/moving_tables.hpp"
 
 #include "core/fail.hpp"
+#include "study/dimension_columns.hpp"
 #include "study/predicted_observed.hpp"
 
 #include <set>
@@ -31,45 +32,58 @@ KnownCells known_step(const StudyTable& table, Index row) {
 
 namespace {
 
-// Subdomains that hold each disk after a fresh decomposition of the present step.
-std::vector<std::set<Index>> memberships(const SolvedStep<2>& step, Index disks) {
-  std::vector<std::set<Index>> of_disk(at(disks));
+// Subdomains that hold each grain after a fresh decomposition of the present step.
+template <int D>
+std::vector<std::set<Index>> memberships(const SolvedStep<D>& step, Index grains) {
+  std::vector<std::set<Index>> of_grain(at(grains));
   for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
     for (const Index i : {step.problem.geometry[k].a, step.problem.geometry[k].b})
-      if (i < disks) of_disk[at(i)].insert(step.partition.subdomain_of_contact[k]);
-  return of_disk;
+      if (i < grains) of_grain[at(i)].insert(step.partition.subdomain_of_contact[k]);
+  return of_grain;
 }
 
-struct PlacedDisk {
+struct PlacedGrain {
   const std::string& name;  // of the case
   const Simulation& simulation;
   Index number;
   const std::set<Index>& subdomains;  // that hold it
 };
 
-const ResultColumns<PlacedDisk>& disk_columns() {
+const ResultColumns<PlacedGrain>& grain_columns(Index dimension) {
+  using One = PlacedGrain;
   const auto of = [](std::vector<double> GranularState::*values) {
-    return [=](const PlacedDisk& disk) { return (disk.simulation.state.*values)[at(disk.number)]; };
+    return [=](const One& grain) { return (grain.simulation.state.*values)[at(grain.number)]; };
   };
-  static const ResultColumns<PlacedDisk> columns{
-      {"case", "", "name of the case", [](const PlacedDisk& disk) { return disk.name; }},
-      {"step", "1", "steps done", [](const PlacedDisk& disk) { return disk.simulation.state.step; }},
-      {"disk", "1", "number of the disk, grains first", &PlacedDisk::number},
+  static const ResultColumns<One> space{
+      {"case", "", "name of the case", [](const One& grain) { return grain.name; }},
+      {"step", "1", "steps done", [](const One& grain) { return grain.simulation.state.step; }},
+      {"disk", "1", "number of the disk or sphere, grains first", &One::number},
       {"x", "m", "centre", of(&GranularState::x)},
       {"y", "m", "centre", of(&GranularState::y)},
-      {"radius", "m", "radius", [](const PlacedDisk& disk) { return disk.simulation.system.radius[at(disk.number)]; }},
-      {"angle", "rad", "angle turned by", of(&GranularState::angle)},
+      {"z", "m", "centre", of(&GranularState::z)},
+      {"radius", "m", "radius", [](const One& grain) { return grain.simulation.system.radius[at(grain.number)]; }},
+      {"angle", "rad", "angle turned by, in space from 0 to pi about some axis",
+       [](const One& grain) {
+         const GranularState& state = grain.simulation.state;
+         const std::size_t i = at(grain.number);
+         if (grain.simulation.system.dimension == 2) return state.angle[i];
+         const double sine = std::hypot(state.turn_x[i], state.turn_y[i], state.turn_z[i]);
+         return 2 * std::atan2(sine, std::abs(state.turn_w[i]));
+       }},
       {"driven", "", "whether a boundary drives it",
-       [](const PlacedDisk& disk) { return !disk.simulation.system.free(disk.number); }},
-      {"subdomain", "1", "lowest subdomain that holds it; -1 for a disk without contact",
-       [](const PlacedDisk& disk) { return disk.subdomains.empty() ? -1 : *disk.subdomains.begin(); }},
-      {"multiplicity", "1", "subdomains that hold it", [](const PlacedDisk& disk) { return disk.subdomains.size(); }}};
-  return columns;
+       [](const One& grain) { return !grain.simulation.system.free(grain.number); }},
+      {"subdomain", "1", "lowest subdomain that holds it; -1 without a contact",
+       [](const One& grain) { return grain.subdomains.empty() ? -1 : *grain.subdomains.begin(); }},
+      {"multiplicity", "1", "subdomains that hold it", [](const One& grain) { return grain.subdomains.size(); }}};
+  static const ResultColumns<One> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
 }
 
-Index disks(const ObservedCase& work, Index steps, const Sink<PlacedDisk>& sink) {
+Index placed_grains(const ObservedCase& work, Index steps, const Sink<PlacedGrain>& sink) {
   const Simulation simulation = simulation_at(work, steps);
-  const auto held = memberships(next_step(simulation, work.table.lead_in), simulation.system.disks());
+  const auto held = in_dimension(simulation.system, [&](auto dimension) {
+    return memberships(next_step<dimension()>(simulation, work.table.lead_in), simulation.system.disks());
+  });
   for (Index i = 0; i < count(held); ++i) sink({work.one.spec.name, simulation, i, held[at(i)]});
   return 0;
 }
@@ -77,41 +91,69 @@ Index disks(const ObservedCase& work, Index steps, const Sink<PlacedDisk>& sink)
 struct ChainContact {
   const std::string& name;              // of the case
   Index steps;                          // done before
-  std::array<double, 2> first, second;  // centres, or the foot on a wall, m
+  std::array<double, 3> first, second;  // centres, or the foot on a wall, m; in the plane z = 0
   double impulse_n, impulse_t;          // N s
   ContactStatus status;
   Index subdomain;
 };
 
-const ResultColumns<ChainContact>& chain_columns() {
+const ResultColumns<ChainContact>& chain_columns(Index dimension) {
   using Link = ChainContact;
-  static const ResultColumns<Link> columns{
+  const auto of = [](std::array<double, 3> Link::*end, std::size_t k) {
+    return [=](const Link& c) { return (c.*end)[k]; };
+  };
+  static const ResultColumns<Link> space{
       {"case", "", "name of the case", [](const Link& c) { return c.name; }},
       {"step", "1", "steps done before the one whose impulses these are", &Link::steps},
-      {"x_a", "m", "centre of one disk", [](const Link& c) { return c.first[0]; }},
-      {"y_a", "m", "centre of one disk", [](const Link& c) { return c.first[1]; }},
-      {"x_b", "m", "centre of the other, or foot on a wall", [](const Link& c) { return c.second[0]; }},
-      {"y_b", "m", "centre of the other, or foot on a wall", [](const Link& c) { return c.second[1]; }},
+      {"x_a", "m", "centre of one grain", of(&Link::first, 0)},
+      {"y_a", "m", "centre of one grain", of(&Link::first, 1)},
+      {"z_a", "m", "centre of one grain", of(&Link::first, 2)},
+      {"x_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 0)},
+      {"y_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 1)},
+      {"z_b", "m", "centre of the other, or foot on a wall", of(&Link::second, 2)},
       {"impulse_n", "N s", "normal impulse", &Link::impulse_n},
-      {"impulse_t", "N s", "tangential impulse", &Link::impulse_t},
-      {"status", "", "stick, slide_forward or slide_backward", &Link::status},
+      {"impulse_t", "N s", "tangential impulse; in space its magnitude", &Link::impulse_t},
+      {"status", "", "stick, slide_forward or slide_backward; in space stick or slide", &Link::status},
       {"subdomain", "1", "subdomain of the contact", &Link::subdomain}};
-  return columns;
+  static const ResultColumns<Link> plane = in_dimension(space, 2);
+  return dimension == 2 ? plane : space;
+}
+
+template <int D>
+std::array<double, 3> in_space(const Direction<D>& place) {
+  std::array<double, 3> result{};
+  std::copy(place.begin(), place.end(), result.begin());
+  return result;
+}
+
+template <int D>
+void chains_in(const ObservedCase& work, const Simulation& simulation, const Sink<ChainContact>& sink) {
+  const GranularState& state = simulation.state;
+  const SolvedStep<D> step = next_step<D>(simulation, work.table.lead_in);
+  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
+    const GrainContact<D>& c = step.contacts[k];
+    const auto& place = step.problem.geometry[k];
+    if (c.impulse.n == 0 && norm(c.impulse.t) == 0) continue;
+    const bool wall = place.b >= simulation.system.disks();
+    ChainContact link{work.one.spec.name,
+                      state.step,
+                      in_space<D>(centre_of<D>(state, at(place.a))),
+                      wall ? place.point : in_space<D>(centre_of<D>(state, at(place.b))),
+                      c.impulse.n,
+                      0,
+                      status_of(step.problem.law, c),
+                      step.partition.subdomain_of_contact[k]};
+    if constexpr (D == 2)
+      link.impulse_t = c.impulse.t;
+    else
+      link.impulse_t = norm(c.impulse.t);
+    sink(link);
+  }
 }
 
 Index chains(const ObservedCase& work, Index steps, const Sink<ChainContact>& sink) {
   const Simulation simulation = simulation_at(work, steps);
-  const GranularState& state = simulation.state;
-  const SolvedStep<2> step = next_step(simulation, work.table.lead_in);
-  const auto centre = [&](Index disk) { return std::array{state.x[at(disk)], state.y[at(disk)]}; };
-  for (std::size_t k = 0; k < step.contacts.size(); ++k) {
-    const GrainContact<2>& c = step.contacts[k];
-    const StepContact& g = step.problem.geometry[k];
-    if (c.impulse.n == 0 && c.impulse.t == 0) continue;
-    const bool wall = g.b >= simulation.system.disks();
-    sink({work.one.spec.name, steps, centre(g.a), wall ? std::array{g.point[0], g.point[1]} : centre(g.b), c.impulse.n,
-          c.impulse.t, status_of(step.problem.law, c), step.partition.subdomain_of_contact[k]});
-  }
+  in_dimension(simulation.system, [&](auto dimension) { chains_in<dimension()>(work, simulation, sink); });
   return 0;
 }
 
@@ -250,10 +292,10 @@ Index compared_rates(const ObservedCase& work, Index step, const Sink<ComparedSt
 
 }  // namespace
 
-constinit const Observable observables::configuration =
-    at_steps<disk_columns, disks>({.name = "configuration",
-                                   .summary = "disks of a case that moves after some steps, with their subdomains",
-                                   .first_step = 0});
+constinit const Observable observables::configuration = at_steps<grain_columns, placed_grains>(
+    {.name = "configuration",
+     .summary = "grains of a case that moves after some steps, with their subdomains",
+     .first_step = 0});
 
 constinit const Observable observables::force_chains =
     at_steps<chain_columns, chains>({.name = "force_chains",

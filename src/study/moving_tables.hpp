@@ -3,20 +3,32 @@
 
 #include "study/study.hpp"
 
+#include <concepts>
+
 /// What the tables of cases that move have in common.
 namespace nscdd {
 
+/// `columns()`, or `columns(dimension)` of the cases of a table.
+template <auto columns>
+const auto& columns_of_table(const StudyTable& table) {
+  if constexpr (std::invocable<decltype(columns), Index>)
+    return columns(dimension_of(table));
+  else
+    return columns();
+}
+
 /// The record of an observable of cases that move. `observe(work, step, sink)` hands over the results at one of the
 /// steps of a table: the step that is examined, or the number of steps that are done (see Observable::first_step). It
-/// returns how many of the results are not known. `columns()` are the columns of the results.
+/// returns how many of the results are not known. `columns()` are the columns of the results, or `columns(dimension)`
+/// where they have places.
 template <auto columns, auto observe>
 constexpr Observable at_steps(Observable record) {
   record.keys = {"steps", "lead_in"};
   record.moving = true;
-  record.columns = [](const StudyTable&) { return headings(columns()); };
+  record.columns = [](const StudyTable& table) { return headings(columns_of_table<columns>(table)); };
   record.run = [](const ObservedCase& work) {
     const std::vector<Index>& steps = work.table.steps;
-    const auto sink = as_rows(columns(), work.sink);
+    const auto sink = as_rows(columns_of_table<columns>(work.table), work.sink);
     Index failed = 0;
     for (Index k = work.first; k < count(steps); ++k) {
       failed += observe(work, steps[at(k)], sink);

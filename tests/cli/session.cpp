@@ -84,4 +84,16 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(position, from.size(), to);
 }
 
+std::string value(const std::string& report, const std::string& name) {
+  std::istringstream lines(report);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind(name + " ", 0) == 0) {
+      std::istringstream rest(line.substr(name.size()));
+      std::string first;
+      rest >> first;
+      return first;
+    }
+  return "";
+}
+
 }  // namespace nscdd::testing

@@ -35,6 +35,10 @@ std::string answer(const Session& session, const std::string& line);
 /// The table of a run with `--csv -`.
 CsvTable table(const Session& session, const std::string& line);
 
+/// The first word behind the name of a line of a report, such as that of `nscdd inspect`; empty if there is no such
+/// line.
+std::string value(const std::string& report, const std::string& name);
+
 /// A run that must be refused: exit code 2, a line "nscdd: error: ..." on standard error with all of `parts`,
 /// nothing on standard output, and every file as it was before. Fails the test otherwise.
 void check_refused(const Session& session, const std::vector<std::string>& arguments,

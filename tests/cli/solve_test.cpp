@@ -17,19 +17,6 @@ namespace {
 
 GlobalFrictionProblem box() { return random_bodies_problem(4, 12, 20); }
 
-// The value of a line "name   value ..." of a report.
-std::string value(const std::string& report, const std::string& name) {
-  std::istringstream lines(report);
-  for (std::string line; std::getline(lines, line);)
-    if (line.rfind(name + " ", 0) == 0) {
-      std::istringstream rest(line.substr(name.size()));
-      std::string first;
-      rest >> first;
-      return first;
-    }
-  return "";
-}
-
 }  // namespace
 
 TEST_CASE("solve: a report, the convergence and the solution, of a global and a local problem") {

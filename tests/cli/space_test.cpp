@@ -27,6 +27,15 @@ const std::string lattice =
     "grain = -1\n"
     "velocity = [-1.0, 0.0, 0.5]\n";
 
+// 27 spheres that fall into a drum which turns.
+const std::string drum =
+    "[packing]\ngenerator = \"cubic\"\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1\n"
+    "[masses]\ndensity = 2500\n[partition]\ngrid = [2, 2, 1]\n"
+    "[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
+    "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
+    "centre = [1, 0, 1]\nspin = [0, 2, 0]\n"
+    "[[boundary]]\nname = \"end\"\nshape = \"wall\"\npoint = [0, -0.6, 0]\nnormal = [0, 1, 0]\n";
+
 // The numbers of the row of `nscdd inspect` that begins with a word.
 std::vector<double> row_of(const std::string& report, const std::string& first) {
   std::istringstream lines(report);
@@ -279,13 +288,6 @@ TEST_CASE("space: spheres have no page yet: it is refused") {
 
 TEST_CASE("space: spheres fall into a drum that turns; a run that is cut short goes on bit by bit") {
   const Session session;
-  const std::string drum =
-      "[packing]\ngenerator = \"cubic\"\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1\n"
-      "[masses]\ndensity = 2500\n[partition]\ngrid = [2, 2, 1]\n"
-      "[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
-      "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
-      "centre = [1, 0, 1]\nspin = [0, 2, 0]\n"
-      "[[boundary]]\nname = \"end\"\nshape = \"wall\"\npoint = [0, -0.6, 0]\nnormal = [0, 1, 0]\n";
   session.file("drum.toml", drum);
   answer(session, "simulate drum.toml -o whole.h5");
   answer(session, "simulate drum.toml --steps 40 -o parts.h5");
@@ -300,4 +302,68 @@ TEST_CASE("space: spheres fall into a drum that turns; a run that is cut short g
   check_refused(session, "simulate drum.toml -o a.h5 --set dynamics.gravity=0,-9", {"dynamics.gravity", "three"});
   session.file("flat.toml", std::string(drum).replace(drum.find("[1, 0, 1]"), 9, "[1, 0]"));
   check_refused(session, "simulate flat.toml -o a.h5", {"flat.toml", "numbers for the plane", "space"});
+}
+
+TEST_CASE("space: a study has the spheres and the force chains of a case that moves, with z") {
+  const Session session;
+  session.file("study/drum.toml", drum);
+  session.file(
+      "study/study.toml",
+      "title = \"drum\"\n"
+      "[[table]]\nname = \"spheres\"\nobservable = \"configuration\"\ncases = [\"drum.toml\"]\nsteps = [0, 79]\n"
+      "[[table]]\nname = \"chains\"\nobservable = \"force_chains\"\ncases = [\"drum.toml\"]\nsteps = [79]\n");
+  answer(session, "run study");
+  const CsvTable spheres = read_table(session.read("results/study/spheres.csv"));
+  REQUIRE(spheres.rows.size() == 54);
+  double fallen = 0;
+  int turned = 0;
+  for (std::size_t i = 0; i < 27; ++i) {
+    CHECK(spheres.number(i, "angle") == 0);
+    fallen += spheres.number(i, "z") - spheres.number(i + 27, "z");
+    turned += spheres.number(i + 27, "angle") > 0;
+  }
+  CHECK(fallen > 5);
+  CHECK(turned > 13);
+  const CsvTable chains = read_table(session.read("results/study/chains.csv"));
+  REQUIRE(chains.rows.size() > 10);
+  for (std::size_t i = 0; i < chains.rows.size(); ++i) {
+    CHECK(chains.number(i, "impulse_n") > 0);
+    CHECK(chains.number(i, "impulse_t") >= 0);
+    const auto along = [&](const std::string& axis) {
+      return chains.number(i, axis + "_b") - chains.number(i, axis + "_a");
+    };
+    // Two spheres, or a sphere and the foot on the drum or the wall.
+    const double length = std::hypot(along("x"), along("y"), along("z"));
+    CHECK(length > 0.4);
+    CHECK(length < 1.001);
+  }
+}
+
+TEST_CASE("space: a step of spheres is a contact problem for solve, inspect, sweep, optimum and run") {
+  const Session session;
+  session.file("drum.toml", drum);
+  answer(session, "simulate drum.toml -o run.h5");
+  answer(session, "export run.h5 --fclib 80 -o step.hdf5");
+  CHECK(contains(answer(session, "solve step.hdf5"), "converged"));
+
+  const std::string contacts = value(answer(session, "inspect step.hdf5 --subdomains metis:2"), "contacts");
+  const CsvTable rows = table(session, "sweep step.hdf5 --subdomains metis:2 --epsilon 0.001,0.01");
+  REQUIRE(rows.rows.size() == 2);
+  CHECK(rows.text(0, "contacts") == contacts);
+  CHECK(rows.text(0, "grains") == "27");
+  CHECK(rows.number(0, "spectral_radius") > rows.number(1, "spectral_radius"));
+  CHECK(rows.number(0, "spectral_radius") < 1);
+  CHECK(contains(answer(session, "optimum step.hdf5 --subdomains metis:2 --contacts all --epsilon 0.001"), "best_eta"));
+
+  session.file("study/step.toml", "[problem]\nfile = \"../step.hdf5\"\n[partition]\nmetis = 2\n");
+  session.file("study/study.toml",
+               "title = \"a step\"\n"
+               "[[table]]\nname = \"radius\"\ncases = [\"step.toml\"]\nepsilon = [0.001, 0.01]\n"
+               "[[table]]\nname = \"best\"\nobservable = \"optimum\"\ncases = [\"step.toml\"]\nepsilon = 0.001\n"
+               "contacts = \"all\"\n");
+  answer(session, "run study");
+  const CsvTable studied = read_table(session.read("results/study/radius.csv"));
+  REQUIRE(studied.rows.size() == 2);
+  CHECK(studied.text(0, "spectral_radius") == rows.text(0, "spectral_radius"));
+  CHECK(read_table(session.read("results/study/best.csv")).number(0, "best_eta") > 0);
 }
