@@ -28,10 +28,10 @@ struct PencilMemory {
 
 /// What the rigid limit of an operator S is worked out from, whatever eta.
 struct RigidLimit {
-  InterfaceOperator met;        ///< S as it was asked for
-  InterfaceOperator regular;    ///< the same on contacts that are independent within their subdomain
+  InterfaceOperator met;  ///< S as it was asked for
+  std::shared_ptr<const RigidSystem> system;
   std::optional<Index> kernel;  ///< dim ker S, where it is known
-  bool confirmed = true;        ///< an inertia count of `regular` next to 0 agrees with it
+  bool confirmed = true;        ///< an inertia count of `system` next to 0 agrees with it
 };
 
 struct Continuation {

@@ -82,6 +82,8 @@ Decomposition with_matrices(Decomposition parts, const ReferenceProblem& problem
     Subdomain& subdomain = parts.subdomains[at(e)];
     subdomain.h = local_connectivity(problem, subdomain);
     subdomain.a = parts.interface.matrix(e);
+    if (problem.centres.rows() == problem.dofs_per_grain)
+      subdomain.centres = problem.centres(Eigen::all, subdomain.grains);
   }
   return parts;
 }
@@ -108,8 +110,12 @@ Decomposition of_process(Decomposition parts, const std::vector<Index>& process_
   parts.interface = parts.interface.of_process(process_of_subdomain, processes);
   for (std::size_t e = 0; e < process_of_subdomain.size(); ++e)
     if (process_of_subdomain[e] != processes.rank)
-      parts.subdomains[e] = {
-          .grains = {}, .contacts = {}, .inertia = {}, .h = {}, .a = parts.interface.matrix(static_cast<Index>(e))};
+      parts.subdomains[e] = {.grains = {},
+                             .contacts = {},
+                             .inertia = {},
+                             .h = {},
+                             .a = parts.interface.matrix(static_cast<Index>(e)),
+                             .centres = {}};
   return parts;
 }
 
@@ -122,11 +128,16 @@ Subdomain reassemble(const Decomposition& parts) {
     whole.contacts.insert(whole.contacts.end(), subdomain.contacts.begin(), subdomain.contacts.end());
   std::sort(whole.contacts.begin(), whole.contacts.end());
   whole.inertia = Vector::Zero(d * count(whole.grains));
+  const bool placed = std::ranges::all_of(parts.subdomains,
+                                          [](const Subdomain& one) { return one.centres.cols() == count(one.grains); });
+  if (placed) whole.centres.resize(d, count(whole.grains));
   SparseEntries entries;
   for (const Subdomain& subdomain : parts.subdomains) {
-    for (Index i = 0; i < count(subdomain.grains); ++i)
-      whole.inertia.segment(d * local_number(whole.grains, subdomain.grains[at(i)]), d) +=
-          subdomain.inertia.segment(d * i, d);
+    for (Index i = 0; i < count(subdomain.grains); ++i) {
+      const Index number = local_number(whole.grains, subdomain.grains[at(i)]);
+      whole.inertia.segment(d * number, d) += subdomain.inertia.segment(d * i, d);
+      if (placed) whole.centres.col(number) = subdomain.centres.col(i);
+    }
     for (Index c = 0; c < count(subdomain.contacts); ++c)
       for (SparseMatrix::InnerIterator e(subdomain.h, c); e; ++e) {
         const Index grain = local_number(whole.grains, subdomain.grains[at(e.row() / d)]);

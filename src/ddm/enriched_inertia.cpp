@@ -9,7 +9,7 @@
 namespace nscdd {
 
 EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
-    : inertia_(subdomain.inertia), h_(subdomain.h) {
+    : inertia_(subdomain.inertia), h_(subdomain.h), centres_(subdomain.centres) {
   for_entries(subdomain.a, [&](Index row, Index, double) { rows_.push_back(row); });
   std::sort(rows_.begin(), rows_.end());
   rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
@@ -87,12 +87,16 @@ Matrix EnrichedInertia::apply(const Matrix& r) const {
     if (!factor.positive_definite()) return Matrix::Constant(r.rows(), r.cols(), not_a_number);
     return factor.solve(r);
   }
-  // The rigid limit, M^-1/2 (I - Pi) M^-1/2
-  const RangeProjector& range = range_.get([&] { return RangeProjector(scaled_connectivity(inertia, family_.h_)); });
-  const Vector root = inertia.cwiseSqrt().cwiseInverse();
-  Matrix scaled = root.asDiagonal() * r;
+  // The rigid limit, Z M^-1/2 (I - Pi) M^-1/2 Z^T
+  const auto& [motions, range] = rigid_.get([&] {
+    RigidMotions found = rigid_motions({family_.dofs_per_grain_, family_.centres_, inertia, family_.h_});
+    RangeProjector projector(scaled_connectivity(found.inertia, found.h));
+    return RigidInverse{std::move(found), std::move(projector)};
+  });
+  const Vector root = motions.inertia.cwiseSqrt().cwiseInverse();
+  Matrix scaled = root.asDiagonal() * (motions.z.transpose() * r);
   for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= range.apply(scaled.col(j));
-  return root.asDiagonal() * scaled;
+  return motions.z * (root.asDiagonal() * scaled);
 }
 
 Vector EnrichedInertia::solve(const Vector& impulses) const {

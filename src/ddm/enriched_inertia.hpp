@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/rigid_motions.hpp"
 #include "linalg/multifrontal/factor.hpp"
 #include "linalg/range_projector.hpp"
 #include "linalg/sparse_cholesky.hpp"
@@ -54,6 +55,7 @@ class EnrichedInertiaFamily {
   SparseMatrix h_, a_, stiffness_;  // a: A_E without its empty rows
   std::optional<Modes> modes_;
   Index dofs_per_grain_ = 0;
+  Matrix centres_;
   Lazy<CholeskyAnalysis> analysis_;
   Lazy<SymmetricAnalysis> condensation_;
 };
@@ -61,7 +63,8 @@ class EnrichedInertiaFamily {
 /// M_{E,eta} = M_E + K_E / eta, K_E = H_E H_E^T ([ADI12] eqs. (23), (24)), ready to be inverted.
 /// eta = infinity is M_E; eta = 0 is the rigid limit, whose "inverse" is
 ///     M_E^inf = M_E^-1/2 (I - Pi) M_E^-1/2,   Pi the projector onto range(M_E^-1/2 H_E)
-/// ([ADI12] eq. (26)). It exists for every network, also for hyperstatic ones.
+/// ([ADI12] eq. (26)). It exists for every network, also for hyperstatic ones. With the motions Z of rigid clusters it
+/// is Z times the same of Z^T M_E Z and Z^T H_E times Z^T.
 class EnrichedInertia {
  public:
   /// The family must outlive it. Throws Error unless eta is in [0, infinity].
@@ -80,7 +83,11 @@ class EnrichedInertia {
   const EnrichedInertiaFamily& family_;
   double eta_;
   Vector weights_;  // of the modes of a small subdomain
-  Lazy<RangeProjector> range_;
+  struct RigidInverse {
+    RigidMotions motions;
+    RangeProjector range;
+  };
+  Lazy<RigidInverse> rigid_;
   Lazy<SparseCholesky> cholesky_;
 };
 

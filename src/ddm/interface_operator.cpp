@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "ddm/enriched_inertia.hpp"
+#include "ddm/rigid_motions.hpp"
 #include "ddm/shifted_pencil.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_entries.hpp"
@@ -12,8 +13,12 @@
 namespace nscdd {
 namespace {
 
-// H of the undivided packing, whose rows may lie anywhere: it is to tell its rank.
-SparseMatrix whole_connectivity(const Decomposition& parts) {
+Index rank_of(const Decomposition& parts, const Subdomain& subdomain) {
+  return rigid_rank({parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
+}
+
+// The rank of H of the undivided packing, whose rows may lie anywhere.
+Index rank_of_whole(const Decomposition& parts) {
   const Index d = parts.dofs_per_grain();
   std::vector<double> own;  // row, column and value of each entry
   for (const Subdomain& subdomain : parts.subdomains)
@@ -26,7 +31,24 @@ SparseMatrix whole_connectivity(const Decomposition& parts) {
   SparseEntries entries;
   for (std::size_t k = 0; k < all.size(); k += 3)
     entries.add(static_cast<Index>(all[k]), static_cast<Index>(all[k + 1]), all[k + 2]);
-  return entries.matrix(d * parts.interface.grains(), parts.contacts);
+  own.clear();  // grain and centre
+  bool unknown = false;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    unknown |= subdomain.centres.cols() != count(subdomain.grains);
+    for (Index i = 0; i < subdomain.centres.cols(); ++i) {
+      own.push_back(static_cast<double>(subdomain.grains[at(i)]));
+      for (Index k = 0; k < d; ++k) own.push_back(subdomain.centres(k, i));
+    }
+  }
+  Matrix centres;
+  if (!parts.interface.processes().any(unknown)) {
+    centres = Matrix::Zero(d, parts.interface.grains());
+    const std::vector<double> places = parts.interface.processes().gather(own);
+    for (std::size_t k = 0; k < places.size(); k += at(d + 1))
+      centres.col(static_cast<Index>(places[k])) = Eigen::Map<const Vector>(places.data() + k + 1, d);
+  }
+  const Index rows = d * parts.interface.grains();
+  return rigid_rank({d, centres, Vector::Ones(rows), entries.matrix(rows, parts.contacts)});
 }
 
 }  // namespace
@@ -186,9 +208,9 @@ Index InterfaceOperator::nullity() const {
   if (eta() > 0) return 0;
   return implementation_->preparation->nullity.get([this] {
     Index local = 0;
-    for (const Subdomain& subdomain : parts().subdomains) local += sparse_rank(subdomain.h);
+    for (const Subdomain& subdomain : parts().subdomains) local += rank_of(parts(), subdomain);
     const auto sum = static_cast<Index>(parts().interface.processes().sum(static_cast<double>(local)));
-    return sum - sparse_rank(whole_connectivity(parts()));
+    return sum - rank_of_whole(parts());
   });
 }
 

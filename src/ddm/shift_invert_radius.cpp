@@ -97,19 +97,30 @@ void remember(PencilMemory& memory, const PencilPoint& point, const Ends& ends) 
   visited.push_back({point.epsilon, point.eta, kept(ends.smallest), kept(ends.largest)});
 }
 
+// How the subdomains of S are held: in the rigid form by what is known of its limit.
+struct HeldSystem {
+  SystemForm form = SystemForm::condensed;
+  std::shared_ptr<const RigidSystem> rigid = {};
+};
+
 // The family of this problem. What another problem has left in the memory is thrown away.
-const ShiftedPencilFamily& family_for(const Contraction& b, SystemForm form, const InertiaMethod& method,
+const ShiftedPencilFamily& family_for(const Contraction& b, const HeldSystem& held, const InertiaMethod& method,
                                       PencilMemory& memory) {
   std::optional<ShiftedPencilFamily>& family = memory.families[std::isinf(b.preconditioner.eta()) ? 1 : 0];
-  if (family && !family->serves(b, form, method)) memory = {};
-  if (!family) family.emplace(b, form, method);
+  if (family && !family->serves(b, held.form, method)) memory = {};
+  if (!family) {
+    if (held.rigid)
+      family.emplace(b, held.rigid, method);
+    else
+      family.emplace(b, held.form, method);
+  }
   return *family;
 }
 
 Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& spectral, PencilMemory& memory,
-               SystemForm form) {
+               const HeldSystem& held) {
   using Visited = PencilMemory::Visited;
-  const ShiftedPencilFamily& family = family_for(b, form, spectral.inertia, memory);
+  const ShiftedPencilFamily& family = family_for(b, held, spectral.inertia, memory);
   const EndOptions options{
       .tolerance = spectral.tolerance, .eigenvalues = spectral.eigenvalues, .certify = spectral.certify};
   const auto find = [&](SpectrumEnd end, PencilMemory::End Visited::*same) {
@@ -127,11 +138,11 @@ Ends find_ends(const Contraction& b, const PencilPoint& point, const SpectralOpt
 // longer. A shift is reliable from about a thousand times the rounding away, see ShiftedPencil::reliable.
 Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const SpectralOptions& options,
                         PencilMemory& memory) {
-  const Ends ends = find_ends(b, point, options, memory, SystemForm::condensed);
+  const Ends ends = find_ends(b, point, options, memory, {SystemForm::condensed});
   const auto done = [&](const Ends& some) { return some.converged() && (!options.certify || some.certified()); };
   if (done(ends) || 1e3 * point.rounding < 0.3 * options.tolerance) return ends;
   PencilMemory own;
-  const Ends again = find_ends(b, point, options, own, SystemForm::augmented);
+  const Ends again = find_ends(b, point, options, own, {SystemForm::augmented});
   return done(again) ? again : ends;
 }
 
@@ -156,17 +167,6 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   result.within_min = ends.largest.within;
   result.within_max = ends.smallest.within;
   return result;
-}
-
-// The rigid limit depends on the range of each H_E only. So contacts that depend on others of their subdomain
-// can be left out, and the saddle-point matrix with the remaining ones is regular at epsilon = 0.
-Decomposition without_dependent_contacts(const Decomposition& parts) {
-  std::vector<char> kept(at(parts.contacts), 0);
-  for_each_in_parallel(count(parts.subdomains), [&](Index e) {
-    const Subdomain& subdomain = parts.subdomains[at(e)];
-    for (const Index c : RangeProjector(subdomain.h).independent_columns()) kept[at(subdomain.contacts[at(c)])] = 1;
-  });
-  return restrict_contacts(parts, kept);
 }
 
 // The number of eigenvalues lambda below a shift next to 0. It is unknown if no factorisation there is reliable.
@@ -203,10 +203,10 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   std::optional<RigidLimit>& limit = memory.limit;
   if (!limit || &limit->met.parts() != &b.system.parts())
     limit.emplace(
-        RigidLimit{b.system, InterfaceFamily(without_dependent_contacts(b.system.parts())).at(0), std::nullopt});
-  const Contraction regular{b.preconditioner, limit->regular, b.relaxation};
+        RigidLimit{b.system, std::make_shared<const RigidSystem>(rigid_system(b.system.parts())), std::nullopt});
+  const HeldSystem held{SystemForm::rigid, limit->system};
   PencilPoint point = known_bounds(b);
-  const ShiftedPencilFamily& family = family_for(regular, SystemForm::augmented, options.inertia, memory.rigid);
+  const ShiftedPencilFamily& family = family_for(b, held, options.inertia, memory.rigid);
   Index factorisations = 0;
   const Index processes = b.system.parts().interface.processes().size;
   if (!limit->kernel && b.system.parts().contacts > ranks_up_to / processes)
@@ -219,8 +219,7 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
   if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result =
-      report(b, find_ends(regular, point, options, memory.rigid, SystemForm::augmented), point.kernel, options);
+  SpectralRadius result = report(b, find_ends(b, point, options, memory.rigid, held), point.kernel, options);
   result.factorisations += factorisations;
   return result;
 }

@@ -3,6 +3,8 @@
 
 #include "linalg/sparse_entries.hpp"
 
+#include <numeric>
+
 namespace nscdd {
 namespace {
 
@@ -47,6 +49,35 @@ void add_augmented(Entries& entries, const Decomposition& parts, Index first_imp
   }
 }
 
+// The block of the rigid limit: bodies that are no hubs, then the early impulses, and the hubs with the late impulses
+// of their subdomain among the border rows.
+struct RigidRows {
+  Index first_impulse = 0, first_hub = 0, interface = 0;
+};
+void add_rigid(Entries& entries, const RigidSystem& system, const RigidRows& rows) {
+  Index next_body = 0, next_impulse = rows.first_impulse, next_hub = rows.first_hub;
+  for (std::size_t e = 0; e < system.subdomains.size(); ++e) {
+    const RigidSubdomain& own = system.subdomains[e];
+    std::vector<Index> row(at(own.motions.inertia.size()));  // of each motion
+    Index late = next_hub;
+    for (std::size_t b = 0; b < own.motions.bodies.size(); ++b) {
+      const RigidBody& body = own.motions.bodies[b];
+      Index& next = own.hub[b] ? late : next_body;
+      for (Index k = 0; k < body.rows; ++k) row[at(body.first_row + k)] = next++;
+    }
+    for (Index i = 0; i < count(row); ++i) entries.add(row[at(i)], row[at(i)], own.motions.inertia[i], 0);
+    const auto add = [&](Index impulse, Index column) {
+      entries.add(impulse, impulse, 0, 0);
+      for (SparseMatrix::InnerIterator e_h(own.motions.h, column); e_h; ++e_h)
+        entries.add(std::max(impulse, row[at(e_h.row())]), std::min(impulse, row[at(e_h.row())]), e_h.value(), 0);
+    };
+    for (const Index c : own.early) add(next_impulse++, c);
+    for (const Index c : own.late) add(late++, c);
+    for_entries(own.a, [&](Index i, Index j, double value) { entries.add(rows.interface + i, row[at(j)], value, 0); });
+    next_hub += system.hub_rows[e];
+  }
+}
+
 // Of a whole decomposition. `entries`: no fewer than it adds, for a contact of k velocities ties them in pairs.
 struct Sizes {
   Index dofs = 0, contacts = 0, entries = 0;
@@ -68,9 +99,10 @@ struct Sizes {
 
 // The saddle-point matrices of all shifted pencils of two decompositions, see ShiftedPencil: what is added up in them
 // for given epsilon, eta and sigma. Their rows are, in this order, the velocities of the subdomains of S, its contact
-// impulses (augmented form only), the velocities of the subdomains of P (finite eta only), and the interface.
+// impulses (augmented and rigid form), the velocities of the subdomains of P (finite eta only), what is eliminated with
+// the hubs of each subdomain (rigid form), and the interface. The last two are the border.
 struct SaddlePointFamily {
-  SaddlePointFamily(const Contraction& b, SystemForm form);
+  SaddlePointFamily(const Contraction& b, SystemForm form, std::shared_ptr<const RigidSystem> rigid);
 
   // Lower triangle. Rows of the -P block are scaled by sqrt(sigma), so that sigma appears between rows of one
   // interface grain or of two, and nowhere else.
@@ -78,39 +110,64 @@ struct SaddlePointFamily {
 
   // One pattern for all. For infinite eta the gluing is a group by itself for each grain: all velocities are then
   // eliminated before, once for all sigma. For finite eta sqrt(sigma) A_E ties them to it, and all copies of a grain
-  // and the gluing of these copies are eliminated together. A contact impulse goes with the later of its grains.
+  // and the gluing of these copies are eliminated together. A contact impulse goes with the later of its grains; where
+  // one of them is of a hub, with the other.
   InertiaPattern pattern() const;
 
   // What Response has, of a solution x for these epsilon, eta and sigma.
   ShiftedPencil::Response response(const Vector& x, double epsilon, double eta, double sigma) const;
 
+  // A vector of the interface as one of the border, and back.
+  Vector on_border(const Vector& g) const {
+    Vector all = Vector::Zero(border_size());
+    all.tail(g.size()) = g;
+    return all;
+  }
+  Vector of_interface(const Vector& x) const { return x.tail(interface_size()); }
+
   Index rows() const { return inertia.rows(); }
+  Index border_size() const { return rows() - border; }
   Index interface_size() const { return rows() - interface; }
   const Processes& processes() const { return contraction.system.parts().interface.processes(); }
 
   Contraction contraction;  // keeps the decompositions alive
   SystemForm form;
-  bool generic;           // eta is infinite
-  Index grain_rows = 0;   // first contact impulse of S
-  Index system_size = 0;  // first row of the block of P
-  Index interface = 0;    // first interface row
-  Index negative = 0;     // all rows of all processes but the grains of S
+  std::shared_ptr<const RigidSystem> rigid;  // of the rigid form
+  bool generic;                              // eta is infinite
+  Index grain_rows = 0;                      // first contact impulse of S
+  Index system_size = 0;                     // first row of the block of P
+  Index border = 0;                          // first row that is eliminated with the hubs, or the first interface row
+  Index interface = 0;                       // first interface row
+  Index negative = 0;                        // all rows of all processes but the velocities of S
   // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (in rows of contact impulses of
   // epsilon).
   SparseMatrix inertia, stiffness;
 };
 
-SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_form)
-    : contraction(b), form(system_form), generic(std::isinf(b.preconditioner.eta())) {
+SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_form,
+                                     std::shared_ptr<const RigidSystem> rigid_system)
+    : contraction(b), form(system_form), rigid(std::move(rigid_system)), generic(std::isinf(b.preconditioner.eta())) {
   const Decomposition &system = b.system.parts(), &preconditioner = b.preconditioner.parts();
   const Sizes of_system(system), of_preconditioner(preconditioner);
+  Index impulses = form == SystemForm::augmented ? of_system.contacts : 0, late = 0;
   grain_rows = of_system.dofs;
-  system_size = grain_rows + (form == SystemForm::augmented ? of_system.contacts : 0);
-  interface = system_size + (generic ? 0 : of_preconditioner.dofs);
+  if (rigid) {
+    grain_rows = 0;
+    for (const RigidSubdomain& own : rigid->subdomains) {
+      for (std::size_t k = 0; k < own.hub.size(); ++k) grain_rows += own.hub[k] ? 0 : own.motions.bodies[k].rows;
+      impulses += count(own.early);
+      late += count(own.late);
+    }
+  }
+  system_size = grain_rows + impulses;
+  border = system_size + (generic ? 0 : of_preconditioner.dofs);
+  interface = border + (rigid ? std::accumulate(rigid->hub_rows.begin(), rigid->hub_rows.end(), Index{0}) : 0);
   Entries entries;
   for (SparseEntries* one : {&entries.inertia, &entries.stiffness})  // growing would copy gigabytes
     one->reserve(at(of_system.entries + (generic ? b.preconditioner.generic().nonZeros() : of_preconditioner.entries)));
-  if (form == SystemForm::augmented) {
+  if (rigid) {
+    add_rigid(entries, *rigid, {grain_rows, border, interface});
+  } else if (form == SystemForm::augmented) {
     add_augmented(entries, system, grain_rows, interface);
   } else {
     add_condensed(entries, system, 0, interface);
@@ -130,7 +187,7 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   inertia = entries.inertia.matrix(size, size);
   entries.inertia = {};  // frees its memory
   stiffness = entries.stiffness.matrix(size, size);
-  negative = static_cast<Index>(processes().sum(static_cast<double>(interface - grain_rows))) + interface_size();
+  negative = static_cast<Index>(processes().sum(static_cast<double>(border - grain_rows + late))) + interface_size();
 }
 
 SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma) const {
@@ -142,10 +199,10 @@ SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma)
     for (Index p = sum.outerIndexPtr()[j]; p < sum.outerIndexPtr()[j + 1]; ++p) {
       const bool gluing = sum.innerIndexPtr()[p] >= interface && j < interface;
       if (j < system_size) {
-        if (!gluing) value[p] += form == SystemForm::augmented ? k[p] * epsilon : k[p] / epsilon;
-      } else if (j < interface) {
+        if (!gluing && !rigid) value[p] += form == SystemForm::augmented ? k[p] * epsilon : k[p] / epsilon;
+      } else if (j < border) {
         value[p] = gluing ? root * value[p] : -(value[p] + k[p] / eta);
-      } else {
+      } else if (j >= interface) {
         value[p] *= sigma;
       }
     }
@@ -163,9 +220,23 @@ InertiaPattern SaddlePointFamily::pattern() const {
     for (const Subdomain& subdomain : parts.subdomains)
       for (const Index grain : subdomain.grains) add(generic ? keys++ : grain);
   };
-  add_grains(system);
+  if (rigid) {
+    for (std::size_t e = 0; e < rigid->subdomains.size(); ++e) {
+      const RigidSubdomain& own = rigid->subdomains[e];
+      for (std::size_t b = 0; b < own.hub.size(); ++b) {
+        const RigidBody& body = own.motions.bodies[b];
+        const bool with_copies = !generic && body.grain >= 0;
+        if (!own.hub[b])
+          group.insert(group.end(), at(body.rows), with_copies ? system.subdomains[e].grains[at(body.grain)] : keys++);
+      }
+    }
+  } else {
+    add_grains(system);
+  }
   group.insert(group.end(), at(system_size - grain_rows), -1);
   if (!generic) add_grains(contraction.preconditioner.parts());
+  if (rigid)
+    for (const Index size : rigid->hub_rows) group.insert(group.end(), at(size), keys++);
   for (const Gluing& row : system.interface.gluing()) add(row.grain);
   std::vector<Index> number(at(keys), -1);  // of a key, as it is met
   Index next = 0;
@@ -175,7 +246,7 @@ InertiaPattern SaddlePointFamily::pattern() const {
     if (n < 0) n = next++;
     g = n;
   }
-  return {inertia, group, interface_size()};
+  return {inertia, group, border_size()};
 }
 
 ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsilon, double eta, double sigma) const {
@@ -186,24 +257,26 @@ ShiftedPencil::Response SaddlePointFamily::response(const Vector& x, double epsi
         sum += e.value() * x[e.row()] * x[j] * (e.row() == j ? 1 : 2);
     return sum;
   };
-  const double system = processes().sum(energy(0, system_size));
+  const double system = rigid ? 0.0 : processes().sum(energy(0, system_size));
   return {.f = -x.tail(interface_size()),
           .system = form == SystemForm::augmented ? -system * epsilon : system / epsilon,
-          .preconditioner = generic ? 0.0 : processes().sum(energy(system_size, interface)) / (eta * sigma)};
+          .preconditioner = generic ? 0.0 : processes().sum(energy(system_size, border)) / (eta * sigma)};
 }
 
-// Without an eigenvalue below the shift all rows but the grains of S are negative; each one takes one away.
+// Without an eigenvalue below the shift all rows but the velocities of S are negative; each one takes one away.
 Index ShiftedPencil::below() const { return matrices_->negative - factor_.negative_eigenvalues; }
 
 Vector ShiftedPencil::solve(const Vector& g) const {
-  if (!refinement_) return -factor_.solve_on_border(g);
-  const Vector x = factor_.solve_from_border(g);
-  return -(x.tail(g.size()) + factor_.solve_to_border(residual(x, g)));
+  const Vector right = matrices_->on_border(g);
+  if (!refinement_) return -matrices_->of_interface(factor_.solve_on_border(right));
+  const Vector x = factor_.solve_from_border(right);
+  return -(matrices_->of_interface(x) + matrices_->of_interface(factor_.solve_to_border(residual(x, right))));
 }
 
 ShiftedPencil::Response ShiftedPencil::respond(const Vector& g) const {
-  Vector x = factor_.solve_from_border(g);
-  if (refinement_) x += factor_.solve(residual(x, g));
+  const Vector right = matrices_->on_border(g);
+  Vector x = factor_.solve_from_border(right);
+  if (refinement_) x += factor_.solve(residual(x, right));
   return matrices_->response(x, epsilon_, eta_, shift_);
 }
 
@@ -212,7 +285,13 @@ Vector ShiftedPencil::residual(const Vector& x, const Vector& g) const {
 }
 
 ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, SystemForm form, const InertiaMethod& method)
-    : matrices_(std::make_shared<const SaddlePointFamily>(b, form)),
+    : matrices_(std::make_shared<const SaddlePointFamily>(b, form, nullptr)),
+      method_name_(method.name),
+      factors_(method.analyse(matrices_->pattern())) {}
+
+ShiftedPencilFamily::ShiftedPencilFamily(const Contraction& b, std::shared_ptr<const RigidSystem> rigid,
+                                         const InertiaMethod& method)
+    : matrices_(std::make_shared<const SaddlePointFamily>(b, SystemForm::rigid, std::move(rigid))),
       method_name_(method.name),
       factors_(method.analyse(matrices_->pattern())) {}
 
@@ -232,7 +311,7 @@ ShiftedPencil ShiftedPencilFamily::at(double epsilon, double eta, double sigma, 
   SparseMatrix matrix = matrices_->matrix(epsilon, eta, sigma);
   pencil.factor_ = factors_.factorise(matrix, {epsilon, eta});
   if (!pencil.regular()) return pencil;
-  pencil.inexactness_ = inexactness(pencil.factor_, matrix, matrices_->interface_size(), matrices_->processes());
+  pencil.inexactness_ = inexactness(pencil.factor_, matrix, matrices_->border_size(), matrices_->processes());
   // One step of refinement takes as long as three solutions more.
   const double refined_above = accuracy == SolutionAccuracy::refined ? 1e-10 : 1e-6;
   if (pencil.inexactness_ > refined_above) pencil.refinement_ = std::move(matrix);

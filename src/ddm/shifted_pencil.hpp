@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ddm/rigid_system.hpp"
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
@@ -10,6 +11,7 @@ namespace nscdd {
 enum class SystemForm {
   condensed,  ///< M_E + K_E/epsilon
   augmented,  ///< with the contact impulses, for epsilon near 0
+  rigid,      ///< the limit epsilon = 0: the velocities of a RigidSystem, with its contact impulses
 };
 
 /// When solutions take a step of refinement. Their relative error e moves an eigenvalue lambda by e |lambda - sigma|.
@@ -32,7 +34,9 @@ struct SaddlePointFamily;  // the matrices of a family, in shifted_pencil.cpp
 /// eigenvalues as its -P block has rows, plus n_Gamma, minus the number of eigenvalues lambda below sigma.
 ///
 /// For epsilon near 0 the block M_E + K_E/epsilon loses the digits of M_E: `SystemForm::augmented` keeps the contact
-/// impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as contacts.
+/// impulses, [M_E H_E; H_E^T -epsilon I] in its place, with as many more negative eigenvalues as contacts. For
+/// epsilon = 0 `SystemForm::rigid` has [Z^T M_E Z, Z^T H_E; H_E^T Z, 0] and A_E Z with the independent ones of the
+/// contacts that are not within a rigid cluster.
 class ShiftedPencil {
  public:
   /// False if the factorisation broke down; nothing else may then be asked.
@@ -81,12 +85,16 @@ class ShiftedPencilFamily {
   /// `method`: what factorises the saddle-point matrices.
   explicit ShiftedPencilFamily(const Contraction& b, SystemForm form = SystemForm::condensed,
                                const InertiaMethod& method = multifrontal());
+  /// The same in the rigid limit of S, in `SystemForm::rigid`.
+  ShiftedPencilFamily(const Contraction& b, std::shared_ptr<const RigidSystem> rigid,
+                      const InertiaMethod& method = multifrontal());
 
   /// Whether the family was made for the decompositions, the kind of eta of `b`, this form and this method.
   bool serves(const Contraction& b, SystemForm form = SystemForm::condensed,
               const InertiaMethod& method = multifrontal()) const;
 
-  /// epsilon > 0, eta > 0 (infinite if and only if the family's is), sigma >= 0; at 0 it is S by itself.
+  /// epsilon > 0 (not used in the rigid limit), eta > 0 (infinite if and only if the family's is), sigma >= 0; at 0 it
+  /// is S by itself.
   ShiftedPencil at(double epsilon, double eta, double sigma,
                    SolutionAccuracy accuracy = SolutionAccuracy::enough_next_to_an_end) const;
 

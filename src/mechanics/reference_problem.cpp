@@ -56,6 +56,12 @@ ReferenceProblem assemble(const Packing& packing, const ContactNetwork& network,
   problem.dimension = problem.dofs_per_grain = d;
   problem.inertia.resize(d * n);
   for (Index i = 0; i < n; ++i) problem.inertia.segment(d * i, d).setConstant(packing.mass[at(i)]);
+  problem.centres.resize(d, n);
+  for (Index i = 0; i < n; ++i) {
+    problem.centres(0, i) = packing.x[at(i)];
+    problem.centres(1, i) = packing.y[at(i)];
+    if (d == 3) problem.centres(2, i) = packing.z[at(i)];
+  }
   problem.h = d == 2 ? connectivity<2>(network) : connectivity<3>(network);
 
   require_fit(loads, d);

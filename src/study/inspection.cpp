@@ -2,7 +2,7 @@
 #include "study/inspection.hpp"
 
 #include "core/disjoint_sets.hpp"
-#include "linalg/range_projector.hpp"
+#include "ddm/rigid_motions.hpp"
 #include "study/dimension_columns.hpp"
 #include "study/study.hpp"
 
@@ -18,7 +18,8 @@ NetworkDegrees degrees(const Subdomain& subdomain, bool ranks) {
   result.grains = count(subdomain.grains);
   result.contacts = subdomain.h.cols();
   if (!ranks) return result;
-  result.rank = sparse_rank(subdomain.h);
+  const Index dofs_per_grain = subdomain.h.rows() / std::max<Index>(result.grains, 1);
+  result.rank = rigid_rank({dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h});
   result.rigid_modes = subdomain.h.rows() - result.rank;
   result.hyperstaticity = result.contacts - result.rank;
   return result;

@@ -50,7 +50,7 @@ Case with_overlaps_of_motion(Case one);
 /// partition leaves whole; "" for an interface that is not empty.
 std::string why_empty(const Model& model);
 
-/// Ranks are those of H, which are those of W, by `sparse_rank`.
+/// Ranks are those of H, which are those of W, by `rigid_rank`.
 Inspection inspect(const Model& model, Index ranks_up_to = ranks_up_to_by_default);
 
 /// A link of the contact network with the impulse behind a choice of contacts: what Figures 2-4 draw.

@@ -3,6 +3,7 @@
 
 #include "core/fail.hpp"
 #include "ddm/enriched_inertia.hpp"
+#include "ddm/rigid_motions.hpp"
 #include "mechanics/active_set.hpp"
 
 namespace nscdd {
@@ -34,7 +35,7 @@ constexpr double shift_fill = 6.9, shift_fill_finite = 1.2, shift_bytes = 1400, 
 // In space a factor has some s^(4/3) entries, and what an order of elimination adds for the copies was fitted as b:
 // face-centred cubic lattices of 10^3 to 10^5 spheres in 2 x 2 x 2, of 10^4 in 4 x 4 x 4 and 6 x 6 x 6 parts took 14 to
 // 38 numbers per b s^(4/3), in the rigid limit up to six times as many as with epsilon > 0 and the infinite eta.
-constexpr double shift_fill_space = 42, rigid_shift_space = 6;
+constexpr double shift_fill_space = 42, rigid_fill_space = 42;
 constexpr double program_bytes = 3e7;  // the program and its libraries, which outweigh small packings
 // In the rigid limit the contact impulses are unknowns of their own: a deposit of 10^5 disks in 2 x 2 parts
 // took 1.54 GB where a positive epsilon took 0.55 GB. They are also unknowns for the ranks, whose bytes per
@@ -109,6 +110,21 @@ double shifted_need(const Model& model, bool finite_eta) {
   return bytes_per_number * entries + shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
 }
 
+// What shift-invert needs in the rigid limit in space: what rigid clusters leave of the velocities of S, and as many
+// contacts as can be independent, take the place of the velocities.
+double rigid_need_in_space(const Model& model, bool finite_eta) {
+  const double unknowns = unknowns_of(model), interface = static_cast<double>(model.parts.interface_size());
+  double rows = interface + (finite_eta ? unknowns : 0);
+  for (const Subdomain& subdomain : model.parts.subdomains) {
+    const RigidMotions motions =
+        rigid_motions({model.parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
+    rows += static_cast<double>(motions.h.rows() + std::min(motions.h.rows(), motions.h.cols()));
+  }
+  const double copies = (unknowns + interface) / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
+  return bytes_per_number * rigid_fill_space * copies * std::pow(std::max(rows, 2.0), 4.0 / 3) +
+         shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
+}
+
 double exact_need(const Model& model, const SweepParameters& parameters) {
   const SpectralOptions& options = parameters.spectral;
   const Index size = model.parts.interface_size();
@@ -119,11 +135,11 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
     return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
   const double unknowns = std::max(unknowns_of(model), 2.0);
   if (choice.solver == SpectralSolver::shift_invert) {
-    const double shifted =
-        shifted_need(model, std::ranges::any_of(parameters.eta, [](double eta) { return std::isfinite(eta); }));
+    const bool finite_eta = std::ranges::any_of(parameters.eta, [](double eta) { return std::isfinite(eta); });
+    const double shifted = shifted_need(model, finite_eta);
     if (!rigid) return program_bytes + shifted;
     const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;
-    const double limit = in_space(model) ? std::max(shifted, rigid_shift_space * shifted_need(model, false))
+    const double limit = in_space(model) ? std::max(shifted, rigid_need_in_space(model, finite_eta))
                                          : rigid_shift * shifted + rigid_ranks * unknowns;
     return program_bytes + std::max(limit, dense);
   }

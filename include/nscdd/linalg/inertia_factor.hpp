@@ -23,7 +23,8 @@ struct InertiaFactor {
 /// The matrices that are factorised one after the other: they have one pattern.
 struct InertiaPattern {
   SparseMatrix lower;  ///< n x n, lower triangle, values ignored
-  /// For each row the number of its group, 0 ... groups - 1, or -1: with any of the groups that the row touches. Rows
+  /// For each row the number of its group, 0 ... groups - 1, or -1: with any of the groups that the row touches, one
+  /// that is not of the border alone if there is one. Rows
   /// of a group should be eliminated together: a multiplier of a saddle point belongs with what it ties, unless what it
   /// ties is definite. Groups of border rows alone may be eliminated after all others, which leaves the border small.
   std::vector<Index> group;

@@ -38,7 +38,8 @@ struct PrescribedVelocity {
 
 /// The dynamics of one step in velocities V and contact impulses r ([ADI12] eqs. (1), (3)):
 ///     M V = M V^- + H r,   v = H^T V.
-/// This is the last place that knows the geometry: everything above knows M and H only.
+/// This is the last place that knows the geometry: everything above knows M and H, and the centres to find grains that
+/// move as one.
 struct ReferenceProblem {
   Index dimension = 2;            ///< of the bodies: 2 in the plane, 3 in space
   Index dofs_per_grain = 2;       ///< d: translations of a frictionless grain, 2 or 3; with its rotations 3 or 6
@@ -46,6 +47,7 @@ struct ReferenceProblem {
   Vector inertia;                 ///< diagonal of M, d n entries, kg
   SparseMatrix h;                 ///< H, d n x k c: column of contact (a, b) is -n on a, +n on b (zeros stored)
   Vector arriving_velocity;       ///< V^-, d n entries, m/s
+  Matrix centres = {};            ///< of the grains, dimension x n, m; empty where only M and H are known
 
   Index grains() const { return inertia.size() / dofs_per_grain; }
   Index contacts() const { return h.cols(); }  ///< links of the linear study: columns of H

@@ -57,12 +57,19 @@ double factor_entries(const Front& front) {  // its columns of L and D
 // The rows of the matrix in their groups, and the supernode and the position of each group.
 struct RowGroups {
   RowGroups(std::vector<Index> of_rows, const std::vector<std::vector<Index>>& touched, Index groups,
-            const Supernodes& nodes)
+            const Supernodes& nodes, const GroupFlags& flags)
       : group(std::move(of_rows)), supernode(at(groups)), rank(group.size()), position_of(at(groups)) {
     for (Index k = 0; k < groups; ++k) position_of[at(nodes.node[at(k)])] = k;
     for (Index s = 0; s < nodes.size(); ++s)
       for (int k = nodes.first_column[at(s)]; k < nodes.first_column[at(s + 1)]; ++k) supernode[at(k)] = s;
-    const auto earlier = [&](Index a, Index b) { return position_of[at(a)] < position_of[at(b)]; };
+    // What comes behind the dissection takes such a row only if it touches nothing else.
+    const auto behind = [&](Index g) {
+      return std::ranges::any_of(std::array{&flags.last, &flags.kept},
+                                 [&](const auto* marked) { return !marked->empty() && (*marked)[at(g)] != 0; });
+    };
+    const auto earlier = [&](Index a, Index b) {
+      return std::pair(!behind(a), position_of[at(a)]) < std::pair(!behind(b), position_of[at(b)]);
+    };
     for (std::size_t i = 0; i < group.size(); ++i)
       if (group[i] < 0) group[i] = *std::max_element(touched[i].begin(), touched[i].end(), earlier);
     members.resize(at(groups));
@@ -190,7 +197,7 @@ SymmetricAnalysis::SymmetricAnalysis(const SparseMatrix& pattern, const std::vec
     if (g >= 0) ++weight[at(g)];
   const std::vector<std::vector<Index>> touched = touched_groups(pattern, group);
   const Supernodes nodes = ordered_supernodes(group_graph(pattern, group, touched, groups), weight, flags, merged);
-  const RowGroups rows(group, touched, groups, nodes);
+  const RowGroups rows(group, touched, groups, nodes, flags);
   const auto tree = std::make_shared<FrontTree>();
   tree->rows = pattern.rows();
   tree->border = border;

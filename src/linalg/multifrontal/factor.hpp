@@ -35,11 +35,12 @@ class SymmetricAnalysis {
   /// `pattern`: n x n symmetric, lower triangle stored, values ignored. `group`: for each row the number of its group,
   /// 0 ... groups - 1. Rows of a group are eliminated together, so that pivots can be chosen among them: a multiplier
   /// of a saddle point belongs with what it ties. -1 puts a row with the last of the groups that it touches, one at
-  /// least; by then all that the row ties can serve as its pivot. Groups that come last make
-  /// `SymmetricFactor::inverse_block` on their rows cheap; only groups of the border may be kept. `border`: rows on
-  /// which solutions are wanted. The matrices of a family may differ between two rows of groups of the border only;
-  /// fronts on no way from a border row to the root then serve the whole family, see SymmetricInterior. `merged`: of
-  /// groups, see supernodes. Throws std::bad_alloc if the libraries run out of memory.
+  /// least; by then all that the row ties can serve as its pivot. Groups that come last, or are kept, take such a row
+  /// only if it touches no other. Groups that come last make `SymmetricFactor::inverse_block` on their rows cheap; only
+  /// groups of the border may be kept. `border`: rows on which solutions are wanted. The matrices of a family may
+  /// differ between two rows of groups of the border only; fronts on no way from a border row to the root then serve
+  /// the whole family, see SymmetricInterior. `merged`: of groups, see supernodes. Throws std::bad_alloc if the
+  /// libraries run out of memory.
   SymmetricAnalysis(const SparseMatrix& pattern, const std::vector<Index>& group, const GroupFlags& flags = {},
                     const std::vector<Index>& border = {}, const MergedColumns& merged = usually_merged);
 

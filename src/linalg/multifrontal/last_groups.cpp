@@ -47,11 +47,12 @@ struct Segment {
   bool eliminated = false;
 };
 
-std::vector<Segment> segments_of(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
+std::vector<Segment> segments_of(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last,
+                                 const std::vector<char>& hubs) {
   const std::vector<int> part = connected_parts(graph, last);
   std::map<std::vector<int>, Segment> by_parts;
   for (std::size_t node = 0; node < last.size(); ++node) {
-    if (!last[node]) continue;
+    if (!last[node] || hubs[node]) continue;
     std::vector<int> touched;
     for_neighbours(graph, node, [&](std::size_t other) {
       if (!last[other]) touched.push_back(part[other]);
@@ -126,10 +127,28 @@ class Elimination {
   std::vector<std::vector<int>> cliques_;  // the segments of each
 };
 
+// Nodes that are themselves tied to many of the others, as the motions of a large rigid cluster are to all impulses at
+// its interface: before these they would tie them all to each other.
+std::vector<char> hubs_of(const Graph& graph, const std::vector<char>& last) {
+  constexpr int many = 16;
+  std::vector<char> hubs(last.size(), 0);
+  for (std::size_t node = 0; node < last.size(); ++node) {
+    if (!last[node]) continue;
+    int tied = 0;
+    for_neighbours(graph, node, [&](std::size_t other) { tied += last[other] ? 1 : 0; });
+    hubs[node] = tied > many;
+  }
+  return hubs;
+}
+
 }  // namespace
 
 std::vector<int> order_of_last(const Graph& graph, const std::vector<int>& weight, const std::vector<char>& last) {
-  return Elimination(segments_of(graph, weight, last)).order();
+  const std::vector<char> hubs = hubs_of(graph, last);
+  std::vector<int> order = Elimination(segments_of(graph, weight, last, hubs)).order();
+  for (std::size_t node = 0; node < hubs.size(); ++node)
+    if (hubs[node]) order.push_back(static_cast<int>(node));
+  return order;
 }
 
 }  // namespace nscdd

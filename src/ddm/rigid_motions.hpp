@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/types.hpp>
+
+namespace nscdd {
+
+/// What moves as one: a grain by itself, or a cluster of grains (see rigid_clusters).
+struct RigidBody {
+  Index first_row = 0, rows = 0;  ///< of its motions among those of all bodies
+  Index grains = 1;
+  Index grain = -1;  ///< the local number of a grain by itself
+};
+
+/// The velocities of a network that its rigid clusters leave: V = Z q with a translation for each direction and the
+/// rotations about the centre of mass for each cluster, and the velocity for each other grain. Every V with H^T V = 0
+/// is of this kind, and H^T Z q = 0 is left to be asked of the contacts that are not within a cluster. So
+///     ker H^T = Z ker (Z^T H)^T,    rank H = rows of H - columns of Z + rank Z^T H.
+struct RigidMotions {
+  std::vector<RigidBody> bodies;
+  Vector inertia;               ///< Z^T M Z, a diagonal matrix
+  SparseMatrix z;               ///< Z, its columns of unit size: a rotation moves the grains by about 1 m/s
+  std::vector<Index> contacts;  ///< columns of H that are not within a cluster, ascending
+  SparseMatrix h;               ///< Z^T H of these
+  bool searched = false;        ///< for clusters, and bodies may be set aside; false where each grain is by itself
+};
+
+/// What the motions of a network are worked out from.
+struct RigidNetwork {
+  Index dofs_per_grain = 0;  ///< d
+  const Matrix& centres;     ///< d x n, m; empty where they are not known
+  const Vector& inertia;     ///< diagonal of M, d n
+  const SparseMatrix& h;     ///< H, d n x c
+};
+
+/// Clusters are looked for in space alone: in the plane contacts that depend on others are told and left out without
+/// them.
+RigidMotions rigid_motions(const RigidNetwork& network);
+
+/// Columns of a matrix that span its range, ascending, and whether their number is sure.
+struct IndependentColumns {
+  std::vector<Index> columns;
+  bool conclusive = true;
+};
+
+/// Of Z^T H as it stands in `motions.h`, or of what the bodies that are `grounded`, a flag for each, leave of it when
+/// they do not move. A body whose few columns are clearly independent is set aside with them, again and again: the rest
+/// has nothing to do with them. A sparse factorisation chooses among the columns of the bodies that are left.
+IndependentColumns independent_columns(const RigidMotions& motions, const std::vector<char>& grounded = {});
+
+/// Rank of H, from that of Z^T H.
+Index rigid_rank(const RigidNetwork& network);
+
+}  // namespace nscdd

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "ddm/rigid_motions.hpp"
+#include <nscdd/ddm/decomposition.hpp>
+
+namespace nscdd {
+
+/// The rigid limit of one subdomain: which velocities its contacts allow, with as many contact impulses as unknowns as
+/// are independent. X_0 depends on the range of H_E only.
+struct RigidSubdomain {
+  RigidMotions motions;
+  SparseMatrix a;            ///< A_E Z
+  std::vector<char> hub;     ///< a flag for each body: a cluster so large that its motions are eliminated last of all
+  std::vector<Index> early;  ///< columns of `motions.h` that stay independent if the hubs are held
+  std::vector<Index> late;   ///< the other independent columns, which are eliminated with the hubs
+};
+
+/// The rigid limit of S, whatever P.
+struct RigidSystem {
+  std::vector<RigidSubdomain> subdomains;
+  /// Of every subdomain, those of other processes too: the motions of its hubs and its late impulses.
+  std::vector<Index> hub_rows;
+};
+
+RigidSystem rigid_system(const Decomposition& parts);
+
+}  // namespace nscdd
