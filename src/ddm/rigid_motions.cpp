@@ -13,7 +13,7 @@ namespace nscdd {
 namespace {
 
 constexpr double straight = 1e-9;     // how far a column of H may point beside the line of centres
-constexpr double independent = 0.05;  // the least singular value of columns that are clearly independent
+constexpr double independent = 1e-3;  // the least singular value of columns that are clearly independent
 
 // The two grains of a column that is that of a contact without friction, whatever its length.
 std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index column) {
