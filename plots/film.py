@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A film of a simulation: the disks of every kept step, shaded by how far they have turned.
+"""A film of a simulation: the grains of every kept step, with marks that show how far they have turned. Spheres are
+seen in perspective.
 
 usage: film.py RUN.h5 OUTPUT.gif [--every N] [--width PIXELS]
 """
@@ -8,6 +9,7 @@ import argparse
 import os
 import sys
 
+import perspective
 import style  # the journal look, and matplotlib without a screen
 
 import h5py
@@ -16,50 +18,90 @@ import numpy as np
 from matplotlib.animation import PillowWriter
 from matplotlib.collections import EllipseCollection
 
-FREE, DRIVEN = "#c6d8ea", "0.35"
+FREE, DRIVEN, MARK = "#c6d8ea", "0.35", "#1f5f99"
+PLANE, SPACE = ("x", "y", "angle"), ("x", "y", "z", "turn_w", "turn_x", "turn_y", "turn_z")
+DPI = 100
 
 
 def read(path, every):
-    """Radii, driven flags, and (time, x, y, angle) of every `every`-th kept step."""
+    """Radii, driven flags, and the time and the arrays of every `every`-th kept step by their names."""
     frames = []
     with h5py.File(path) as run:
         radius = np.array(run["system/radius"])
         driven = np.array(run["system/driven_by"]) >= 0
         steps = run["steps"]
+        names = SPACE if "z" in steps else PLANE
         for k in range(0, len(steps["time"]), every):
-            frames.append((float(steps["time"][k]), *(steps[name][k] for name in ("x", "y", "angle"))))
+            frames.append((float(steps["time"][k]), {name: steps[name][k] for name in names}))
     if not frames:
         raise style.DataError(f"{path}: no steps")
     return radius, driven, frames
 
 
+class Disks:
+    """Disks in the plane. A spot on every grain shows its rotation."""
+
+    def __init__(self, radius, driven, frames):
+        self.radius, self.colours = radius, np.where(driven, DRIVEN, FREE)
+        places = np.concatenate([self.places(now) for _, now in frames])
+        self.low, self.high = places.min(axis=0) - radius.max(), places.max(axis=0) + radius.max()
+        self.ratio = (self.high - self.low)[1] / (self.high - self.low)[0]
+
+    @staticmethod
+    def places(now):
+        return np.column_stack([now["x"], now["y"]])
+
+    def set_limits(self, axes):
+        axes.set_xlim(self.low[0], self.high[0])
+        axes.set_ylim(self.low[1], self.high[1])
+
+    def draw(self, axes, now):
+        places, radius, angle = self.places(now), self.radius, now["angle"]
+        look = {"units": "xy", "offset_transform": axes.transData}
+        zero = np.zeros(len(radius))
+        axes.add_collection(EllipseCollection(2 * radius, 2 * radius, zero, offsets=places, facecolors=self.colours,
+                                              edgecolors="white", linewidths=0.1, **look))
+        spots = places + 0.6 * radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        axes.add_collection(EllipseCollection(0.5 * radius, 0.5 * radius, zero, offsets=spots, facecolors=MARK, **look))
+
+
+class Spheres:
+    """Spheres in space. The ends of three axes of each show its rotation."""
+
+    def __init__(self, radius, driven, frames):
+        self.radius, self.colours = radius, perspective.rgb(np.where(driven, DRIVEN, FREE))
+        places = np.concatenate([self.places(now) for _, now in frames])
+        self.low, self.high = places.min(axis=0) - radius.max(), places.max(axis=0) + radius.max()
+        self.camera = perspective.Camera(self.low, self.high)
+        screen = self.camera.project(self.camera.box)[0]
+        self.ratio = np.ptp(screen[:, 1]) / np.ptp(screen[:, 0])
+
+    @staticmethod
+    def places(now):
+        return np.column_stack([now["x"], now["y"], now["z"]])
+
+    def set_limits(self, axes):
+        self.camera.frame(axes, 0.01 * self.camera.size)
+
+    def draw(self, axes, now):
+        turns = np.column_stack([now[f"turn_{k}"] for k in "wxyz"])
+        perspective.draw_balls(axes, self.camera, self.places(now), self.radius, self.colours, turns, MARK)
+        self.camera.draw_box(axes, self.low, self.high)
+
+
 def film(path, output, every, width):
     radius, driven, frames = read(path, every)
-    x, y = np.concatenate([f[1] for f in frames]), np.concatenate([f[2] for f in frames])
-    margin = radius.max()
-    box = (x.min() - margin, x.max() + margin, y.min() - margin, y.max() + margin)
-    dpi = 100
-    height = width * (box[3] - box[2]) / (box[1] - box[0])
-    fig = plt.figure(figsize=(width / dpi, height / dpi), dpi=dpi)
+    scene = (Spheres if "z" in frames[0][1] else Disks)(radius, driven, frames)
+    fig = plt.figure(figsize=(width / DPI, width * scene.ratio / DPI), dpi=DPI)
     axes = fig.add_axes((0, 0, 1, 1))
     axes.set_axis_off()
-    axes.set_xlim(box[:2])
-    axes.set_ylim(box[2:])
-    size = 2 * radius
-    zero = np.zeros(len(radius))
-    colours = np.where(driven, DRIVEN, FREE)
+    scene.set_limits(axes)
     writer = PillowWriter(fps=12)
-    with writer.saving(fig, output, dpi):
-        for time, px, py, angle in frames:
+    with writer.saving(fig, output, DPI):
+        for time, now in frames:
             for artist in list(axes.collections) + list(axes.texts):
                 artist.remove()
-            axes.add_collection(EllipseCollection(size, size, zero, units="xy", offsets=np.column_stack([px, py]),
-                                                  transOffset=axes.transData, facecolors=colours,
-                                                  edgecolors="white", linewidths=0.1))
-            # A spot on every grain shows its rotation.
-            spots = np.column_stack([px + 0.6 * radius * np.cos(angle), py + 0.6 * radius * np.sin(angle)])
-            axes.add_collection(EllipseCollection(0.5 * radius, 0.5 * radius, zero, units="xy", offsets=spots,
-                                                  transOffset=axes.transData, facecolors="#1f5f99"))
+            scene.draw(axes, now)
             axes.text(0.5, 0.985, f"$t$ = {time:.2f} s", transform=axes.transAxes, ha="center", va="top")
             writer.grab_frame()
     plt.close(fig)
