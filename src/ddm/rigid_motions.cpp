@@ -13,7 +13,7 @@ namespace nscdd {
 namespace {
 
 constexpr double straight = 1e-9;     // how far a column of H may point beside the line of centres
-constexpr double independent = 1e-3;  // the least singular value of columns that are clearly independent
+constexpr double independent = 1e-5;  // the least singular value of columns that are clearly independent
 
 // The two grains of a column that is that of a contact without friction, whatever its length.
 std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index column) {
@@ -97,10 +97,25 @@ Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseM
   for (Index i = 0; i < grains; ++i)  // motions are told apart by masses that are the same in all directions
     if (inertia.segment(d * i, d).maxCoeff() != inertia.segment(d * i, d).minCoeff())
       return {std::vector<Index>(at(grains), -1), std::vector<char>(at(h.cols()), 0)};
-  for (std::size_t k = 0; k < bars.size(); ++k) {
-    const Index a = result.of_grain[at(bars[k].a)], b = result.of_grain[at(bars[k].b)];
-    result.within[at(column_of_bar[k])] = a >= 0 && a == b;
-  }
+  // A cluster whose bars are all independent would spare nothing but unknowns, and hide that its grains can be set
+  // aside.
+  std::vector<Index> bars_within, points;
+  const auto add = [](std::vector<Index>& to, Index cluster) {
+    if (cluster >= count(to)) to.resize(at(cluster + 1), 0);
+    ++to[at(cluster)];
+  };
+  const auto cluster_of = [&](const Bar& bar) {
+    const Index a = result.of_grain[at(bar.a)];
+    return a == result.of_grain[at(bar.b)] ? a : -1;
+  };
+  for (const Index cluster : result.of_grain)
+    if (cluster >= 0) add(points, cluster);
+  bars_within.resize(points.size(), 0);
+  for (const Bar& bar : bars)
+    if (const Index cluster = cluster_of(bar); cluster >= 0) add(bars_within, cluster);
+  for (Index& cluster : result.of_grain)
+    if (cluster >= 0 && bars_within[at(cluster)] <= d * points[at(cluster)] - d * (d + 1) / 2) cluster = -1;
+  for (std::size_t k = 0; k < bars.size(); ++k) result.within[at(column_of_bar[k])] = cluster_of(bars[k]) >= 0;
   return result;
 }
 
@@ -205,6 +220,7 @@ RigidMotions rigid_motions(const RigidNetwork& network) {
       if (cluster >= count(members)) members.resize(at(cluster + 1));
       members[at(cluster)].push_back(i);
     }
+  std::erase_if(members, [](const std::vector<Index>& own) { return own.empty(); });
   SparseEntries z;
   std::vector<double> weight;
   const auto add = [&](Index row, double value) { z.add(row, count(weight), value); };

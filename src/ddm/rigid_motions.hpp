@@ -5,7 +5,8 @@
 
 namespace nscdd {
 
-/// What moves as one: a grain by itself, or a cluster of grains (see rigid_clusters).
+/// What moves as one: a grain by itself, or a cluster of grains (see rigid_clusters) with more contacts than can be
+/// independent.
 struct RigidBody {
   Index first_row = 0, rows = 0;  ///< of its motions among those of all bodies
   Index grains = 1;
