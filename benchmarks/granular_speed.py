@@ -3,8 +3,9 @@
 """Speed of the nonlinear Gauss-Seidel sweeps and of Algorithm 1 on frictional packings.
 
 usage: benchmarks/granular_speed.py [--program build/release/nscdd] [--grains 1000,10000,100000] [--siconos PROGRAM]
+       benchmarks/granular_speed.py --space [--program build/release/nscdd] [--grains 1000,10000,100000]
 
-Four tables:
+Four tables, with --space the first two of spheres:
   sweeps     ns per contact and sweep on one core, and the whole step of 100 sweeps (detection and set-up included)
   algorithm  ms per iteration of Algorithm 1 (n_GS = 1, generic) in two vertical strips, on one thread and on two
   memory     bytes per contact of a whole run: the difference of the peaks of the resident set at two sizes, over the
@@ -14,8 +15,9 @@ Four tables:
              by Siconos' own measure. The argument is the path of benchmarks/peers/siconos_fc2d.c, compiled beforehand.
 
 Deposits come from the program's own generator (drop and roll; 100 000 grains have some 200 000 contacts), with friction
-0.3. Times are those the program measures of its own steps: the best and the median of some steps. Other work on the
-machine shows as a spread.
+0.3; in space there are fcc lattices, too, as many layers as columns and rows, with six contacts per sphere. Times are
+those the program measures of its own steps: the best and the median of some steps. Other work on the machine shows as a
+spread. The ratio of one thread to two is that of the best times of some runs, which take turns.
 """
 import argparse
 import os
@@ -67,40 +69,92 @@ to = [{width}, 1.0]
 """
 
 
-def simulate(program, folder, grains, algorithm, iterations, threads, order, steps=5):
+SPACE = """
+[packing]
+{packing}
+[masses]
+density = 2500.0
+[partition]
+grid = [2, 1, 1]
+[interaction]
+friction = 0.3
+[dynamics]
+step = 0.005
+steps = {steps}
+[solver]
+algorithm = "{algorithm}"
+criterion = "none"
+warm_start = false
+maximum_iterations = {iterations}
+order = "{order}"
+[[boundary]]
+name = "floor"
+shape = "wall"
+point = [0, 0, {floor}]
+normal = [0, 0, 1]
+"""
+SIDE = """[[boundary]]
+name = "{name}"
+shape = "wall"
+point = {point}
+normal = {normal}
+"""
+
+
+def plane_case(grains, **keys):
+    return CASE.format(grains=grains, width=round(0.28 * grains**0.5, 3), **keys)
+
+
+def lattice_case(grains, **keys):
+    side = round(grains ** (1 / 3))
+    return SPACE.format(packing=f'generator = "fcc"\ncolumns = {side}\nrows = {side}\nlayers = {side}\nradius = 0.15',
+                        floor=-0.15, **keys)
+
+
+def deposit_case(grains, **keys):
+    width = round(0.3 * grains ** (1 / 3), 3)
+    packing = (f'generator = "sphere_deposit"\ngrains = {grains}\nwidth = {width}\ndepth = {width}\n'
+               "radius_min = 0.1\nradius_max = 0.198")
+    sides = [("left", [0, 0, 0], [1, 0, 0]), ("right", [width, 0, 0], [-1, 0, 0]),
+             ("front", [0, 0, 0], [0, 1, 0]), ("back", [0, width, 0], [0, -1, 0])]
+    return (SPACE.format(packing=packing, floor=0, **keys) +
+            "".join(SIDE.format(name=name, point=point, normal=normal) for name, point, normal in sides))
+
+
+def simulate(program, folder, case_of, grains, algorithm, iterations, threads, order, steps=5):
     """Rows of the summary of some steps."""
     case, out = os.path.join(folder, "case.toml"), os.path.join(folder, "run.h5")
     with open(case, "w", encoding="ascii") as file:
-        file.write(CASE.format(grains=grains, width=round(0.28 * grains**0.5, 3), steps=steps,
-                               algorithm=algorithm, iterations=iterations, order=order))
+        file.write(case_of(grains, steps=steps, algorithm=algorithm, iterations=iterations, order=order))
     subprocess.run([program, "simulate", case, "-o", out, "--force", "--save-every", str(steps + 1),
                     "--threads", str(threads)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     with h5py.File(out) as run:
         return {name: np.array(data) for name, data in run["summary"].items()}
 
 
-def sweeps(program, folder, sizes):
+def sweeps(program, folder, sizes, case_of=plane_case, steps=5):
     print("sweeps: one thread, 100 sweeps per step")
     print(f"{'grains':>8} {'contacts':>9} {'order':>12} {'ns/contact/sweep best':>22} {'median':>7} {'step s':>8}")
     for grains in sizes:
         for order in ("natural", "interleaved", "coloured"):
-            rows = simulate(program, folder, grains, "nlgs", 100, 1, order)
+            rows = simulate(program, folder, case_of, grains, "nlgs", 100, 1, order, steps)
             each = 1e9 * rows["solve_seconds"] / rows["contacts"] / rows["sweeps"]
             step = statistics.median(rows["setup_seconds"] + rows["solve_seconds"])
             print(f"{grains:>8} {int(rows['contacts'][0]):>9} {order:>12} {each.min():>22.2f} "
                   f"{statistics.median(each):>7.2f} {step:>8.3f}", flush=True)
 
 
-def algorithm(program, folder, grains):
+def algorithm(program, folder, grains, case_of=plane_case, iterations=200, turns=2, steps=3):
     print("algorithm 1: generic, two strips, n_GS = 1")
-    best = {}
-    for threads in (1, 2):
-        rows = simulate(program, folder, grains, "generic", 200, threads, "interleaved")
-        each = 1e3 * rows["solve_seconds"] / rows["iterations"]
-        best[threads] = each.min()
-        print(f"{grains:>8} grains, {threads} thread(s): {each.min():.3f} ms per iteration (median "
-              f"{statistics.median(each):.3f})", flush=True)
-    print(f"{'':>8} ratio {best[1] / best[2]:.2f}")
+    times = {1: [], 2: []}
+    for _ in range(turns):
+        for threads, own in times.items():
+            rows = simulate(program, folder, case_of, grains, "generic", iterations, threads, "interleaved", steps)
+            own.extend(1e3 * rows["solve_seconds"] / rows["iterations"])
+    for threads, own in times.items():
+        print(f"{grains:>8} grains, {threads} thread(s): {min(own):.3f} ms per iteration (median "
+              f"{statistics.median(own):.3f})", flush=True)
+    print(f"{'':>8} ratio {min(times[1]) / min(times[2]):.2f}", flush=True)
 
 
 def memory(program, folder, sizes):
@@ -110,8 +164,7 @@ def memory(program, folder, sizes):
         for name in ("nlgs", "generic"):
             case, out = os.path.join(folder, "case.toml"), os.path.join(folder, "run.h5")
             with open(case, "w", encoding="ascii") as file:
-                file.write(CASE.format(grains=grains, width=round(0.28 * grains**0.5, 3), steps=3, algorithm=name,
-                                       iterations=10, order="interleaved"))
+                file.write(plane_case(grains, steps=3, algorithm=name, iterations=10, order="interleaved"))
             process = subprocess.Popen([program, "simulate", case, "-o", out, "--force", "--threads", "1"],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             _, status, usage = os.wait4(process.pid, 0)
@@ -211,10 +264,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default="build/release/nscdd")
     parser.add_argument("--grains", default="1000,10000,100000")
+    parser.add_argument("--space", action="store_true", help="spheres instead of disks")
     parser.add_argument("--siconos", metavar="PROGRAM", help="compiled benchmarks/peers/siconos_fc2d.c")
     options = parser.parse_args()
     sizes = [int(n) for n in options.grains.split(",")]
     with tempfile.TemporaryDirectory() as folder:
+        if options.space:
+            for name, case_of in (("fcc lattice", lattice_case), ("sphere_deposit", deposit_case)):
+                print(name)
+                sweeps(options.program, folder, sizes, case_of, steps=3)
+                algorithm(options.program, folder, sizes[-1], case_of, iterations=60, turns=3)
+            return
         sweeps(options.program, folder, sizes)
         algorithm(options.program, folder, sizes[-1])
         memory(options.program, folder, [sizes[0], sizes[-1]])

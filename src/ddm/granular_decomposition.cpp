@@ -39,8 +39,8 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
       rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.bias.n});
     else
       rows.rows.push_back({a, b, c.normal[0], c.normal[1], c.normal[2], c.bias.n});
-    rows.impulses.push_back(c.impulse);
-    if (problem.tangential_bias) rows.bias_t.push_back(c.bias.t);
+    rows.impulses.push_back(swept(c.normal, c.impulse));
+    if (problem.tangential_bias) rows.bias_t.push_back(swept(c.normal, c.bias).t);
     if (problem.pulls) rows.pull.push_back(c.pull);
     subdomain.numbers.push_back(numbers[at(k)]);
   }

@@ -46,7 +46,7 @@ template <int D>
 SweepSums GranularTwoStage<D>::sweeps(GranularSubdomain<D>& subdomain) const {
   if (subdomain.contacts.size() == 0) return {};  // another process has them
   const bool compare = solver_.gauss_seidel_sweeps > 1;
-  std::vector<LocalVector<D>> before;
+  std::vector<SweptVector<D>> before;
   if (compare) before = subdomain.contacts.impulses;
   SweepSums sums;
   for (Index k = 0; k < solver_.gauss_seidel_sweeps; ++k)
@@ -54,7 +54,7 @@ SweepSums GranularTwoStage<D>::sweeps(GranularSubdomain<D>& subdomain) const {
   if (!compare) return sums;
   const auto& now = subdomain.contacts.impulses;
   sums.change = std::inner_product(now.begin(), now.end(), before.begin(), 0.0, std::plus<>{},
-                                   [](LocalVector<D> r, LocalVector<D> old) { return squared(r - old); });
+                                   [](SweptVector<D> r, SweptVector<D> old) { return squared(r - old); });
   return sums;
 }
 

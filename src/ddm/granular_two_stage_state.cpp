@@ -10,7 +10,7 @@ namespace {
 // contact, the number and the velocity of each body.
 constexpr Index header = 3;
 template <int D>
-constexpr Index numbers_per_contact = 1 + D;
+constexpr Index numbers_per_contact = D == 2 ? 3 : 5;
 template <int D>
 constexpr Index numbers_per_body = 1 + unknowns_of_grain<D>;
 constexpr auto other_steps =
@@ -21,11 +21,11 @@ void pack(Index number, const GranularSubdomain<D>& subdomain, std::vector<doubl
   const auto whole = [](auto n) { return static_cast<double>(n); };
   numbers.insert(numbers.end(), {whole(number), whole(subdomain.numbers.size()), whole(subdomain.bodies.size())});
   for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-    const LocalVector<D> r = subdomain.contacts.impulses[k];
+    const SweptVector<D> r = subdomain.contacts.impulses[k];
     if constexpr (D == 2)
       numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t});
     else
-      numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t.first, r.t.second});
+      numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t.x, r.t.y, r.t.z});
   }
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
     const GrainUnknowns<D> v = unknowns(subdomain.velocities[i]);
@@ -51,7 +51,7 @@ GranularSubdomain<D> unpacked(const double* packed) {
     if constexpr (D == 2)
       subdomain.contacts.impulses.push_back({next[1], next[2]});
     else
-      subdomain.contacts.impulses.push_back({next[1], {next[2], next[3]}});
+      subdomain.contacts.impulses.push_back({next[1], {next[2], next[3], next[4]}});
   }
   for (Index i = 0; i < bodies; ++i, next += numbers_per_body<D>) {
     subdomain.bodies.push_back(static_cast<Index>(next[0]));
@@ -66,8 +66,10 @@ GranularSubdomain<D> unpacked(const double* packed) {
 template <int D>
 void take_in(const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, const Interface& interface,
              typename GranularTwoStage<D>::Solution& solution) {
-  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k)
-    solution.contacts[at(subdomain.numbers[k])].impulse = subdomain.contacts.impulses[k];
+  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
+    GrainContact<D>& contact = solution.contacts[at(subdomain.numbers[k])];
+    contact.impulse = in_frame(contact.normal, subdomain.contacts.impulses[k]);
+  }
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
     const Index g = subdomain.bodies[i];
     const double inverse_mass = problem.free[at(g)].inverse_mass;
@@ -90,7 +92,7 @@ template <int D>
 void GranularTwoStage<D>::start(const std::vector<RememberedGluing>& gluing) {
   for (GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      if (const LocalVector<D> r = subdomain.contacts.impulses[k]; carries(r))
+      if (const LocalVector<D> r = subdomain.contacts.impulse(k); carries(r))
         apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r, subdomain.velocities);
   if (gluing.empty()) return;
   constexpr Index size = unknowns_of_grain<D>;
@@ -123,7 +125,7 @@ Vector GranularTwoStage<D>::state() const {
   Vector z(D * parts_.contacts + parts_.interface_size());
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      set_component<D>(z, subdomain.numbers[k], subdomain.contacts.impulses[k]);
+      set_component<D>(z, subdomain.numbers[k], subdomain.contacts.impulse(k));
   z.tail(parts_.interface_size()) = interface_impulses_;
   return z;
 }
@@ -132,8 +134,8 @@ template <int D>
 void GranularTwoStage<D>::restart(const Vector& z) {
   for (GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k) {
-      LocalVector<D>& r = subdomain.contacts.impulses[k];
-      const LocalVector<D> before = std::exchange(r, component<D>(z, subdomain.numbers[k]));
+      const LocalVector<D> before = subdomain.contacts.impulse(k), r = component<D>(z, subdomain.numbers[k]);
+      subdomain.contacts.set_impulse(k, r);
       apply_impulse(subdomain.contacts.contact(k, subdomain.velocities), r - before, subdomain.velocities);
     }
   correct(z.tail(parts_.interface_size()) - interface_impulses_);

@@ -51,4 +51,32 @@ inline LocalVector<3> in_frame(const Direction<3>& n, const std::array<double, 3
   return {along(n), {along(t1), along(t2)}};
 }
 
+/// A tangential vector of a contact in space along x, y and z.
+struct AxesTangent {
+  double x = 0, y = 0, z = 0;
+};
+inline AxesTangent operator-(AxesTangent a, AxesTangent b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline double dot(AxesTangent a, AxesTangent b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/// LocalVector<3> as a sweep has it, without tangents: t is orthogonal to n, up to rounding.
+struct AxesVector {
+  double n = 0;
+  AxesTangent t{};
+};
+inline AxesVector operator-(AxesVector a, AxesVector b) { return {a.n - b.n, a.t - b.t}; }
+inline double squared(AxesVector a) { return a.n * a.n + dot(a.t, a.t); }
+
+/// A vector of a contact as a sweep has it, and back.
+template <int D>
+using SweptVector = std::conditional_t<D == 2, LocalVector<2>, AxesVector>;
+inline LocalVector<2> swept(const Direction<2>& /*n*/, const LocalVector<2>& r) { return r; }
+inline AxesVector swept(const Direction<3>& n, const LocalVector<3>& r) {
+  const auto [x, y, z] = along_axes(n, {0, r.t});
+  return {r.n, {x, y, z}};
+}
+inline LocalVector<2> in_frame(const Direction<2>& /*n*/, const LocalVector<2>& r) { return r; }
+inline LocalVector<3> in_frame(const Direction<3>& n, const AxesVector& r) {
+  return {r.n, in_frame(n, std::array{r.t.x, r.t.y, r.t.z}).t};
+}
+
 }  // namespace nscdd

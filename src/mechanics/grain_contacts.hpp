@@ -174,13 +174,15 @@ struct ContactRow<3> {
 template <int D>
 struct ContactRows {
   std::vector<ContactRow<D>> rows;
-  std::vector<LocalVector<D>> impulses;  ///< r, N s
-  std::vector<Tangent<D>> bias_t;        ///< m/s; empty without tangential restitution
-  std::vector<double> pull;              ///< N s; empty unless the law pulls
-  double friction = 0;                   ///< between free grains
-  double boundary_friction = 0;          ///< if one of both bodies is driven
+  std::vector<SweptVector<D>> impulses;             ///< r, N s
+  std::vector<decltype(SweptVector<D>::t)> bias_t;  ///< m/s; empty without tangential restitution
+  std::vector<double> pull;                         ///< N s; empty unless the law pulls
+  double friction = 0;                              ///< between free grains
+  double boundary_friction = 0;                     ///< if one of both bodies is driven
 
   std::size_t size() const { return rows.size(); }
+  LocalVector<D> impulse(std::size_t k) const { return in_frame(rows[k].normal(), impulses[k]); }
+  void set_impulse(std::size_t k, const LocalVector<D>& r) { impulses[k] = swept(rows[k].normal(), r); }
   GrainContact<D> contact(std::size_t k, std::span<const GrainVelocity<D>> v) const;
 };
 
