@@ -14,6 +14,10 @@ struct RigidSubdomain {
   std::vector<char> hub;     ///< a flag for each body: a cluster so large that its motions are eliminated last of all
   std::vector<Index> early;  ///< columns of `motions.h` that stay independent if the hubs are held
   std::vector<Index> late;   ///< the other independent columns, which are eliminated with the hubs
+
+  /// Whether the motions of a body are eliminated beforehand, body by body, which leaves contact impulses alone: in
+  /// space half as many unknowns, and next to a separator a quarter. All other impulses that act on it are then tied.
+  bool condensed(std::size_t body) const { return motions.searched && !hub[body]; }
 };
 
 /// The rigid limit of S, whatever P.

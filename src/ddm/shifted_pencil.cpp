@@ -50,7 +50,8 @@ void add_augmented(Entries& entries, const Decomposition& parts, Index first_imp
 }
 
 // The block of the rigid limit: bodies that are no hubs, then the early impulses, and the hubs with the late impulses
-// of their subdomain among the border rows.
+// of their subdomain among the border rows. A body that is condensed has no rows: impulses i and j that act on a motion
+// of mass m have -h_i h_j / m between them.
 struct RigidRows {
   Index first_impulse = 0, first_hub = 0, interface = 0;
 };
@@ -63,17 +64,32 @@ void add_rigid(Entries& entries, const RigidSystem& system, const RigidRows& row
     for (std::size_t b = 0; b < own.motions.bodies.size(); ++b) {
       const RigidBody& body = own.motions.bodies[b];
       Index& next = own.hub[b] ? late : next_body;
-      for (Index k = 0; k < body.rows; ++k) row[at(body.first_row + k)] = next++;
+      for (Index k = 0; k < body.rows; ++k) row[at(body.first_row + k)] = own.condensed(b) ? -1 : next++;
     }
-    for (Index i = 0; i < count(row); ++i) entries.add(row[at(i)], row[at(i)], own.motions.inertia[i], 0);
+    for (Index i = 0; i < count(row); ++i)
+      if (row[at(i)] >= 0) entries.add(row[at(i)], row[at(i)], own.motions.inertia[i], 0);
+    std::vector<std::vector<std::pair<Index, double>>> acting(row.size());  // impulses on each motion that is condensed
+    const auto act = [&](Index impulse, Index motion, double value) {
+      if (const Index own_row = row[at(motion)]; own_row >= 0)
+        entries.add(std::max(impulse, own_row), std::min(impulse, own_row), value, 0);
+      else
+        acting[at(motion)].emplace_back(impulse, value);
+    };
     const auto add = [&](Index impulse, Index column) {
       entries.add(impulse, impulse, 0, 0);
-      for (SparseMatrix::InnerIterator e_h(own.motions.h, column); e_h; ++e_h)
-        entries.add(std::max(impulse, row[at(e_h.row())]), std::min(impulse, row[at(e_h.row())]), e_h.value(), 0);
+      for (SparseMatrix::InnerIterator e_h(own.motions.h, column); e_h; ++e_h) act(impulse, e_h.row(), e_h.value());
     };
     for (const Index c : own.early) add(next_impulse++, c);
     for (const Index c : own.late) add(late++, c);
-    for_entries(own.a, [&](Index i, Index j, double value) { entries.add(rows.interface + i, row[at(j)], value, 0); });
+    for_entries(own.a, [&](Index i, Index j, double value) { act(rows.interface + i, j, value); });
+    for (Index i = 0; i < count(row); ++i)
+      for (const auto& [one, value] : acting[at(i)])
+        for (const auto& [other, other_value] : acting[at(i)]) {
+          if (other > one) continue;
+          const double product = -value * other_value / own.motions.inertia[i];
+          const bool both_at_interface = other >= rows.interface;  // where `inertia` has the coefficient of sigma
+          entries.add(one, other, both_at_interface ? 0 : product, both_at_interface ? product : 0);
+        }
     next_hub += system.hub_rows[e];
   }
 }
@@ -140,7 +156,7 @@ struct SaddlePointFamily {
   Index interface = 0;                       // first interface row
   Index negative = 0;                        // all rows of all processes but the velocities of S
   // Lower triangles of one pattern: coefficients of 1, and of 1/epsilon or 1/eta (in rows of contact impulses of
-  // epsilon).
+  // epsilon); between interface rows coefficients of sigma, and of 1.
   SparseMatrix inertia, stiffness;
 };
 
@@ -154,7 +170,8 @@ SaddlePointFamily::SaddlePointFamily(const Contraction& b, SystemForm system_for
   if (rigid) {
     grain_rows = 0;
     for (const RigidSubdomain& own : rigid->subdomains) {
-      for (std::size_t k = 0; k < own.hub.size(); ++k) grain_rows += own.hub[k] ? 0 : own.motions.bodies[k].rows;
+      for (std::size_t k = 0; k < own.hub.size(); ++k)
+        grain_rows += own.hub[k] || own.condensed(k) ? 0 : own.motions.bodies[k].rows;
       impulses += count(own.early);
       late += count(own.late);
     }
@@ -203,7 +220,7 @@ SparseMatrix SaddlePointFamily::matrix(double epsilon, double eta, double sigma)
       } else if (j < border) {
         value[p] = gluing ? root * value[p] : -(value[p] + k[p] / eta);
       } else if (j >= interface) {
-        value[p] *= sigma;
+        value[p] = value[p] * sigma + k[p];
       }
     }
   return sum;
@@ -226,14 +243,17 @@ InertiaPattern SaddlePointFamily::pattern() const {
       for (std::size_t b = 0; b < own.hub.size(); ++b) {
         const RigidBody& body = own.motions.bodies[b];
         const bool with_copies = !generic && body.grain >= 0;
-        if (!own.hub[b])
+        if (!own.hub[b] && !own.condensed(b))
           group.insert(group.end(), at(body.rows), with_copies ? system.subdomains[e].grains[at(body.grain)] : keys++);
       }
     }
   } else {
     add_grains(system);
   }
-  group.insert(group.end(), at(system_size - grain_rows), -1);
+  if (rigid && grain_rows == 0)
+    for (Index impulse = 0; impulse < system_size; ++impulse) group.push_back(keys++);
+  else
+    group.insert(group.end(), at(system_size - grain_rows), -1);
   if (!generic) add_grains(contraction.preconditioner.parts());
   if (rigid)
     for (const Index size : rigid->hub_rows) group.insert(group.end(), at(size), keys++);

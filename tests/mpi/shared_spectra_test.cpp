@@ -148,6 +148,29 @@ TEST_CASE("shared: the rigid limit") {
   CHECK(found_zeros > 0);
 }
 
+TEST_CASE("shared: the rigid limit of a lattice of spheres, where a cluster has most grains of a subdomain") {
+  const Shared shared;
+  const SpectralOptions serial{.solver = SpectralSolver::shift_invert, .certify = true};
+  SpectralOptions options = serial;
+  options.inertia = shared.method;
+  for (const double vacancies : {0.0, 0.15}) {
+    CAPTURE(vacancies);
+    Case one;
+    one.spec.packing = Generator{FccLattice{{.columns = 10, .rows = 10, .layers = 10, .vacancies = vacancies}}};
+    one.spec.masses.model = MassModel::unit;
+    one.spec.partition = GridPartitioner{{2, 2, 2}};
+    const Model whole = build(one), own = of_process(whole, shared.processes);
+    const InterfaceFamily family(whole.parts), of_own(own.parts);
+    for (const double eta : {infinity, 0.3}) {
+      CAPTURE(eta);
+      const SpectralRadius known = spectral_radius({family.at(eta), family.at(0)}, serial);
+      const SpectralRadius found = spectral_radius({of_own.at(eta), of_own.at(0)}, options);
+      check_same(found, known, 1e-10);
+      CHECK(found.unit_multiplicity > 100);
+    }
+  }
+}
+
 TEST_CASE("shared: operators have the bits of one process") {
   const Shared shared;
   const int visited = for_shared_packings(shared, 800, [&](const Model& whole, const Model& own) {
