@@ -49,6 +49,10 @@ struct IndependentColumns {
 /// has nothing to do with them. A sparse factorisation chooses among the columns of the bodies that are left.
 IndependentColumns independent_columns(const RigidMotions& motions, const std::vector<char>& grounded = {});
 
+/// Rows and columns of what a rank or a choice of columns takes a factorisation for: what is left of Z^T H once bodies
+/// are set aside.
+Index rows_and_columns_left(const RigidNetwork& network);
+
 /// Rank of H, from that of Z^T H.
 Index rigid_rank(const RigidNetwork& network);
 

@@ -34,8 +34,8 @@ constexpr double factor_fill = 11;  // entries of a CHOLMOD factor over n log2 n
 constexpr double shift_fill = 6.9, shift_fill_finite = 1.2, shift_bytes = 1400, shift_bytes_finite = 1.5;
 // In space a factor has some s^(4/3) entries, and what an order of elimination adds for the copies was fitted as b:
 // face-centred cubic lattices of 10^3 to 10^5 spheres in 2 x 2 x 2, of 10^4 in 4 x 4 x 4 and 6 x 6 x 6 parts took 14 to
-// 38 numbers per b s^(4/3), in the rigid limit up to six times as many as with epsilon > 0 and the infinite eta.
-constexpr double shift_fill_space = 42, rigid_fill_space = 42;
+// 38 numbers per b s^(4/3).
+constexpr double shift_fill_space = 42;
 constexpr double program_bytes = 3e7;  // the program and its libraries, which outweigh small packings
 // In the rigid limit the contact impulses are unknowns of their own: a deposit of 10^5 disks in 2 x 2 parts
 // took 1.54 GB where a positive epsilon took 0.55 GB. They are also unknowns for the ranks, whose bytes per
@@ -45,9 +45,10 @@ constexpr double rigid_shift = 3, rigid_ranks = 5000;
 // contact. Bytes over m log2 m with m rows: 250 were measured on a lattice of 10^4 disks (0.22 GB in all),
 // 130 on a deposit of 5 10^4 disks (0.52 GB).
 constexpr double rank_bytes = 300;
-// In space bytes over m^(4/3): 870 and 760 were measured on face-centred cubic lattices of 16^3 and 25^3 spheres in
-// 2 x 2 x 2 parts.
-constexpr double rank_bytes_space = 1000;
+// In space m are the rows and columns that clusters and bodies set aside leave, and every contact takes some bytes
+// before (0.89 GB in all with ε = 0 for an fcc lattice of 99 452 spheres, of which next to nothing is left). Bytes over
+// m^(4/3): 870 and 760 were measured on face-centred cubic lattices of 16^3 and 25^3 spheres in 2 x 2 x 2 parts.
+constexpr double rank_bytes_space = 1000, contact_bytes_space = 600;
 constexpr double model_bytes = 550;   // per unknown, for geometry, H and A
 constexpr double arpack_vectors = 5;  // beside the basis
 
@@ -85,6 +86,34 @@ double factor_need(const Model& model, double rows, double columns) {
   return in_space(model) ? rank_bytes_space * std::pow(n, 4.0 / 3) : rank_bytes * n * std::log2(n);
 }
 
+// What ranks need in space, and the choice of independent contacts: what rigid clusters and bodies set aside leave of
+// the whole packing, or of its subdomains at the same time.
+double rank_need_in_space(const Model& model) {
+  const Index d = model.parts.dofs_per_grain();
+  const ReferenceProblem& problem = model.problem;
+  const auto left = [d](const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
+    return static_cast<double>(rows_and_columns_left({d, centres, inertia, h}));
+  };
+  double parts = 0;
+  for (const Subdomain& one : model.parts.subdomains) parts += left(one.centres, one.inertia, one.h);
+  const double most = std::max(parts, left(problem.centres, problem.inertia, problem.h));
+  return contact_bytes_space * static_cast<double>(problem.h.cols()) + factor_need(model, most, 0);
+}
+
+// What shift-invert needs in the rigid limit in space. The unknowns of S are the impulses of contacts that are not
+// within a cluster, as many as can be independent.
+double rigid_need_in_space(const Model& model, bool finite_eta) {
+  const double unknowns = unknowns_of(model), interface = static_cast<double>(model.parts.interface_size());
+  double rows = interface + (finite_eta ? unknowns : 0);
+  for (const Subdomain& one : model.parts.subdomains) {
+    const RigidMotions motions = rigid_motions({model.parts.dofs_per_grain(), one.centres, one.inertia, one.h});
+    rows += static_cast<double>(std::min(motions.h.rows(), motions.h.cols()));
+  }
+  const double copies = (unknowns + interface) / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
+  return bytes_per_number * shift_fill_space * copies * std::pow(std::max(rows, 2.0), 4.0 / 3) +
+         shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns + rank_need_in_space(model);
+}
+
 // What the impulses need that choose a set of contacts.
 double choice_need(const Model& model, ContactSet contacts) {
   if (contacts == ContactSet::all) return 0;
@@ -110,21 +139,6 @@ double shifted_need(const Model& model, bool finite_eta) {
   return bytes_per_number * entries + shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
 }
 
-// What shift-invert needs in the rigid limit in space: what rigid clusters leave of the velocities of S, and as many
-// contacts as can be independent, take the place of the velocities.
-double rigid_need_in_space(const Model& model, bool finite_eta) {
-  const double unknowns = unknowns_of(model), interface = static_cast<double>(model.parts.interface_size());
-  double rows = interface + (finite_eta ? unknowns : 0);
-  for (const Subdomain& subdomain : model.parts.subdomains) {
-    const RigidMotions motions =
-        rigid_motions({model.parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
-    rows += static_cast<double>(motions.h.rows() + std::min(motions.h.rows(), motions.h.cols()));
-  }
-  const double copies = (unknowns + interface) / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
-  return bytes_per_number * rigid_fill_space * copies * std::pow(std::max(rows, 2.0), 4.0 / 3) +
-         shift_bytes * (finite_eta ? shift_bytes_finite : 1) * unknowns;
-}
-
 double exact_need(const Model& model, const SweepParameters& parameters) {
   const SpectralOptions& options = parameters.spectral;
   const Index size = model.parts.interface_size();
@@ -139,7 +153,8 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
     const double shifted = shifted_need(model, finite_eta);
     if (!rigid) return program_bytes + shifted;
     const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;
-    const double limit = in_space(model) ? std::max(shifted, rigid_need_in_space(model, finite_eta))
+    const bool flexible = std::ranges::any_of(parameters.epsilon, [](double epsilon) { return epsilon > 0; });
+    const double limit = in_space(model) ? std::max(flexible ? shifted : 0.0, rigid_need_in_space(model, finite_eta))
                                          : rigid_shift * shifted + rigid_ranks * unknowns;
     return program_bytes + std::max(limit, dense);
   }
@@ -178,8 +193,11 @@ MemoryNeed link_need(const Model& model, ContactSet contacts) {
 }
 
 MemoryNeed rank_need(const Model& model) {
-  return {model_need(model) + factor_need(model, unknowns_of(model), static_cast<double>(model.parts.contacts)),
-          model.name, fmt::format("the ranks of {} contacts", model.contacts()), "fewer grains"};
+  const double need = in_space(model)
+                          ? program_bytes + rank_need_in_space(model)
+                          : factor_need(model, unknowns_of(model), static_cast<double>(model.parts.contacts));
+  return {model_need(model) + need, model.name, fmt::format("the ranks of {} contacts", model.contacts()),
+          "fewer grains"};
 }
 
 MemoryNeed operators_need(const Model& model, ContactSet contacts, bool dense) {
