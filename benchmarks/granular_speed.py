@@ -17,7 +17,8 @@ Four tables, with --space the first two of spheres:
 Deposits come from the program's own generator (drop and roll; 100 000 grains have some 200 000 contacts), with friction
 0.3; in space there are fcc lattices, too, as many layers as columns and rows, with six contacts per sphere. Times are
 those the program measures of its own steps: the best and the median of some steps. Other work on the machine shows as a
-spread. The ratio of one thread to two is that of the best times of some runs, which take turns.
+spread. Sweeps in space are measured by the processor time of whole runs. The ratio of one thread to two is that of the
+best times of some runs, which take turns.
 """
 import argparse
 import os
@@ -126,22 +127,45 @@ def simulate(program, folder, case_of, grains, algorithm, iterations, threads, o
     case, out = os.path.join(folder, "case.toml"), os.path.join(folder, "run.h5")
     with open(case, "w", encoding="ascii") as file:
         file.write(case_of(grains, steps=steps, algorithm=algorithm, iterations=iterations, order=order))
-    subprocess.run([program, "simulate", case, "-o", out, "--force", "--save-every", str(steps + 1),
-                    "--threads", str(threads)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen([program, "simulate", case, "-o", out, "--force", "--save-every", str(steps + 1),
+                                "--threads", str(threads)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        raise SystemExit("simulate failed")
     with h5py.File(out) as run:
-        return {name: np.array(data) for name, data in run["summary"].items()}
+        rows = {name: np.array(data) for name, data in run["summary"].items()}
+    return {**rows, "processor": usage.ru_utime + usage.ru_stime}
 
 
-def sweeps(program, folder, sizes, case_of=plane_case, steps=5):
+def sweeps(program, folder, sizes):
     print("sweeps: one thread, 100 sweeps per step")
     print(f"{'grains':>8} {'contacts':>9} {'order':>12} {'ns/contact/sweep best':>22} {'median':>7} {'step s':>8}")
     for grains in sizes:
         for order in ("natural", "interleaved", "coloured"):
-            rows = simulate(program, folder, case_of, grains, "nlgs", 100, 1, order, steps)
+            rows = simulate(program, folder, plane_case, grains, "nlgs", 100, 1, order)
             each = 1e9 * rows["solve_seconds"] / rows["contacts"] / rows["sweeps"]
             step = statistics.median(rows["setup_seconds"] + rows["solve_seconds"])
             print(f"{grains:>8} {int(rows['contacts'][0]):>9} {order:>12} {each.min():>22.2f} "
                   f"{statistics.median(each):>7.2f} {step:>8.3f}", flush=True)
+
+
+def sweeps_in_space(program, folder, sizes, case_of):
+    """Processor time of many sweeps less that of few: what else a run does is in both."""
+    few, steps = 20, 2
+    print("sweeps: one thread, processor time; a step is its set-up and 100 sweeps")
+    print(f"{'spheres':>8} {'contacts':>9} {'order':>12} {'ns/contact/sweep':>17} {'step s':>8}")
+    for grains in sizes:
+        many = few + max(100, 2_000_000 // grains)
+        for order in ("natural", "interleaved", "coloured"):
+            each, setup = [], []
+            for _ in range(2):
+                runs = [simulate(program, folder, case_of, grains, "nlgs", n, 1, order, steps) for n in (few, many)]
+                work = (many - few) * runs[1]["contacts"].sum()
+                each.append((runs[1]["processor"] - runs[0]["processor"]) / work)
+                setup += [run["setup_seconds"].min() for run in runs]
+            contacts = int(runs[1]["contacts"][0])
+            print(f"{grains:>8} {contacts:>9} {order:>12} {1e9 * min(each):>17.1f} "
+                  f"{min(setup) + 100 * contacts * min(each):>8.3f}", flush=True)
 
 
 def algorithm(program, folder, grains, case_of=plane_case, iterations=200, turns=2, steps=3):
@@ -272,7 +296,7 @@ def main():
         if options.space:
             for name, case_of in (("fcc lattice", lattice_case), ("sphere_deposit", deposit_case)):
                 print(name)
-                sweeps(options.program, folder, sizes, case_of, steps=3)
+                sweeps_in_space(options.program, folder, sizes, case_of)
                 algorithm(options.program, folder, sizes[-1], case_of, iterations=60, turns=3)
             return
         sweeps(options.program, folder, sizes)
