@@ -4,6 +4,7 @@
 
 usage: benchmarks/granular_speed.py [--program build/release/nscdd] [--grains 1000,10000,100000] [--siconos PROGRAM]
        benchmarks/granular_speed.py --space [--program build/release/nscdd] [--grains 1000,10000,100000]
+                                            [--siconos PROGRAM]
 
 Four tables, with --space the first two of spheres:
   sweeps     ns per contact and sweep on one core, and the whole step of 100 sweeps (detection and set-up included)
@@ -13,6 +14,9 @@ Four tables, with --space the first two of spheres:
   siconos    seconds of nscdd solve and of Siconos' fc2d_nsgs for the same contact problem, each in its own layout.
              Siconos stops where its cheap estimate says 1e-4. nscdd goes on to the residual that Siconos reached then,
              by Siconos' own measure. The argument is the path of benchmarks/peers/siconos_fc2d.c, compiled beforehand.
+             With --space: ns per contact and sweep of nscdd simulate and of Siconos' fc3d_nsgs (Newton's steps for
+             one contact) on lattices of up to 10 000 spheres, in the natural order; peers/siconos_fc3d.c. After as many
+             sweeps both must have the same impulses. W is formed for Siconos alone.
 
 Deposits come from the program's own generator (drop and roll; 100 000 grains have some 200 000 contacts), with friction
 0.3; in space there are fcc lattices, too, as many layers as columns and rows, with six contacts per sphere. Times are
@@ -29,6 +33,8 @@ import tempfile
 
 import h5py
 import numpy as np
+from scipy.sparse import csr_matrix, diags
+from scipy.spatial import cKDTree
 
 CASE = """
 [packing]
@@ -168,6 +174,72 @@ def sweeps_in_space(program, folder, sizes, case_of):
                   f"{min(setup) + 100 * contacts * min(each):>8.3f}", flush=True)
 
 
+def lattice_problem(path, grains):
+    """The first step of lattice_case as siconos_fc3d reads it: u = W r + q, blocks of W by contacts."""
+    side, radius, density, step = round(grains ** (1 / 3)), 0.15, 2500.0, 0.005
+    z, y, x = (index.ravel() for index in np.meshgrid(*3 * [np.arange(side)], indexing="ij"))
+    centres = radius * np.column_stack((2 * x + z % 2, 2 * y + z % 2, 2**0.5 * z))
+    pairs = cKDTree(centres).query_pairs(2 * radius * (1 + 1e-9), output_type="ndarray")
+    floor = np.flatnonzero(z == 0)
+    a = np.concatenate((pairs[:, 0], floor))
+    b = np.concatenate((pairs[:, 1], np.full(len(floor), -1)))
+    order = np.lexsort((np.where(b < 0, len(centres), b), a))  # that of nscdd
+    a, b = a[order], b[order]
+    n = np.where(b[:, None] < 0, [0, 0, -1], centres[b] - centres[a])
+    n = n / np.linalg.norm(n, axis=1)[:, None]
+    across = np.where(np.abs(n[:, :1]) < 0.9, [1, 0, 0], [0, 1, 0])
+    t1 = np.cross(n, across)
+    t1 /= np.linalg.norm(t1, axis=1)[:, None]
+    t2 = np.cross(n, t1)
+    # Rows of H^T: n, t1 and t2 times V_b - V_a - (s_a + s_b) x n, with s the speed of the rim.
+    turns = np.stack((np.zeros_like(n), -t2, t1), axis=1)
+    directions = np.stack((n, t1, t2), axis=1)
+    contacts = len(a)
+    rows, columns, values = [], [], []
+    for body, sign in ((a, -1.0), (b, 1.0)):
+        own = np.flatnonzero(body >= 0)
+        for part, first in ((sign * directions, 0), (turns, 3)):
+            row, column = np.broadcast_arrays(3 * own[:, None, None] + np.arange(3)[:, None],
+                                              6 * body[own][:, None, None] + first + np.arange(3))
+            rows.append(row.ravel())
+            columns.append(column.ravel())
+            values.append(part[own].ravel())
+    h = csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
+                   shape=(3 * contacts, 6 * len(centres)))
+    mass = density * 4 / 3 * np.pi * radius**3
+    weights = diags(np.tile([1, 1, 1, 2.5, 2.5, 2.5], len(centres)) / mass)
+    w = (h @ weights @ h.T).tobsr((3, 3))
+    w.sort_indices()
+    velocity = np.zeros((len(centres), 6))
+    velocity[:, 2] = -9.81 * step
+    with open(path, "wb") as out:
+        np.array([contacts, len(w.indices)], np.int64).tofile(out)
+        np.array([0.3]).tofile(out)
+        w.indptr.astype(np.int64).tofile(out)
+        w.indices.astype(np.int64).tofile(out)
+        np.ascontiguousarray(w.data.transpose(0, 2, 1)).tofile(out)
+        (h @ velocity.ravel()).tofile(out)
+    return contacts
+
+
+def siconos_in_space(program, folder, rival, sizes):
+    print("siconos: fc3d_nsgs and nscdd simulate, lattices, natural order, processor time")
+    for grains in sizes:
+        path = os.path.join(folder, "problem.bin")
+        contacts, iterations = lattice_problem(path, grains), max(10, 200_000 // grains)
+        few, many = (simulate(program, folder, lattice_case, grains, "nlgs", n, 1, "natural", 1)
+                     for n in (iterations, 20 * iterations))
+        own = 1e9 * (many["processor"] - few["processor"]) / (19 * iterations) / contacts
+        theirs = subprocess.run([rival, path, str(iterations)], check=True, capture_output=True, text=True,
+                                env=dict(os.environ, OPENBLAS_NUM_THREADS="1")).stdout.splitlines()[-1]
+        other, size = (float(word.split("=")[1]) for word in theirs.split())
+        if abs(size - few["impulses"][0]) > 1e-9 * size:
+            raise SystemExit(f"siconos: expected impulses of {few['impulses'][0]} N s after {iterations} sweeps, "
+                             f"met {size}")
+        print(f"{grains:>8} spheres, {contacts} contacts: nscdd {own:.1f}, Siconos {other:.1f} ns per contact and "
+              f"sweep; {other / own:.1f} times the time", flush=True)
+
+
 def algorithm(program, folder, grains, case_of=plane_case, iterations=200, turns=2, steps=3):
     print("algorithm 1: generic, two strips, n_GS = 1")
     times = {1: [], 2: []}
@@ -289,7 +361,8 @@ def main():
     parser.add_argument("--program", default="build/release/nscdd")
     parser.add_argument("--grains", default="1000,10000,100000")
     parser.add_argument("--space", action="store_true", help="spheres instead of disks")
-    parser.add_argument("--siconos", metavar="PROGRAM", help="compiled benchmarks/peers/siconos_fc2d.c")
+    parser.add_argument("--siconos", metavar="PROGRAM",
+                        help="compiled benchmarks/peers/siconos_fc2d.c, with --space siconos_fc3d.c")
     options = parser.parse_args()
     sizes = [int(n) for n in options.grains.split(",")]
     with tempfile.TemporaryDirectory() as folder:
@@ -298,6 +371,8 @@ def main():
                 print(name)
                 sweeps_in_space(options.program, folder, sizes, case_of)
                 algorithm(options.program, folder, sizes[-1], case_of, iterations=60, turns=3)
+            if options.siconos:
+                siconos_in_space(options.program, folder, options.siconos, [n for n in sizes if n <= 10_000])
             return
         sweeps(options.program, folder, sizes)
         algorithm(options.program, folder, sizes[-1])
