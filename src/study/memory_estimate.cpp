@@ -4,6 +4,7 @@
 #include "core/fail.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "ddm/rigid_motions.hpp"
+#include "linalg/sparse_entries.hpp"
 #include "mechanics/active_set.hpp"
 
 namespace nscdd {
@@ -86,18 +87,39 @@ double factor_need(const Model& model, double rows, double columns) {
   return in_space(model) ? rank_bytes_space * std::pow(n, 4.0 / 3) : rank_bytes * n * std::log2(n);
 }
 
+// What the rigid limit of a network in space is worked out from.
+struct Network {
+  Index d;
+  Matrix centres;
+  Vector inertia;
+  SparseMatrix h;
+  RigidNetwork rigid() const { return {d, centres, inertia, h}; }
+};
+
+// The subdomain may have no matrices yet.
+Network network_of(const Model& model, const Subdomain& subdomain) {
+  const ReferenceProblem& problem = model.problem;
+  const Index d = problem.dofs_per_grain;
+  SparseEntries entries;
+  for (Index c = 0; c < count(subdomain.contacts); ++c)
+    for (SparseMatrix::InnerIterator e(problem.h, subdomain.contacts[at(c)]); e; ++e) {
+      const auto place = std::ranges::lower_bound(subdomain.grains, e.row() / d) - subdomain.grains.begin();
+      entries.add(d * place + e.row() % d, c, e.value());
+    }
+  Network network{d, {}, subdomain.inertia, entries.matrix(d * count(subdomain.grains), count(subdomain.contacts))};
+  if (problem.centres.rows() == d) network.centres = problem.centres(Eigen::all, subdomain.grains);
+  return network;
+}
+
 // What ranks need in space, and the choice of independent contacts: what rigid clusters and bodies set aside leave of
 // the whole packing, or of its subdomains at the same time.
 double rank_need_in_space(const Model& model) {
-  const Index d = model.parts.dofs_per_grain();
   const ReferenceProblem& problem = model.problem;
-  const auto left = [d](const Matrix& centres, const Vector& inertia, const SparseMatrix& h) {
-    return static_cast<double>(rows_and_columns_left({d, centres, inertia, h}));
-  };
-  double parts = 0;
-  for (const Subdomain& one : model.parts.subdomains) parts += left(one.centres, one.inertia, one.h);
-  const double most = std::max(parts, left(problem.centres, problem.inertia, problem.h));
-  return contact_bytes_space * static_cast<double>(problem.h.cols()) + factor_need(model, most, 0);
+  Index parts = 0;
+  for (const Subdomain& one : model.parts.subdomains) parts += rows_and_columns_left(network_of(model, one).rigid());
+  const Index whole = rows_and_columns_left({problem.dofs_per_grain, problem.centres, problem.inertia, problem.h});
+  return contact_bytes_space * static_cast<double>(problem.h.cols()) +
+         factor_need(model, static_cast<double>(std::max(parts, whole)), 0);
 }
 
 // What shift-invert needs in the rigid limit in space. The unknowns of S are the impulses of contacts that are not
@@ -106,7 +128,7 @@ double rigid_need_in_space(const Model& model, bool finite_eta) {
   const double unknowns = unknowns_of(model), interface = static_cast<double>(model.parts.interface_size());
   double rows = interface + (finite_eta ? unknowns : 0);
   for (const Subdomain& one : model.parts.subdomains) {
-    const RigidMotions motions = rigid_motions({model.parts.dofs_per_grain(), one.centres, one.inertia, one.h});
+    const RigidMotions motions = rigid_motions(network_of(model, one).rigid());
     rows += static_cast<double>(std::min(motions.h.rows(), motions.h.cols()));
   }
   const double copies = (unknowns + interface) / std::max(static_cast<double>(model.problem.h.rows()), 1.0);
