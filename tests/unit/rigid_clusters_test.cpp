@@ -148,12 +148,16 @@ TEST_CASE("rigid clusters of random lattices have the motions of a rigid body, a
 }
 
 TEST_CASE("motions that rigid clusters leave: all that contacts allow, ranks, independent columns") {
-  for (const Case& one : spatial_problems()) {
+  std::vector<Case> cases = spatial_problems();
+  for (const std::uint64_t seed : {2, 3}) cases.push_back(random_fcc(seed, 8, 8, 7, GridPartitioner{{2, 1, 1}}));
+  Index clusters = 0;
+  for (const Case& one : cases) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     for (const Subdomain& part : model.parts.subdomains) {
       const RigidNetwork network{3, part.centres, part.inertia, part.h};
       const RigidMotions motions = rigid_motions(network);
+      clusters += std::ranges::count_if(motions.bodies, [](const RigidBody& body) { return body.grains > 1; });
       const auto zeros = [](const Dense& gram) { return (symmetric_eigenvalues(gram).array() < 1e-10).count(); };
       const Dense h = Matrix(part.h), reduced = Matrix(motions.h);
       const Index allowed = zeros(h * h.transpose());
@@ -178,4 +182,5 @@ TEST_CASE("motions that rigid clusters leave: all that contacts allow, ranks, in
       if (basis.cols() > 0) CHECK(zeros(basis.transpose() * basis) == 0);
     }
   }
+  CHECK(clusters > 2);
 }
