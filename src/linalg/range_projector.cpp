@@ -6,7 +6,6 @@
 #include "linalg/threads.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
-#include <Eigen/IterativeLinearSolvers>
 #include <lapacke.h>
 
 #include <numeric>
@@ -22,6 +21,8 @@ constexpr double reliable = 1e-2;
 constexpr Index dense_limit = 1500;  // up to so many columns a dense spectrum decides if no factors do
 constexpr double damping = 1e-6;     // tau^2 over the largest squared length of a column
 constexpr int most_iterations = 500;
+constexpr int patience = 50;  // iterations without a smaller residual
+constexpr double least_squares_tolerance = 1e-13;
 
 std::vector<Index> filled_columns(const SparseMatrix& a) {
   std::vector<Index> filled;
@@ -54,26 +55,21 @@ SymmetricAnalysis saddle_point_analysis(const SparseMatrix& matrix, const Sparse
   return SymmetricAnalysis(matrix, group);
 }
 
-// x -> (A^T A + tau^2 I)^-1 x as Eigen wants a preconditioner: [I A; A^T -tau^2 I] [v; y] = [0; -x].
+// x -> (A^T A + tau^2 I)^-1 x by [I A; A^T -tau^2 I] [v; y] = [0; -x].
 class DampedInverse {
  public:
-  using MatrixType = SparseMatrix;
-  template <class Given>
-  DampedInverse& compute(const Given& given) {
-    const SparseMatrix a = given;
+  explicit DampedInverse(const SparseMatrix& a) : rows_(a.rows()) {
     double longest = 0;
     for (Index j = 0; j < a.cols(); ++j) longest = std::max(longest, a.col(j).squaredNorm());
     const SparseMatrix matrix = saddle_point(a, -damping * longest);
-    rows_ = a.rows();
     factor_.emplace(saddle_point_analysis(matrix, a), matrix);
-    return *this;
   }
-  Vector solve(const Vector& x) const {
+  Vector operator()(const Vector& x) const {
     Vector right = Vector::Zero(rows_ + x.size());
     right.tail(x.size()) = -x;
     return factor_->solve(right).tail(x.size());
   }
-  Eigen::ComputationInfo info() const { return factor_->regular() ? Eigen::Success : Eigen::NumericalIssue; }
+  bool regular() const { return factor_->regular(); }
 
  private:
   Index rows_ = 0;
@@ -163,13 +159,34 @@ LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolera
   return {x.head(a.cols()), rank};
 }
 
+// Conjugate gradients on A^T A x = A^T b. Once A^T (b - A x) is rounding, further steps only grow what lies in the
+// kernel of A: the x with the smallest of these residuals is kept, and the steps end where it is not beaten any more.
 Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
-  Eigen::LeastSquaresConjugateGradient<SparseMatrix::Base, DampedInverse> solver;
-  solver.setTolerance(1e-13);
-  solver.setMaxIterations(most_iterations);
-  solver.compute(a);
-  if (solver.preconditioner().info() != Eigen::Success) return Vector::Zero(a.cols());
-  return solver.solve(b);
+  Vector x = Vector::Zero(a.cols()), best = x;
+  const DampedInverse damped(a);
+  Vector s = a.transpose() * b;
+  const double first = s.norm();
+  if (!damped.regular() || !(first > 0)) return best;
+  Vector direction = damped(s);
+  double product = s.dot(direction), smallest = first;
+  for (int k = 0, beaten = 0; k < most_iterations && k - beaten < patience; ++k) {
+    const double curvature = (a * direction).squaredNorm();
+    if (!(curvature > 0)) break;
+    x += product / curvature * direction;
+    s = a.transpose() * (b - a * x);
+    const double size = s.norm();
+    if (size < smallest) {
+      smallest = size;
+      best = x;
+      beaten = k;
+    }
+    if (size <= least_squares_tolerance * first) break;
+    const Vector z = damped(s);
+    const double last = product;
+    product = s.dot(z);
+    direction = z + product / last * direction;
+  }
+  return best;
 }
 
 }  // namespace nscdd
