@@ -370,7 +370,7 @@ def main():
             for name, case_of in (("fcc lattice", lattice_case), ("sphere_deposit", deposit_case)):
                 print(name)
                 sweeps_in_space(options.program, folder, sizes, case_of)
-                algorithm(options.program, folder, sizes[-1], case_of, iterations=60, turns=3)
+                algorithm(options.program, folder, sizes[-1], case_of, iterations=200, turns=3)
             if options.siconos:
                 siconos_in_space(options.program, folder, options.siconos, [n for n in sizes if n <= 10_000])
             return

@@ -11,12 +11,15 @@ values, or those of the peer. Radii must agree to 2e-8 wherever both have them.
 usage: large_packings.py [--program PATH] [--grains N] [--strips 2,16] [--peers octave,scipy] [--peer-epsilons 2]
        large_packings.py --scaling [--sizes 10000,100000,1000000]     cost of one point against N, 16 strips
        large_packings.py --deposits [--sizes 100000,1000000]          deposits of equal to very unequal grains
+       large_packings.py --space [--sizes 1000,10000,100000] [--peers scipy] [--peers-up-to 10000]
+           one radius of spheres in 2 x 2 x 2 blocks: growth, and the peer that reads the exported operators
 """
 import argparse
 import csv
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -55,9 +58,9 @@ def timed(command):
     return output, time.perf_counter() - start, usage.ru_maxrss * 1024
 
 
-def nscdd(program, packing, strips, epsilons):
-    output, seconds, memory = timed([program, "sweep", packing, "--subdomains", f"{strips}x1", "--epsilon", epsilons,
-                                     "--csv", "-"])
+def nscdd(program, packing, subdomains, epsilons, more=()):
+    output, seconds, memory = timed([program, "sweep", packing, "--subdomains", subdomains, "--epsilon", epsilons,
+                                     "--csv", "-", *more])
     rows = list(csv.DictReader(output.splitlines()))
     unproved = sum(row["converged"] != "true" for row in rows)
     radii = {float(row["epsilon"]): float(row["spectral_radius"]) for row in rows}
@@ -88,7 +91,7 @@ def compare(options, folder):
           f"peer), and their ratio; peak memory in MiB")
     print("strips  unknowns  solver        program  s/epsilon  ratio  memory  ratio  largest difference")
     for strips in options.strips:
-        own = nscdd(options.program, packing, strips, f"1e-4:1e2:{EPSILONS}")
+        own = nscdd(options.program, packing, f"{strips}x1", f"1e-4:1e2:{EPSILONS}")
         print(f"{strips:6}  {own['unknowns']:>8}  {own['solver']:12}  nscdd    {own['seconds']:9.3f}         "
               f"{own['memory'] / 2**20:6.0f}         {own['unproved']} of {EPSILONS} not proved", flush=True)
         for name in options.peers:
@@ -107,7 +110,7 @@ def scale(options, folder):
     for grains in options.sizes or [10_000, 100_000, 1_000_000]:
         packing = os.path.join(folder, f"lattice-{grains}.csv")
         lattice(packing, grains)
-        own = nscdd(options.program, packing, 16, "1")
+        own = nscdd(options.program, packing, "16x1", "1")
         law = grains * math.log(grains)
         first = first or (own["seconds"], law)
         print(f"{grains:9}  {own['seconds']:9.3f} s  {own['memory'] / 2**20:6.0f} MiB  cost x {own['seconds'] / first[0]:7.1f}"
@@ -133,6 +136,42 @@ def deposits(options, folder):
             print(f"{grains:9}  {made:7.3f}s {read:7.3f}s  {kind}", flush=True)
 
 
+def spheres(options, folder):
+    """Face-centred cubic lattices and deposits of spheres: rigid, and with epsilon > 0."""
+    print("one radius, 2 x 2 x 2 blocks, eta infinite; whole process, packing read; the peer without its set-up")
+    print("packing  spheres  unknowns  epsilon  program  seconds  memory, MiB  radius")
+    blocks = "2x2x2"
+    for grains in options.sizes or [1000, 10_000, 100_000]:
+        side = round(grains**(1 / 3))
+        kinds = {"fcc": [f"packing.{key}={side}" for key in ("columns", "rows", "layers")],
+                 "sphere_deposit": [f"packing.grains={grains}", "packing.radius_min=0.1", "packing.radius_max=0.2"]}
+        for kind, settings in kinds.items():
+            packing = os.path.join(folder, f"{kind}.h5")
+            timed([options.program, "generate", kind, *(part for one in settings for part in ("--set", one)), "--force",
+                   "-o", packing])
+            for epsilon in ("0", "1e-4", "1e-2", "1"):
+                own = nscdd(options.program, packing, blocks, epsilon)
+                radius = own["radii"][float(epsilon)]
+                print(f"{kind:14}  {grains:7}  {own['unknowns']:>6}  {epsilon:>5}  nscdd  {own['seconds']:8.2f}  "
+                      f"{own['memory'] / 2**20:6.0f}  {radius:.10f}{'  not proved' if own['unproved'] else ''}",
+                      flush=True)
+                if epsilon == "0" or "scipy" not in options.peers or grains > options.peers_up_to:
+                    continue
+                operators = os.path.join(folder, "operators")
+                shutil.rmtree(operators, ignore_errors=True)
+                timed([options.program, "export", packing, "--subdomains", blocks, "--operators", operators,
+                       "--sparse-only"])
+                script = os.path.join(HERE, "peers", "spectral_operators_scipy.py")
+                output, _, memory = timed(["/usr/bin/python3", script, operators, epsilon])
+                cells = (part.split("=") for part in output.split())
+                other = {key: float(value.rstrip("s")) for key, value in cells}
+                print(f"{kind:14}  {grains:7}  {own['unknowns']:>6}  {epsilon:>5}  scipy  {other['total']:8.2f}  "
+                      f"{memory / 2**20:6.0f}  {other['rho']:.10f}  ratio {other['total'] / own['seconds']:.1f}",
+                      flush=True)
+                if abs(other["rho"] - radius) > 2e-8:
+                    sys.exit("scipy and nscdd disagree")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     numbers = lambda text: [int(float(part)) for part in text.split(",")]
@@ -144,11 +183,15 @@ def main():
     parser.add_argument("--peer-epsilons", type=int, default=2)
     parser.add_argument("--scaling", action="store_true")
     parser.add_argument("--deposits", action="store_true")
+    parser.add_argument("--space", action="store_true")
+    parser.add_argument("--peers-up-to", type=lambda text: int(float(text)), default=10_000)
     parser.add_argument("--sizes", type=numbers)
     options = parser.parse_args()
     print(machine())
     with tempfile.TemporaryDirectory() as folder:
-        (scale if options.scaling else deposits if options.deposits else compare)(options, folder)
+        modes = {"scaling": scale, "deposits": deposits, "space": spheres}
+        chosen = [run for name, run in modes.items() if getattr(options, name)] or [compare]
+        chosen[0](options, folder)
 
 
 if __name__ == "__main__":
