@@ -40,6 +40,7 @@ def read(path, every):
 
 class Disks:
     """Disks in the plane. A spot on every grain shows its rotation."""
+    clock = (0.5, "center")  # where the time stands, and how it is aligned
 
     def __init__(self, radius, driven, frames):
         self.radius, self.colours = radius, np.where(driven, DRIVEN, FREE)
@@ -67,6 +68,7 @@ class Disks:
 
 class Spheres:
     """Spheres in space. The ends of three axes of each show its rotation."""
+    clock = (0.02, "left")  # the middle has the box
 
     def __init__(self, radius, driven, frames):
         self.radius, self.colours = radius, perspective.rgb(np.where(driven, DRIVEN, FREE))
@@ -102,7 +104,8 @@ def film(path, output, every, width):
             for artist in list(axes.collections) + list(axes.texts):
                 artist.remove()
             scene.draw(axes, now)
-            axes.text(0.5, 0.985, f"$t$ = {time:.2f} s", transform=axes.transAxes, ha="center", va="top")
+            place, alignment = scene.clock
+            axes.text(place, 0.985, f"$t$ = {time:.2f} s", transform=axes.transAxes, ha=alignment, va="top")
             writer.grab_frame()
     plt.close(fig)
 
