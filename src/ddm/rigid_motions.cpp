@@ -12,8 +12,9 @@
 namespace nscdd {
 namespace {
 
-constexpr double straight = 1e-9;     // how far a column of H may point beside the line of centres
-constexpr double independent = 1e-5;  // the least singular value of columns that are clearly independent
+constexpr double straight = 1e-9;       // how far a column of H may point beside the line of centres
+constexpr double least_inertia = 1e-8;  // of a cluster, the smallest over the largest: below, the smallest is rounding
+constexpr double independent = 1e-5;    // the least singular value of columns that are clearly independent
 
 // The two grains of a column that is that of a contact without friction, whatever its length.
 std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index column) {
@@ -115,6 +116,16 @@ Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseM
     if (const Index cluster = cluster_of(bar); cluster >= 0) add(bars_within, cluster);
   for (Index& cluster : result.of_grain)
     if (cluster >= 0 && bars_within[at(cluster)] <= d * points[at(cluster)] - d * (d + 1) / 2) cluster = -1;
+  // One with a few heavy grains in a line among light ones has next to no inertia about that line.
+  std::vector<std::vector<Index>> members(points.size());
+  for (Index i = 0; i < grains; ++i)
+    if (const Index cluster = result.of_grain[at(i)]; cluster >= 0) members[at(cluster)].push_back(i);
+  for (const std::vector<Index>& own : members) {
+    if (own.empty()) continue;
+    const Eigen::Vector3d moments = rotations_of(centres, inertia, own).inertia;
+    if (!(moments.minCoeff() > least_inertia * moments.maxCoeff()))
+      for (const Index i : own) result.of_grain[at(i)] = -1;
+  }
   for (std::size_t k = 0; k < bars.size(); ++k) result.within[at(column_of_bar[k])] = cluster_of(bars[k]) >= 0;
   return result;
 }

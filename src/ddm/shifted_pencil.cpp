@@ -40,8 +40,8 @@ struct SaddlePointFamily {
 
   // One pattern for all. For infinite eta the gluing is a group by itself for each grain: all velocities are then
   // eliminated before, once for all sigma. For finite eta sqrt(sigma) A_E ties them to it, and all copies of a grain
-  // and the gluing of these copies are eliminated together. A contact impulse goes with the later of its grains; where
-  // one of them is of a hub, with the other.
+  // and the gluing of these copies are eliminated together. A contact impulse goes with the later of its grains
+  // where their velocities are rows.
   InertiaPattern pattern() const;
 
   // What Response has, of a solution x for these epsilon, eta and sigma.

@@ -28,8 +28,9 @@ void for_each_lane(const Work& work) {
   if constexpr (lanes<Number> == 2) work(std::size_t{1});
 }
 
-inline double larger(double a, double b) { return a > b ? a : b; }
-inline Pair larger(Pair a, Pair b) { return a > b ? a : b; }
+// Of a number and what is none, the latter: an impulse that is no number must be seen.
+inline double larger(double a, double b) { return b > a ? b : a; }
+inline Pair larger(Pair a, Pair b) { return b > a ? b : a; }
 inline double smaller(double a, double b) { return a < b ? a : b; }
 inline Pair smaller(Pair a, Pair b) { return a < b ? a : b; }
 inline double square_root(double a) { return std::sqrt(a); }

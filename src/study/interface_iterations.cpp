@@ -23,14 +23,18 @@ template <int D>
 FrozenSystem<D> frozen_system(const SolvedStep<D>& step) {
   const double alpha = frozen_proximal * step.problem.scale;
   FrozenSystem<D> system{{}, Vector(D * count(step.contacts))};
+  // A law that pulls is Coulomb's for impulses that are larger by the pull, which then act from the beginning.
+  std::vector<GrainVelocity<D>> free = step.problem.free;
+  for (const GrainContact<D>& contact : step.contacts) apply_impulse(contact, LocalVector<D>{-contact.pull, {}}, free);
   for (Index c = 0; c < count(step.contacts); ++c) {
     const GrainContact<D>& contact = step.contacts[at(c)];
     const double rho = 1 / (1 / contact.inverse_w.inverse_n + alpha);
     const LocalVector<D> now = relative_velocity(contact, step.velocities) + contact.bias;
-    const FrozenContact<D> frozen = frozen_contact(contact.impulse - rho * now, contact.friction);
+    const LocalVector<D> impulse = contact.impulse + LocalVector<D>{contact.pull, {}};
+    const FrozenContact<D> frozen = frozen_contact(impulse - rho * now, contact.friction);
     const ContactRelation<D> relation = relation_of(frozen, alpha, rho);
-    const LocalVector<D> u = relative_velocity(contact, step.problem.free) + contact.bias;
-    set_component(system.right, c, alpha * contact.impulse - u);
+    const LocalVector<D> u = relative_velocity(contact, free) + contact.bias;
+    set_component(system.right, c, alpha * impulse - u);
     system.right.template segment<D>(D * c) = relation.q * system.right.template segment<D>(D * c);
     system.relations.push_back(relation);
   }

@@ -13,7 +13,7 @@ const ResultColumns<SolvedCase>& solver_columns() {
   using One = SolvedCase;
   static const ResultColumns<One> columns{
       {"case", "", "name of the case", [](const One& one) { return one.name; }},
-      {"grains", "1", "free disks", [](const One& one) { return one.simulation.system.free_disks(); }},
+      {"grains", "1", "free grains", [](const One& one) { return one.simulation.system.free_disks(); }},
       {"algorithm", "", "solver of the steps", [](const One& one) { return to_string(one.solver().algorithm); }},
       {"gauss_seidel_sweeps", "1", "n_GS, sweeps of Stage 1 per iteration",
        [](const One& one) { return one.solver().gauss_seidel_sweeps; }},
@@ -215,12 +215,12 @@ const ResultColumns<WholeRun>& run_columns() {
       {"iterations", "1", "of all steps", &Totals::iterations},
       {"natural_map", "1", "|natural map| / |r| of the velocities kept, the worst of all steps", &Totals::natural_map},
       {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps", &Totals::gluing},
-      {"kinetic", "J", "energy of the free disks at the end", [](const Totals& t) { return t.last.energy.kinetic; }}};
+      {"kinetic", "J", "energy of the free grains at the end", [](const Totals& t) { return t.last.energy.kinetic; }}};
   static const auto columns =
       joined<WholeRun>({columns_of(&WholeRun::solver, solver_columns()),
                         {{"steps", "1", "steps of the run", &WholeRun::steps}},
                         columns_of(&WholeRun::totals, totals),
-                        {{"distance_mean", "m", "of the free disks at the end from those of plain Gauss-Seidel",
+                        {{"distance_mean", "m", "of the free grains at the end from those of plain Gauss-Seidel",
                           &WholeRun::distance_mean},
                          {"distance_maximum", "m", "the largest of these distances", &WholeRun::distance_maximum}}});
   return columns;

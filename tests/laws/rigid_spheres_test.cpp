@@ -97,3 +97,20 @@ TEST_CASE("rigid limit of an fcc block: each of its eight parts is one cluster, 
     CHECK(count(part.early) + count(part.late) < 70);
   }
 }
+
+TEST_CASE("rigid clusters: two heavy spheres among light ones leave no inertia about their line, and no cluster") {
+  const Model model = build(fcc(6, 6, 6, 0));
+  const Subdomain& part = model.parts.subdomains[0];
+  const Index grains = count(part.grains);
+  const auto bodies = [&](const Vector& inertia) {
+    return count(rigid_motions({3, part.centres, inertia, part.h}).bodies);
+  };
+  REQUIRE(bodies(part.inertia) < grains / 2);
+  const Index a = part.h.col(0).nonZeros() > 0 ? SparseMatrix::InnerIterator(part.h, 0).row() / 3 : 0;
+  Index b = a;
+  for (SparseMatrix::InnerIterator e(part.h, 0); e; ++e) b = e.row() / 3;
+  REQUIRE(b != a);
+  Vector heavy = part.inertia;
+  for (const Index grain : {a, b}) heavy.segment(3 * grain, 3) *= 1e13;
+  CHECK(bodies(heavy) == grains);
+}

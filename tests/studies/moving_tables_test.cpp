@@ -247,6 +247,50 @@ TEST_CASE("interface_iterations: a row has the step as its solver takes it, and 
   }
 }
 
+TEST_CASE("interface_iterations of spheres: what the spectrum predicts, with directions that turn") {
+  const std::string folder = (source_folder() / "studies/newton-scalability-in-space").string();
+  const auto read = [&](const std::string& name) { return parse_case(read_text(folder + "/" + name), name); };
+  const StudyTable work = parse_study(
+                              "[[table]]\nname = \"t\"\nobservable = \"interface_iterations\"\n"
+                              "cases = [\"deposit.toml\"]\nsteps = [3]\n[table.vary]\n"
+                              "\"packing.grains\" = [96]\n\"partition.grid\" = [\"2,1,1\", \"2,2,1\"]\n",
+                              "s/study.toml", read)
+                              .tables[0];
+  const Table table = run(work);
+  REQUIRE(table.rows.size() == 2);
+  for (std::size_t row = 0; row < 2; ++row) {
+    CHECK(integer(table, row, "slide") > 0);
+    CHECK(integer(table, row, "outer_steps") == integer(table, row, "outer_steps_undivided"));
+    for (const std::string network : {"none", "all", "active"}) {
+      CAPTURE(network);
+      const auto measured = static_cast<double>(integer(table, row, "iterations_" + network));
+      CHECK(measured > 5);
+      CHECK(std::abs(measured - number(table, row, "predicted_" + network)) <= 3 + 0.2 * measured);
+    }
+    CHECK(integer(table, row, "iterations_active") < integer(table, row, "iterations_none"));
+  }
+}
+
+TEST_CASE("interface_iterations: contacts that pull are not open") {
+  std::string text = moving_case();
+  const auto solver = text.find("[solver]");
+  text.replace(solver, text.find("[[boundary]]") - solver,
+               "[solver]\nalgorithm = \"two_stage_newton\"\nwarm_start = false\ntolerance = 1e-8\n"
+               "maximum_iterations = 20000\n");
+  text.replace(text.find("[interaction]\n"), 14, "[interaction]\nlaw = \"cohesive\"\ncohesion = 1e7\n");
+  const auto read = [&](const std::string&) { return parse_case(text, "small.toml"); };
+  const StudyTable work =
+      parse_study("[[table]]\nname = \"t\"\nobservable = \"interface_iterations\"\ncases = [\"small\"]\nsteps = [2]\n",
+                  "s/study.toml", read)
+          .tables[0];
+  const Table table = run(work);
+  REQUIRE(table.rows.size() == 1);
+  CHECK(integer(table, 0, "stick") > 100);
+  // With all of them open S is that of loose grains, and one iteration is enough.
+  CHECK(integer(table, 0, "iterations_none") > 5);
+  CHECK(number(table, 0, "predicted_none") > 5);
+}
+
 TEST_CASE("solver_indicators: the checks of a contact solver, the last with what the step is known for") {
   const std::string more =
       "steps = [2]\n[table.vary]\n\"solver.algorithm\" = [\"two_stage_newton\", \"two_stage_admm\", \"newton\"]\n"
