@@ -149,7 +149,7 @@ TEST_CASE("rigid clusters of random lattices have the motions of a rigid body, a
 
 TEST_CASE("motions that rigid clusters leave: all that contacts allow, ranks, independent columns") {
   std::vector<Case> cases = spatial_problems();
-  for (const std::uint64_t seed : {2, 3}) cases.push_back(random_fcc(seed, 8, 8, 7, GridPartitioner{{2, 1, 1}}));
+  for (const std::uint64_t seed : {2U, 3U}) cases.push_back(random_fcc(seed, 8, 8, 7, GridPartitioner{{2, 1, 1}}));
   Index clusters = 0;
   for (const Case& one : cases) {
     CAPTURE(one.spec.name);
