@@ -21,6 +21,8 @@ import predicted_observed
 import profiles
 import relaxation
 import scalability
+import scalability_in_space
+import shear_in_space
 import size
 import style
 import switch
@@ -48,6 +50,10 @@ DRAW = {
     "switch": switch.draw,
     "newton-scalability": newton_scalability.draw,
     "machines": machines.draw,
+    "shear-in-space": shear_in_space.draw,
+    "scalability-in-space": scalability_in_space.draw,
+    "disorder-in-space": disorder.draw_in_space,
+    "newton-scalability-in-space": newton_scalability.draw_in_space,
 }
 WITHOUT_FIGURE = ["semi-implicit"]
 # Its own script measures it: `nscdd run` starts no processes.

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Outer steps and iterations at the interface of the two-stage Newton method against the number of subdomains."""
+import os
 import sys
 
 import numpy as np
@@ -8,9 +9,10 @@ import style
 
 NETWORKS = [("none", "no contacts (generic)", style.GREY), ("all", "all contacts (enriched)", "#1f5f99"),
             ("active", "active contacts", "#b03a2e")]
-CUTS = [("blocks", "blocks", {"marker": "s", "linestyle": "-"}),
-        ("strips", "strips", {"marker": "^", "linestyle": (0, (1, 1.3))}),
-        ("metis", "METIS", {"marker": "o", "linestyle": (0, (4, 2))})]
+# Tables of a study and how they are drawn. Slices in space are what strips are in the plane.
+CUTS = {"blocks": {"marker": "s", "linestyle": "-"}, "strips": {"marker": "^", "linestyle": (0, (1, 1.3))},
+        "slices": {"marker": "^", "linestyle": (0, (1, 1.3))}, "metis": {"marker": "o", "linestyle": (0, (4, 2))}}
+NAMES = {"metis": "METIS"}
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.3))
 PREDICTED = {"linestyle": "none", "marker": "x", "markersize": 4, "markeredgewidth": 0.8, "zorder": 4}
 RIVALS = ["generic", "enriched", "admm"]
@@ -20,8 +22,8 @@ NUMBERS = " ".join(["subdomains", "outer_steps", "outer_steps_undivided", "syste
                       for kind in ("iterations", "predicted", "richardson")]])
 
 
-def rows_of(results, table):
-    rows = style.read_table(results, f"newton-scalability/{table}.csv", numbers=NUMBERS,
+def rows_of(results, study, table):
+    rows = style.read_table(results, f"{study}/{table}.csv", numbers=NUMBERS,
                             flags=" ".join(f"{rival}_converged" for rival in RIVALS))
     return sorted(rows, key=lambda row: row["subdomains"])
 
@@ -32,11 +34,15 @@ def line(axes, rows, values, colour, look):
     return axes.plot(style.column(rows, "subdomains"), values, color=colour, **look)[0]
 
 
+def cuts_of(tables):
+    return [(name, look) for name, look in CUTS.items() if name in tables]
+
+
 def draw_outer(axes, tables):
     undivided = tables["blocks"][0]["outer_steps_undivided"]
     axes.axhspan(0.8 * undivided, 1.2 * undivided, color=style.GREY, alpha=0.15, linewidth=0)
     axes.axhline(undivided, color=style.GREY, linewidth=0.6, zorder=0.5)
-    for cut, _, look in CUTS:
+    for cut, look in cuts_of(tables):
         line(axes, tables[cut], "outer_steps", "black", look)
     axes.annotate("one subdomain, ± 20 %", (0.5, 0.8 * undivided), xycoords=("axes fraction", "data"),
                   xytext=(0, -4), textcoords="offset points", ha="center", va="top", fontsize=7)
@@ -44,11 +50,13 @@ def draw_outer(axes, tables):
 
 
 def draw_krylov(axes, tables):
-    for cut, _, look in CUTS:
+    for cut, look in cuts_of(tables):
         for network, _, colour in NETWORKS:
             line(axes, tables[cut], f"iterations_{network}", colour, look)
             line(axes, tables[cut], f"predicted_{network}", "black", PREDICTED)
-    style.log_axis(axes.yaxis, 10, 1500)
+    largest = max(row[f"iterations_{network}"] for cut, _ in cuts_of(tables) for row in tables[cut]
+                  for network, *_ in NETWORKS)
+    style.log_axis(axes.yaxis, 10, max(1500, 1.5 * largest))
     axes.set(ylabel="iterations per linear system")
 
 
@@ -82,15 +90,18 @@ def draw_methods(axes, tables):
                 loc="upper left", fontsize=7)
 
 
-def draw(results, output, formats):
-    tables = {name: rows_of(results, name) for name in ("blocks", "strips", "metis", "fixed-size")}
+def draw_study(results, output, formats, study, cuts, packing, grains):
+    """PACKING: the grains of the shear test, in words; GRAINS: of what they are 32 in each subdomain. Cuts other than
+    blocks are drawn where their tables are: in space they are run on demand only."""
+    there = [cut for cut in cuts if cut == "blocks" or os.path.exists(os.path.join(results, study, f"{cut}.csv"))]
+    tables = {name: rows_of(results, study, name) for name in (*there, "fixed-size")}
     fig, ((outer, krylov), (fixed, methods)) = style.figure(style.COLUMN_AND_HALF, 130, 2, 2)
     draw_outer(outer, tables)
     draw_krylov(krylov, tables)
     draw_fixed_size(fixed, tables)
     draw_methods(methods, tables)
-    titles = ("outer steps, 780 grains", "Krylov's method, 780 grains", "the same, 32 grains in each",
-              "methods, 780 grains in blocks")
+    titles = (f"outer steps, {packing}", f"Krylov's method, {packing}", f"the same, 32 {grains} in each",
+              f"methods, {packing} in blocks")
     for axes, letter, title in zip((outer, krylov, fixed, methods), "abcd", titles):
         style.log_axis(axes.xaxis, 1.6, 82)
         axes.set_xticks([2, 4, 8, 16, 32, 64], labels=["2", "4", "8", "16", "32", "64"])
@@ -99,11 +110,21 @@ def draw(results, output, formats):
         style.panel(axes, letter, title)
     handles = [outer.plot([], [], color=colour, linewidth=3)[0] for *_, colour in NETWORKS]
     handles += [outer.plot([], [], color="black", **PREDICTED)[0]]
-    handles += [outer.plot([], [], color="black", **entry)[0] for *_, entry in CUTS]
-    labels = [label for _, label, _ in NETWORKS] + ["predicted"] + [label for _, label, _ in CUTS]
+    handles += [outer.plot([], [], color="black", **look)[0] for _, look in cuts_of(tables)]
+    labels = [label for _, label, _ in NETWORKS] + ["predicted"] + [NAMES.get(cut, cut) for cut, _ in cuts_of(tables)]
     style.legend_above(fig, handles, labels, 4)
-    return style.save(fig, output, "newton-scalability", formats)
+    return style.save(fig, output, study, formats)
+
+
+def draw(results, output, formats):
+    return draw_study(results, output, formats, "newton-scalability", ("blocks", "strips", "metis"), "780 grains",
+                      "grains")
+
+
+def draw_in_space(results, output, formats):
+    return draw_study(results, output, formats, "newton-scalability-in-space", ("blocks", "slices"),
+                      "1 000 spheres", "spheres")
 
 
 if __name__ == "__main__":
-    sys.exit(style.run(__doc__, draw))
+    sys.exit(style.run(__doc__, draw, draw_in_space))

@@ -34,24 +34,24 @@ def is_strip(row):
     return "1" in row["partition.grid"].split(",")
 
 
-def rows_of(results, tables):
+def rows_of(results, tables, study):
     """Rows of the tables (names, space-separated), of those that are run on demand only where they are."""
     rows = []
-    for name in (f"scalability/{table}.csv" for table in tables.split()):
+    for name in (f"{study}/{table}.csv" for table in tables.split()):
         if not name.endswith("-large.csv") or os.path.exists(os.path.join(results, name)):
             rows += style.read_table(results, name, numbers=COLUMNS, texts="partition.grid")
     return rows
 
 
-def curves(results, axes, tables, epsilon, look, cuts="all"):
+def curves(results, axes, tables, epsilon, look, cuts="all", study="scalability"):
     """Both algorithms of the tables; CUTS: their strips, their grids, or all rows."""
-    rows = rows_of(results, tables)
+    rows = rows_of(results, tables, study)
     if cuts != "all":
         rows = [row for row in rows if is_strip(row) == (cuts == "strips")]
     for eta, line, face in ((np.inf, GENERIC_LINE, {}), (ENRICHED, ENRICHED_LINE, {"markerfacecolor": "white"})):
         some = style.where(rows, epsilon=epsilon, eta=eta)
         if not tables.endswith("-large"):
-            style.need(results, f"scalability/{tables}.csv", rows, epsilon=epsilon, eta=eta)
+            style.need(results, f"{study}/{tables}.csv", rows, epsilon=epsilon, eta=eta)
         axes.plot(style.column(some, "subdomains"), style.iterations(some), **{"linestyle": line, **look, **face})
 
 
