@@ -37,10 +37,13 @@ TEST_CASE("shared: linear systems of contacts have the solutions of one process,
       CHECK((found - expected).norm() < 1e-8 * expected.norm());
       if (network == InterfaceNetwork::none) CHECK(found == expected);
       CHECK(together.dense() == alone.dense());
+      // The shared factor of a network rounds otherwise, which may take an iteration more or less.
       CHECK(together.work().iterations == doctest::Approx(static_cast<double>(alone.work().iterations)).epsilon(0.1));
-      CHECK(together.take_operations() == alone.take_operations());
+      const double operations = together.take_operations(), expected_operations = alone.take_operations();
+      CHECK(operations == doctest::Approx(expected_operations).epsilon(0.1));
+      if (together.work().iterations == alone.work().iterations) CHECK(operations == expected_operations);
       CHECK(together.work().flops <= together.work().path_flops);
-      CHECK(together.work().path_flops <= alone.work().flops);
+      CHECK(together.work().path_flops <= 1.1 * alone.work().flops);
     }
 }
 
