@@ -7,6 +7,11 @@
 #include "linalg/threads.hpp"
 
 namespace nscdd {
+namespace {
+
+constexpr double small_square = 1e-6;  // of a singular value over the largest
+
+}  // namespace
 
 EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
     : inertia_(subdomain.inertia), h_(subdomain.h), centres_(subdomain.centres) {
@@ -14,6 +19,7 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
   std::sort(rows_.begin(), rows_.end());
   rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
   a_ = SparseMatrix(selected_columns(subdomain.a.transpose(), rows_).transpose());
+  dofs_per_grain_ = inertia_.size() / std::max<Index>(count(subdomain.grains), 1);
   if (inertia_.size() <= dense_limit) {
     modes_ = diagonalised();
     return;
@@ -22,7 +28,6 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
   zero_diagonal.setIdentity();
   zero_diagonal.coeffs().setZero();
   stiffness_ = SparseMatrix(h_ * h_.transpose()) + zero_diagonal;  // K = H H^T
-  dofs_per_grain_ = inertia_.size() / count(subdomain.grains);
 }
 
 EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
@@ -31,8 +36,16 @@ EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
   const Vector root = inertia_.cwiseSqrt().cwiseInverse();                   // M^-1/2
   const Matrix b = root.asDiagonal() * Matrix(h_);                           // M^-1/2 H
   auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
+  // The square has lost small singular values to rounding. They are worked out again in the space of their own.
+  const Index small = (eigenvalues.array() < small_square * eigenvalues.maxCoeff()).count();
+  if (small > 0) {
+    const Matrix own = vectors.leftCols(small), image = b.transpose() * own;
+    const SymmetricEigen again = symmetric_eigen(image.transpose() * image);
+    eigenvalues.head(small) = again.values;
+    vectors.leftCols(small) = own * again.vectors;
+  }
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
-  eigenvalues.head(h_.rows() - sparse_rank(h_)).setZero();
+  eigenvalues.head(h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_})).setZero();
   Modes modes;
   modes.eigenvalues = eigenvalues.cwiseMax(0.0);
   modes.vectors = root.asDiagonal() * vectors;

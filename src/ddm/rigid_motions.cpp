@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/rigid_motions.hpp"
 
-#include "linalg/range_projector.hpp"
+#include "ddm/peeling.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/rigid_clusters.hpp"
 
@@ -14,7 +14,6 @@ namespace {
 
 constexpr double straight = 1e-9;       // how far a column of H may point beside the line of centres
 constexpr double least_inertia = 1e-8;  // of a cluster, the smallest over the largest: below, the smallest is rounding
-constexpr double independent = 1e-5;    // the least singular value of columns that are clearly independent
 
 // The two grains of a column that is that of a contact without friction, whatever its length.
 std::optional<Bar> bar_of(const Matrix& centres, const SparseMatrix& h, Index column) {
@@ -64,12 +63,6 @@ Rotations rotations_of(const Matrix& centres, const Vector& inertia, const std::
   for (const Index i : grains) {
     const Eigen::Vector3d r = place(i) - result.centre;
     moments += inertia[d * i] * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
-  }
-  if (d == 2) {
-    const double square = moments(2, 2) / result.mass;
-    result.axes(2, 0) = 1 / std::sqrt(square);
-    result.inertia = {result.mass, 0, 0};
-    return result;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(moments);
   const double square = moments.trace() / (2 * result.mass);
@@ -129,71 +122,6 @@ Clusters clusters_of(const Matrix& centres, const Vector& inertia, const SparseM
   for (std::size_t k = 0; k < bars.size(); ++k) result.within[at(column_of_bar[k])] = cluster_of(bars[k]) >= 0;
   return result;
 }
-
-// Sets bodies aside that have few columns, all of them clearly independent, as long as there are any.
-class Peeling {
- public:
-  Peeling(const std::vector<RigidBody>& bodies, const std::vector<char>& grounded, const SparseMatrix& h)
-      : bodies_(bodies), body_of_row_(at(h.rows()), -1), columns_of_(bodies.size()), left_(at(h.cols()), 1), h_(h) {
-    for (Index b = 0; b < count(bodies); ++b)
-      for (Index k = 0; k < bodies[at(b)].rows && (grounded.empty() || !grounded[at(b)]); ++k)
-        body_of_row_[at(bodies[at(b)].first_row + k)] = b;
-    for (Index c = 0; c < h.cols(); ++c) {
-      for (const Index b : bodies_of(c)) columns_of_[at(b)].push_back(c);
-      if (bodies_of(c).empty()) left_[at(c)] = 0;  // it is nothing where only grounded bodies have it
-    }
-    for (Index b = 0; b < count(bodies); ++b) queue_.push_back(b);
-    for (std::size_t k = 0; k < queue_.size(); ++k) try_body(queue_[k]);
-  }
-  const std::vector<Index>& set_aside() const { return set_aside_; }
-  std::vector<Index> left() const {
-    std::vector<Index> columns;
-    for (Index c = 0; c < count(left_); ++c)
-      if (left_[at(c)]) columns.push_back(c);
-    return columns;
-  }
-
- private:
-  std::vector<Index> bodies_of(Index column) const {
-    std::vector<Index> bodies;
-    for (SparseMatrix::InnerIterator e(h_, column); e; ++e)
-      if (const Index b = body_of_row_[at(e.row())]; b >= 0 && std::ranges::count(bodies, b) == 0) bodies.push_back(b);
-    return bodies;
-  }
-
-  void try_body(Index b) {
-    const RigidBody& body = bodies_[at(b)];
-    std::vector<Index>& columns = columns_of_[at(b)];
-    std::erase_if(columns, [&](Index c) { return !left_[at(c)]; });
-    if (columns.empty() || count(columns) > body.rows) return;
-    Matrix block = Matrix::Zero(body.rows, count(columns));
-    for (Index j = 0; j < block.cols(); ++j) {
-      double square = 0;
-      for (SparseMatrix::InnerIterator e(h_, columns[at(j)]); e; ++e) {
-        square += e.value() * e.value();
-        if (body_of_row_[at(e.row())] == b) block(e.row() - body.first_row, j) = e.value();
-      }
-      if (!(square > 0)) return;
-      block.col(j) *= std::sqrt(2 / square);
-    }
-    const Matrix gram = block.transpose() * block;
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(gram, Eigen::EigenvaluesOnly);
-    if (!(eigen.eigenvalues()[0] > independent * independent)) return;
-    for (const Index c : columns) {
-      left_[at(c)] = 0;
-      set_aside_.push_back(c);
-      for (const Index other : bodies_of(c))
-        if (other != b) queue_.push_back(other);
-    }
-  }
-
-  const std::vector<RigidBody>& bodies_;
-  std::vector<Index> body_of_row_;
-  std::vector<std::vector<Index>> columns_of_;
-  std::vector<char> left_;
-  std::vector<Index> set_aside_, queue_;
-  const SparseMatrix& h_;
-};
 
 // The matrix without the rows of the grounded bodies, which stay empty.
 SparseMatrix without_rows(const RigidMotions& motions, const std::vector<char>& grounded) {
@@ -269,17 +197,13 @@ RigidMotions rigid_motions(const RigidNetwork& network) {
   return motions;
 }
 
-IndependentColumns independent_columns(const RigidMotions& motions, const std::vector<char>& grounded) {
+RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded) {
   const SparseMatrix h = grounded.empty() ? motions.h : without_rows(motions, grounded);
-  if (!motions.searched) {
-    const RangeProjector range(h);
-    return {range.independent_columns(), range.conclusive()};
-  }
-  const Peeling peeling(motions.bodies, grounded, h);
-  const std::vector<Index> left = peeling.left();
-  const RangeProjector range(selected_columns(h, left));
-  IndependentColumns result{peeling.set_aside(), range.conclusive()};
-  for (const Index c : range.independent_columns()) result.columns.push_back(left[at(c)]);
+  if (!motions.searched) return RangeProjector(h).basis();
+  const Peeled peeled = peel(motions.bodies, grounded, h);
+  RangeBasis result = RangeProjector(selected_columns(h, peeled.left)).basis();
+  for (Index& c : result.columns) c = peeled.left[at(c)];
+  result.columns.insert(result.columns.end(), peeled.set_aside.begin(), peeled.set_aside.end());
   std::sort(result.columns.begin(), result.columns.end());
   return result;
 }
@@ -287,7 +211,7 @@ IndependentColumns independent_columns(const RigidMotions& motions, const std::v
 Index rows_and_columns_left(const RigidNetwork& network) {
   const RigidMotions motions = rigid_motions(network);
   if (!motions.searched) return network.h.rows() + network.h.cols();
-  const SparseMatrix left = selected_columns(motions.h, Peeling(motions.bodies, {}, motions.h).left());
+  const SparseMatrix left = selected_columns(motions.h, peel(motions.bodies, {}, motions.h).left);
   std::vector<char> met(at(left.rows()), 0);
   for_entries(left, [&](Index i, Index, double) { met[at(i)] = 1; });
   return std::ranges::count(met, 1) + left.cols();
@@ -296,9 +220,9 @@ Index rows_and_columns_left(const RigidNetwork& network) {
 Index rigid_rank(const RigidNetwork& network) {
   const RigidMotions motions = rigid_motions(network);
   if (!motions.searched) return sparse_rank(network.h);
-  const Peeling peeling(motions.bodies, {}, motions.h);
-  return network.h.rows() - motions.h.rows() + count(peeling.set_aside()) +
-         sparse_rank(selected_columns(motions.h, peeling.left()));
+  const Peeled peeled = peel(motions.bodies, {}, motions.h);
+  return network.h.rows() - motions.h.rows() + count(peeled.set_aside) +
+         sparse_rank(selected_columns(motions.h, peeled.left));
 }
 
 }  // namespace nscdd

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <nscdd/core/types.hpp>
+#include "linalg/range_projector.hpp"
 
 namespace nscdd {
 
@@ -38,16 +38,11 @@ struct RigidNetwork {
 /// them.
 RigidMotions rigid_motions(const RigidNetwork& network);
 
-/// Columns of a matrix that span its range, ascending, and whether their number is sure.
-struct IndependentColumns {
-  std::vector<Index> columns;
-  bool conclusive = true;
-};
-
-/// Of Z^T H as it stands in `motions.h`, or of what the bodies that are `grounded`, a flag for each, leave of it when
-/// they do not move. A body whose few columns are clearly independent is set aside with them, again and again: the rest
-/// has nothing to do with them. A sparse factorisation chooses among the columns of the bodies that are left.
-IndependentColumns independent_columns(const RigidMotions& motions, const std::vector<char>& grounded = {});
+/// Of the range of Z^T H as it stands in `motions.h`, or of what the bodies that are `grounded`, a flag for each, leave
+/// of it when they do not move. A body whose few columns are clearly independent is set aside with them, again and
+/// again: the rest has nothing to do with them. A sparse factorisation chooses among the columns of the bodies that are
+/// left.
+RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {});
 
 /// Rows and columns of what a rank or a choice of columns takes a factorisation for: what is left of Z^T H once bodies
 /// are set aside.

@@ -9,26 +9,33 @@ namespace {
 
 constexpr Index hub_from = 65;  // grains of a cluster: smaller ones take part in the dissection
 
+SparseMatrix columns_of(const RangeBasis& basis, const SparseMatrix& h) {
+  SparseEntries entries;
+  entries.add_block(selected_columns(h, basis.columns), 0, 0);
+  for (Index k = 0; k < basis.others.cols(); ++k)
+    for (Index i = 0; i < h.rows(); ++i)
+      if (basis.others(i, k) != 0) entries.add(i, count(basis.columns) + k, basis.others(i, k));
+  return entries.matrix(h.rows(), basis.size());
+}
+
 RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain) {
-  RigidSubdomain result{.motions = rigid_motions({dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h}),
-                        .a = {},
-                        .hub = {},
-                        .early = {},
-                        .late = {}};
+  RigidSubdomain result;
+  result.motions = rigid_motions({dofs_per_grain, subdomain.centres, subdomain.inertia, subdomain.h});
   const RigidMotions& motions = result.motions;
   result.a = SparseMatrix(subdomain.a * motions.z);
   for (const RigidBody& body : motions.bodies) result.hub.push_back(body.grains >= hub_from);
-  const std::vector<Index> independent = independent_columns(motions).columns;
-  if (std::ranges::count(result.hub, 1) == 0) {
-    result.early = independent;
-    return result;
+  const RangeBasis basis = range_basis(motions);
+  result.h = columns_of(basis, motions.h);
+  std::vector<char> early(at(result.h.cols()), 0);
+  std::fill_n(early.begin(), basis.columns.size(), char{1});
+  if (std::ranges::count(result.hub, 1) > 0) {
+    RigidMotions chosen = motions;
+    chosen.h = result.h.leftCols(count(basis.columns));
+    std::fill(early.begin(), early.end(), char{0});
+    for (const Index c : range_basis(chosen, result.hub).columns) early[at(c)] = 1;
   }
-  RigidMotions chosen = motions;
-  chosen.h = selected_columns(motions.h, independent);
-  std::vector<char> early(independent.size(), 0);
-  for (const Index c : independent_columns(chosen, result.hub).columns) early[at(c)] = 1;
-  for (std::size_t k = 0; k < independent.size(); ++k)
-    (early[k] ? result.early : result.late).push_back(independent[k]);
+  for (std::size_t c = 0; c < early.size(); ++c)
+    (early[c] ? result.early : result.late).push_back(static_cast<Index>(c));
   return result;
 }
 

@@ -6,14 +6,15 @@
 
 namespace nscdd {
 
-/// The rigid limit of one subdomain: which velocities its contacts allow, with as many contact impulses as unknowns as
-/// are independent. X_0 depends on the range of H_E only.
+/// The rigid limit of one subdomain: which velocities its contacts allow, with as many impulses as unknowns as are
+/// independent. X_0 depends on the range of H_E only.
 struct RigidSubdomain {
   RigidMotions motions;
   SparseMatrix a;            ///< A_E Z
+  SparseMatrix h;            ///< a basis of the range of Z^T H_E: columns of it, and a few full ones (see RangeBasis)
   std::vector<char> hub;     ///< a flag for each body: a cluster so large that its motions are eliminated last of all
-  std::vector<Index> early;  ///< columns of `motions.h` that stay independent if the hubs are held
-  std::vector<Index> late;   ///< the other independent columns, which are eliminated with the hubs
+  std::vector<Index> early;  ///< columns of `h` that stay independent if the hubs are held
+  std::vector<Index> late;   ///< the other columns, which are eliminated with the hubs
 
   /// Whether the motions of a body are eliminated beforehand, body by body, which leaves contact impulses alone: in
   /// space half as many unknowns, and next to a separator a quarter. All other impulses that act on it are then tied.

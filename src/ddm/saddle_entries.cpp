@@ -58,7 +58,7 @@ void add_rigid(SaddleEntries& entries, const RigidSystem& system, const RigidRow
     };
     const auto add = [&](Index impulse, Index column) {
       entries.add(impulse, impulse, 0, 0);
-      for (SparseMatrix::InnerIterator e_h(own.motions.h, column); e_h; ++e_h) act(impulse, e_h.row(), e_h.value());
+      for (SparseMatrix::InnerIterator e_h(own.h, column); e_h; ++e_h) act(impulse, e_h.row(), e_h.value());
     };
     for (const Index c : own.early) add(next_impulse++, c);
     for (const Index c : own.late) add(late++, c);

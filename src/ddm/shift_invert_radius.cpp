@@ -187,11 +187,11 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
   return count == again ? count : std::nullopt;
 }
 
-// Whether `kernel` eigenvalues lie below the first reliable shift next to 0. It starts beyond the values that rounding
-// gives to the zeros, and goes no further than a hundred times that, or small eigenvalues would pass for zeros.
+// Whether `kernel` eigenvalues lie below the first reliable shift next to 0, which is beyond the values that rounding
+// gives to the zeros. A small eigenvalue that lies below it, too, is counted, and nothing is then confirmed.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
-  for (const double shift : {zero, 10 * zero, 100 * zero})
+  for (double shift = zero; shift < 1e5 * zero; shift *= 10)
     if (const auto counted = counted_below(family, point.eta, shift, factorisations)) return *counted == kernel;
   return false;
 }

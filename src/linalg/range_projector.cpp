@@ -2,10 +2,12 @@
 #include "linalg/range_projector.hpp"
 
 #include "linalg/pencil.hpp"
+#include "linalg/random.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 #include <nscdd/linalg/inertia_factor.hpp>
 
+#include <Eigen/QR>
 #include <lapacke.h>
 
 #include <numeric>
@@ -18,8 +20,13 @@ constexpr int most_refinements = 20;
 constexpr double refined = 1e-15;
 // Largest error of coefficients of size 1: below 1 no pivot has a false sign.
 constexpr double reliable = 1e-2;
-constexpr Index dense_limit = 1500;  // up to so many columns a dense spectrum decides if no factors do
-constexpr double damping = 1e-6;     // tau^2 over the largest squared length of a column
+constexpr Index dense_limit = 1500;    // up to so many columns a dense spectrum decides if no factors do
+constexpr double blurred = 1e-3;       // tau where columns are chosen
+constexpr double faint = 1e-6;         // tau where that is wanted which is outside their span
+constexpr double clearly_apart = 0.1;  // from the span of others
+constexpr double barely_apart = 0.02;
+constexpr Index oversampling = 10;  // random vectors beyond as many as there are columns to be found
+constexpr double damping = 1e-6;    // tau^2 over the largest squared length of a column
 constexpr int most_iterations = 500;
 constexpr int patience = 50;  // iterations without a smaller residual
 constexpr double least_squares_tolerance = 1e-13;
@@ -76,18 +83,43 @@ class DampedInverse {
   std::optional<SymmetricFactor> factor_;
 };
 
+// The columns of `others` in the order in which they add most to the span of the columns `taken`, as many as are
+// wanted, and by how much each does: its distance from the span of all before it, about.
+struct Additions {
+  std::vector<Index> order;
+  Vector distance;
+};
+
+// What lies outside that span is seen by a few random vectors of the space that is orthogonal to it: Q R with column
+// exchanges on their products with `others` tells what adds most.
+Additions additions(const SparseMatrix& taken, const SparseMatrix& others, Index wanted) {
+  const SparseMatrix matrix = saddle_point(taken, -faint * faint);
+  const SymmetricFactor factor(saddle_point_analysis(matrix, taken), matrix);
+  if (!factor.regular()) return {};
+  const Index samples = wanted + oversampling;
+  RandomStream random(1);
+  Matrix right = Matrix::Zero(matrix.rows(), samples);
+  for (Index k = 0; k < samples; ++k) right.col(k).head(taken.rows()) = random.normal_vector(taken.rows());
+  const Matrix outside = factor.solve_columns(right).topRows(taken.rows());
+  const Matrix seen = (others.transpose() * outside).transpose();
+  const Eigen::ColPivHouseholderQR<Matrix> factors(seen);
+  const auto& order = factors.colsPermutation().indices();
+  return {{order.data(), order.data() + wanted},
+          factors.matrixQR().diagonal().head(wanted).cwiseAbs() / std::sqrt(static_cast<double>(samples))};
+}
+
 }  // namespace
 
 RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance)
     : rows_(a.rows()), filled_(filled_columns(a)), b_(with_unit_columns(selected_columns(a, filled_))) {
   if (b_.cols() == 0) return;
   SparseMatrix matrix = saddle_point(b_, 1.0);
-  const SymmetricAnalysis analysis = saddle_point_analysis(matrix, b_);
+  analysis_.emplace(saddle_point_analysis(matrix, b_));
   // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
   std::vector<Index> counts;
   for (const double step : {3.0, 1.0, 0.3, 10.0, 0.1}) {
     matrix.diagonal().tail(b_.cols()).setConstant(step * tolerance * tolerance);
-    factor_.emplace(analysis, matrix);
+    factor_.emplace(*analysis_, matrix);
     if (!factor_->regular() || !exact_enough(matrix)) continue;
     rank_ = factor_->negative_eigenvalues();
     if (std::find(counts.begin(), counts.end(), rank_) != counts.end()) return;
@@ -127,14 +159,45 @@ Vector RangeProjector::apply(const Vector& x) const {
   return x - solution.head(rows_);
 }
 
-std::vector<Index> RangeProjector::independent_columns() const {
-  if (rank_ == 0 || !factor_->regular()) return {};
-  std::vector<char> dependent(at(b_.cols()), 0);
-  for (const Index row : factor_->smallest_pivots(b_.cols() - rank_, rows_)) dependent[at(row - rows_)] = 1;
-  std::vector<Index> columns;
-  for (Index j = 0; j < b_.cols(); ++j)
-    if (!dependent[at(j)]) columns.push_back(filled_[at(j)]);
-  return columns;
+// Columns are taken in three rounds.
+// 1. The pivot of column j in [I B; B^T -tau^2 I] is -(tau^2 + d_j^2), d_j its distance from the span of the columns
+//    before it (short of directions that these have by less than tau). All columns that are clearly apart are taken.
+// 2. Of the others those that add most, as long as they add something clear.
+// 3. What is still missing is in the range by little: the parts of columns outside the span of all that are taken.
+RangeBasis RangeProjector::basis() const {
+  RangeBasis result{.columns = {}, .others = Matrix(rows_, 0), .conclusive = conclusive_};
+  if (rank_ == 0 || !factor_->regular()) return result;
+  const SymmetricFactor blurred_factor(*analysis_, saddle_point(b_, -blurred * blurred));
+  if (!blurred_factor.regular()) return {.columns = {}, .others = Matrix(rows_, 0), .conclusive = false};
+  const Vector apart = (-blurred_factor.pivots().tail(b_.cols())).cwiseMax(0.0).cwiseSqrt();
+  std::vector<Index> order(at(b_.cols()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return apart[i] > apart[j]; });
+  const auto unclear =
+      std::find_if(order.begin(), order.begin() + rank_, [&](Index j) { return !(apart[j] > clearly_apart); });
+  std::vector<Index> taken(order.begin(), unclear), others(unclear, order.end()), weak;
+  if (const Index missing = rank_ - count(taken); missing > 0) {
+    const Additions more = additions(selected_columns(b_, taken), selected_columns(b_, others), missing);
+    result.conclusive &= count(more.order) == missing;
+    for (std::size_t k = 0; k < more.order.size(); ++k)
+      (more.distance[static_cast<Index>(k)] > barely_apart ? taken : weak).push_back(others[at(more.order[k])]);
+  }
+  if (!weak.empty()) {
+    const RangeProjector span(selected_columns(b_, taken));
+    result.conclusive &= span.conclusive();
+    result.others = Matrix(selected_columns(b_, weak));
+    for (int round = 0; round < 2; ++round) {
+      for (Index k = 0; k < result.others.cols(); ++k) {
+        auto own = result.others.col(k);
+        own -= span.apply(own);
+        own -= result.others.leftCols(k) * (result.others.leftCols(k).transpose() * own);
+        own.normalize();
+      }
+    }
+  }
+  for (const Index j : taken) result.columns.push_back(filled_[at(j)]);
+  std::sort(result.columns.begin(), result.columns.end());
+  return result;
 }
 
 Index sparse_rank(const SparseMatrix& a, double tolerance) {

@@ -5,6 +5,15 @@
 
 namespace nscdd {
 
+/// A basis of the range of a matrix, as well conditioned as such columns can be.
+struct RangeBasis {
+  std::vector<Index> columns;  ///< of the matrix, ascending
+  Matrix others;               ///< rows x k, orthonormal: what the range has that these columns have next to nothing of
+  bool conclusive = true;      ///< false if their number is not sure
+
+  Index size() const { return count(columns) + others.cols(); }
+};
+
 /// Orthogonal projector onto the range of a sparse matrix A (any shape, rank 0 and no columns included). With B the
 /// columns of A scaled to unit length, the sparse factorisation
 ///     [ I    B          ]
@@ -23,8 +32,7 @@ class RangeProjector {
   /// rank. The rank is then the last one counted, and `apply` gives NaN.
   bool conclusive() const { return conclusive_; }
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
-  /// As many columns of A as its rank, ascending, that are likely to span its range: those with the largest pivots.
-  std::vector<Index> independent_columns() const;
+  RangeBasis basis() const;
 
  private:
   friend Index sparse_rank(const SparseMatrix& a, double tolerance);
@@ -33,6 +41,7 @@ class RangeProjector {
   Index rows_;
   std::vector<Index> filled_;  // columns of A that B has
   SparseMatrix b_;
+  std::optional<SymmetricAnalysis> analysis_;
   std::optional<SymmetricFactor> factor_;
   Index rank_ = 0;
   bool conclusive_ = true;

@@ -127,6 +127,24 @@ Case random_fcc(std::uint64_t seed, Index sites_x, Index sites_y, Index sites_z,
   return one;
 }
 
+Case disordered_fcc(std::uint64_t seed, double vacancies, const Partitioner& partition) {
+  RandomStream random(seed);
+  std::vector<Sphere> all;
+  const double step = std::sqrt(0.5);
+  for (Index k = 0; k < 8; ++k)
+    for (Index j = 0; j < 11; ++j)
+      for (Index i = 0; i < 11; ++i) {
+        if ((i + j + k) % 2 != 0 || random.uniform() < vacancies) continue;
+        const Point site{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+        const auto moved = [&] { return 0.01 * random.uniform() - 0.005; };
+        const double x = moved(), y = moved(), z = moved();
+        all.push_back({step * site + Point(x, y, z), 0.5});
+      }
+  Case one = spheres("disordered" + std::to_string(seed), all, partition);
+  one.spec.contacts.tolerance = one.spec.contacts.overlap_tolerance = 0.05;
+  return one;
+}
+
 Case flat(const Case& plane) {
   Case one = plane;
   one.packing = packing_of(plane);

@@ -23,6 +23,11 @@ Case sphere_cluster(std::uint64_t seed, Index grains, const Partitioner& partiti
 /// sites_x x sites_y x sites_z half edges (i, j, k) whose sum is even. Hyperstatic, with cross points.
 Case random_fcc(std::uint64_t seed, Index sites_x, Index sites_y, Index sites_z, const Partitioner& partition);
 
+/// A close-packed lattice with a tenth to three tenths of its sites vacant, whose spheres were moved by up to 5/1000 of
+/// a diameter and keep the contacts of the lattice: hyperstatic without order. Contacts that were dependent are so no
+/// more, by singular values between 1e-7 and 1e-2.
+Case disordered_fcc(std::uint64_t seed, double vacancies, const Partitioner& partition);
+
 /// The disks of a case as spheres in the plane z = 0, with the masses that the disks have, loaded and cut alike.
 Case flat(const Case& plane);
 

@@ -173,13 +173,14 @@ TEST_CASE("motions that rigid clusters leave: all that contacts allow, ranks, in
       }
       const Matrix weighed = motions.z.transpose() * part.inertia.asDiagonal() * Matrix(motions.z);
       CHECK((weighed - Matrix(motions.inertia.asDiagonal())).norm() < 1e-12 * weighed.norm());
-      const IndependentColumns chosen = independent_columns(motions);
-      CHECK(chosen.conclusive);
-      CHECK(count(chosen.columns) == motions.h.rows() - allowed);
-      Matrix kept(motions.h.rows(), count(chosen.columns));
-      for (Index j = 0; j < kept.cols(); ++j) kept.col(j) = motions.h.col(chosen.columns[at(j)]);
-      const Dense basis = kept;
-      if (basis.cols() > 0) CHECK(zeros(basis.transpose() * basis) == 0);
+      const RangeBasis basis = range_basis(motions);
+      CHECK(basis.conclusive);
+      CHECK(basis.size() == motions.h.rows() - allowed);
+      CHECK(basis.others.cols() == 0);
+      Matrix kept(motions.h.rows(), count(basis.columns));
+      for (Index j = 0; j < kept.cols(); ++j) kept.col(j) = motions.h.col(basis.columns[at(j)]);
+      const Dense columns = kept;
+      if (columns.cols() > 0) CHECK(zeros(columns.transpose() * columns) == 0);
     }
   }
   CHECK(clusters > 2);

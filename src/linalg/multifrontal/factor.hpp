@@ -75,9 +75,10 @@ class SymmetricFactor {
   /// The same, to the last bit, of a matrix that has this interior.
   SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower);
 
-  bool regular() const;                 ///< false if a pivot is exactly zero; nothing else may then be asked
-  Index negative_eigenvalues() const;   ///< of A, with multiplicity
-  Vector solve(const Vector& b) const;  ///< A^-1 b
+  bool regular() const;                         ///< false if a pivot is exactly zero; nothing else may then be asked
+  Index negative_eigenvalues() const;           ///< of A, with multiplicity
+  Vector solve(const Vector& b) const;          ///< A^-1 b
+  Matrix solve_columns(const Matrix& b) const;  ///< A^-1 B, for many columns faster than one after the other
 
   /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts one value for each border row, in their order, into its place
   /// among zeros. The bits are those of `solve`, with less work: the way from or to the border leads through few
@@ -97,8 +98,8 @@ class SymmetricFactor {
   /// (A^-1)_{rows, rows}; only the fronts on the way from these rows to the root take part.
   Matrix inverse_block(const std::vector<Index>& rows) const;
 
-  /// Among the rows from `first` on whose pivots are 1 x 1, up to `wanted` rows with the smallest pivots, ascending.
-  std::vector<Index> smallest_pivots(Index wanted, Index first) const;
+  /// For each row its pivot, 0 where it shares one of 2 x 2 with another row.
+  Vector pivots() const;
 
  private:
   std::shared_ptr<const FactorFronts> fronts_;

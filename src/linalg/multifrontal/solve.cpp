@@ -9,38 +9,42 @@
 namespace nscdd {
 namespace {
 
-void go_forward(const FactorFronts& fronts, Index s, Vector& x, std::vector<Vector>& carried) {
+// `Values`: a vector, or a matrix of a column for each right-hand side.
+template <class Values>
+void go_forward(const FactorFronts& fronts, Index s, Values& x, std::vector<Values>& carried) {
   const Front& front = fronts.tree.front(s);
   const int* row = fronts.tree.rows_of(front);
-  Vector local = Vector::Zero(front.rows);
-  for (Index i = 0; i < front.pivots; ++i) local[i] = x[row[i]];
+  Values local = Values::Zero(front.rows, x.cols());
+  for (Index i = 0; i < front.pivots; ++i) local.row(i) = x.row(row[i]);
   for (const Index c : front.children) {
     if (carried[at(c)].size() == 0) continue;  // a child in the interior, where all is zero
     const Front& child = fronts.tree.front(c);
     const int* place = fronts.tree.places_of_updates(child);
-    for (Index i = 0; i < child.update_rows(); ++i) local[place[i]] += carried[at(c)][i];
-    carried[at(c)].resize(0);
+    for (Index i = 0; i < child.update_rows(); ++i) local.row(place[i]) += carried[at(c)].row(i);
+    carried[at(c)].resize(0, x.cols());
   }
   go_forward(front, fronts.factor(s), local);
-  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
+  for (Index i = 0; i < front.pivots; ++i) x.row(row[i]) = local.row(i);
   if (front.pivots == 0)  // rows that are kept
-    for (Index i = 0; i < front.rows; ++i) x[row[i]] += local[i];
-  carried[at(s)] = local.tail(front.update_rows());
+    for (Index i = 0; i < front.rows; ++i) x.row(row[i]) += local.row(i);
+  carried[at(s)] = local.bottomRows(front.update_rows());
 }
 
-void go_back(const FactorFronts& fronts, Index s, Vector& x) {
+template <class Values>
+void go_back(const FactorFronts& fronts, Index s, Values& x) {
   const Front& front = fronts.tree.front(s);
   const int* row = fronts.tree.rows_of(front);
-  Vector local(front.rows);
-  for (Index i = 0; i < front.rows; ++i) local[i] = x[row[i]];
+  Values local(front.rows, x.cols());
+  for (Index i = 0; i < front.rows; ++i) local.row(i) = x.row(row[i]);
   go_back(front, fronts.factor(s), local);
-  for (Index i = 0; i < front.pivots; ++i) x[row[i]] = local[i];
+  for (Index i = 0; i < front.pivots; ++i) x.row(row[i]) = local.row(i);
 }
 
 // L^-1 over all fronts or over those on the border, which are all where b is not zero.
-Vector forward(const FactorFronts& fronts, Vector x, Fronts which) {
+template <class Values>
+Values forward(const FactorFronts& fronts, Values x, Fronts which) {
   const FrontTree& tree = fronts.tree;
-  std::vector<Vector> carried(at(tree.size()));  // updates on their way to the parent
+  std::vector<Values> carried(at(tree.size()));  // updates on their way to the parent
   const bool border = which == Fronts::border;
   with_threads([&] {
     tree.for_roots(border,
@@ -50,7 +54,8 @@ Vector forward(const FactorFronts& fronts, Vector x, Fronts which) {
 }
 
 // D^-1 and L^-T likewise.
-Vector back(const FactorFronts& fronts, Vector x, Fronts which) {
+template <class Values>
+Values back(const FactorFronts& fronts, Values x, Fronts which) {
   const FrontTree& tree = fronts.tree;
   const bool border = which == Fronts::border;
   with_threads([&] {
@@ -59,7 +64,8 @@ Vector back(const FactorFronts& fronts, Vector x, Fronts which) {
   return x;
 }
 
-Vector solved(const FactorFronts& fronts, Vector x, Fronts up, Fronts down) {
+template <class Values>
+Values solved(const FactorFronts& fronts, Values x, Fronts up, Fronts down) {
   return back(fronts, forward(fronts, std::move(x), up), down);
 }
 
@@ -84,6 +90,8 @@ Vector SymmetricFactor::go_forward(const Vector& b, Fronts which) const { return
 Vector SymmetricFactor::go_back(const Vector& x, Fronts which) const { return back(*fronts_, x, which); }
 
 Vector SymmetricFactor::solve(const Vector& b) const { return solved(*fronts_, b, Fronts::all, Fronts::all); }
+
+Matrix SymmetricFactor::solve_columns(const Matrix& b) const { return solved(*fronts_, b, Fronts::all, Fronts::all); }
 
 Vector SymmetricFactor::solve_from_border(const Vector& g) const {
   return solved(*fronts_, spread(fronts_->tree, g), Fronts::border, Fronts::all);
@@ -133,10 +141,10 @@ Matrix SymmetricFactor::inverse_block(const std::vector<Index>& rows) const {
   return x(wanted, Eigen::all);
 }
 
-std::vector<Index> SymmetricFactor::smallest_pivots(Index wanted, Index first_row) const {
+Vector SymmetricFactor::pivots() const {
   const FactorFronts& fronts = *fronts_;
   const FrontTree& tree = fronts.tree;
-  std::vector<std::pair<double, Index>> pivots;
+  Vector result = Vector::Zero(tree.rows);
   for (Index s = 0; s < tree.size(); ++s) {
     const FrontFactor& own = fronts.factor(s);
     const int* row = tree.rows_of(tree.front(s));
@@ -145,20 +153,14 @@ std::vector<Index> SymmetricFactor::smallest_pivots(Index wanted, Index first_ro
       std::iota(place.begin(), place.end(), first);
       interchange(own.swaps.data() + first, width, [&](Index i, Index j) { std::swap(place[at(i)], place[at(j)]); });
       for (Index k = 0; k < width; ++k) {
-        if (k + 1 < width && own.off[first + k] != 0) {
+        if (k + 1 < width && own.off[first + k] != 0)
           ++k;  // a 2 x 2 block
-        } else if (const Index r = row[place[at(k)]]; r >= first_row) {
-          pivots.emplace_back(std::abs(diagonal(k, k)), r);
-        }
+        else
+          result[row[place[at(k)]]] = diagonal(k, k);
       }
     });
   }
-  std::sort(pivots.begin(), pivots.end());
-  pivots.resize(std::min(pivots.size(), at(wanted)));
-  std::vector<Index> rows;
-  for (const auto& [size, r] : pivots) rows.push_back(r);
-  std::sort(rows.begin(), rows.end());
-  return rows;
+  return result;
 }
 
 }  // namespace nscdd
