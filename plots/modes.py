@@ -5,62 +5,30 @@ import argparse
 import os
 import sys
 
+import modes_in_space
 import numpy as np
 import style
 from figures_2_3_4 import sector_angles, unit
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection, PatchCollection
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.patches import Wedge
+from mode_tables import ARROW, MAP, SHORTEST, SLOWEST, heading, number, power_of_ten, pulls_of, read, scaled
 
 WIDTH, TALLEST = 140.0, 190.0  # mm
 ABOVE, BELOW, EDGE = 7.0, 14.5, 2.0  # mm: heading; colour bar and key; around the packing
-# Light to dark, in grey as well, but not so dark that the arrows are lost.
-MAP = ListedColormap(style.plt.get_cmap("YlOrBr")(np.linspace(0, 0.8, 256)))
-ARROW = "#1f5f99"
 CELLS = 28                     # across, over which velocities are averaged
-SHORTEST = 0.04                # of the arrows, as a part of the longest
-SLOWEST = 0.15                 # of the mean velocities shown, as a part of the fastest
 PIXELS_FROM = 3000             # grains from which a vector format holds them as an image
-
-
-def read(prefix):
-    try:
-        return read_tables(prefix)
-    except style.NoRows:
-        raise style.DataError(f"{prefix}: no mode in its tables (no interface, or no mode was found, as nscdd modes "
-                              "says): nothing to draw") from None
-
-
-def read_tables(prefix):
-    folder, name = os.path.split(prefix)
-    rows = style.read_table(folder, f"{name}-impulses.csv", texts="case end",
-                            numbers="epsilon eta eigenvalue grain subdomain_first subdomain_second "
-                                    "impulse_x impulse_y")
-    copies = style.read_table(folder, f"{name}-velocities.csv", texts="case",
-                              numbers="grain subdomain x y radius multiplicity velocity_x velocity_y", if_there="z")
-    if "z" in copies[0]:
-        raise style.DataError(f"{prefix}: expected a mode in the plane, met one of spheres in space, which this script "
-                              "does not draw")
-    return rows, copies
-
-
-def power_of_ten(largest):
-    return int(np.floor(np.log10(largest))) if largest > 0 else 0
-
-
-def scaled(name, exponent):
-    return name if exponent == 0 else rf"$10^{{{exponent}}}$ {name}"
 
 
 class Picture:
     """The part of the packing that is shown, and what it shows."""
 
     def __init__(self, rows, copies, zoom):
-        self.rows = rows
         self.copies = {c: style.column(copies, c) for c in ("grain", "subdomain", "x", "y", "radius",
                                                             "multiplicity", "velocity_x", "velocity_y")}
-        self.pull()
+        self.pulls = pulls_of(rows, "xy")
+        self.strongest = max(np.hypot(*pull) for pull in self.pulls.values())
         self.centroids = {s: np.array([self.copies[k][self.copies["subdomain"] == s].mean() for k in "xy"])
                           for s in np.unique(self.copies["subdomain"])}
         self.low, self.high = self.bounds()
@@ -89,18 +57,6 @@ class Picture:
         inside = np.all(np.abs(np.column_stack([c["x"], c["y"]]) - middle) <= half, axis=1)
         self.copies = {name: values[inside] for name, values in c.items()}
         self.low, self.high = self.bounds()
-
-    def pull(self):
-        """Impulses that the copies of shared grains feel: those of the rows, which tie two copies each, with
-        opposite signs. However the copies of a grain are tied, these are the same."""
-        pulls = {}
-        for row in self.rows:
-            impulse = np.array([row["impulse_x"], row["impulse_y"]])
-            for end, sign in (("first", -1), ("second", 1)):
-                copy = row["grain"], row[f"subdomain_{end}"]
-                pulls[copy] = pulls.get(copy, 0) + sign * impulse
-        self.pulls = pulls
-        self.strongest = max(np.hypot(*pull) for pull in pulls.values())
 
     def draw_grains(self, axes, rim):
         c = self.copies
@@ -176,22 +132,6 @@ class Picture:
                            headwidth=3.8, headlength=4.4, headaxislength=4, minlength=0, zorder=5)
 
 
-def number(value):
-    """As a label has it: powers of ten as such, infinity by its sign."""
-    if value == 0 or np.isinf(value):
-        return "0" if value == 0 else r"\infty"
-    exponent = power_of_ten(abs(value))
-    if -2 <= exponent <= 3:
-        return f"{value:.3g}"
-    mantissa = f"{value / 10.0**exponent:.3g}"
-    return (rf"{mantissa}\times " if mantissa != "1" else "") + rf"10^{{{exponent}}}"
-
-
-def heading(row):
-    return (rf"{row['case']}: $\varepsilon = {number(row['epsilon'])}$ 1/kg, $\eta = {number(row['eta'])}$ 1/kg, "
-            rf"{row['end']} end, $\mu = {row['eigenvalue']:.6g}$; $F^T\!P F = 1$ J")
-
-
 class Page:
     """A figure that shows LOW to HIGH, m, with room for a heading, a colour bar and a key."""
 
@@ -218,8 +158,14 @@ class Page:
                             coordinates="figure", fontproperties={"size": 9}, labelsep=0.09)
 
 
-def draw(prefix, output, zoom):
+def draw(prefix, output, zoom, normal):
     rows, copies = read(prefix)
+    folder, name = os.path.split(output)
+    stem, kind = os.path.splitext(name)
+    if "z" in copies[0]:
+        return style.save(modes_in_space.figure(rows, copies, zoom, normal), folder, stem, [kind[1:]])
+    if normal:
+        raise style.DataError(f"{prefix}: --normal is of a section through spheres in space, met disks in the plane")
     picture = Picture(rows, copies, zoom)
     tails, arrows = picture.arrows()
     page = Page(np.min([picture.low, *(tails + arrows)], axis=0), np.max([picture.high, *(tails + arrows)], axis=0))
@@ -228,8 +174,6 @@ def draw(prefix, output, zoom):
     picture.draw_split_grains(page.axes, rim)
     picture.draw_motion(page.axes)
     page.explain(picture, rows[0], picture.draw_arrows(page.axes, tails, arrows))
-    folder, name = os.path.split(output)
-    stem, kind = os.path.splitext(name)
     return style.save(page.fig, folder, stem, [kind[1:]])
 
 
@@ -240,6 +184,8 @@ def main():
     parser.add_argument("output", metavar="OUTPUT", help="picture to write, .svg, .png or .pdf")
     parser.add_argument("--zoom", type=float, default=1, metavar="FACTOR",
                         help="show a part so many times narrower, around the strongest impulse (1)")
+    parser.add_argument("--normal", choices="xyz", help="of the section through spheres in space (the axis along which "
+                        "the mode moves least)")
     parser.add_argument("--dpi", type=int, default=200, metavar="DPI",
                         help="of .png, and of images in the others (200)")
     options = parser.parse_args()
@@ -251,7 +197,7 @@ def main():
         parser.error(f"--dpi: expected a number in 20 ... 2000, met {options.dpi}")
     style.plt.rcParams["savefig.dpi"] = options.dpi
     try:
-        for path in draw(options.prefix, options.output, options.zoom):
+        for path in draw(options.prefix, options.output, options.zoom, options.normal):
             print(path)
     except style.DataError as error:
         print(f"error: {error}", file=sys.stderr)
