@@ -150,7 +150,8 @@ int report_of_run(const Options& options, const Context& context) {
   const std::string& path = options.one.name;
   require_no_input({options.output}, {path, options.convergence});
   require_writable(options.output, options.force);
-  require_drawable(path, read_trajectory_header(path).system.disks(), "disks");
+  const GranularSystem system = read_trajectory_header(path).system;
+  require_drawable(path, system.disks(), system.dimension == 3 ? "spheres" : "disks");
   std::vector<Series> iterations;
   if (!options.convergence.empty()) iterations = read_iterations(options.convergence, path);
   const std::vector<Index> asked = chosen_steps(path, parse_step_range(options.steps));
@@ -161,8 +162,8 @@ int report_of_run(const Options& options, const Context& context) {
   report->iterations = std::move(iterations);
   write(options.output, run_page(*report, {report->name, context.command_line, report->header.case_text, libraries()}),
         options.force,
-        fmt::format("{} of {} steps drawn, {} disks", steps.size(), count(report->status) + 1,
-                    report->header.system.disks()));
+        fmt::format("{} of {} steps drawn, {} {}", steps.size(), count(report->status) + 1,
+                    report->header.system.disks(), report->header.system.dimension == 3 ? "spheres" : "disks"));
   return 0;
 }
 

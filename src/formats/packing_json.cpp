@@ -6,10 +6,12 @@ namespace {
 
 Json grains_of(const Model& model) {
   const Packing& packing = model.packing;
-  return {{"x", packed(converted<float>(packing.x))},
-          {"y", packed(converted<float>(packing.y))},
-          {"radius", packed(converted<float>(packing.radius))},
-          {"mass", packed(converted<float>(packing.mass))}};
+  Json json{{"x", packed(converted<float>(packing.x))},
+            {"y", packed(converted<float>(packing.y))},
+            {"radius", packed(converted<float>(packing.radius))},
+            {"mass", packed(converted<float>(packing.mass))}};
+  if (packing.dimension() == 3) json["z"] = packed(converted<float>(packing.z));
+  return json;
 }
 
 // The copies of grain i are those from start[i] up to start[i + 1].
@@ -95,6 +97,7 @@ Json json_of(const Model& model, const PackingReport& report) {
   Json grids = Json::array();
   for (const RadiusGrid& grid : report.grids) grids.push_back(grid_of(grid));
   return {{"kind", "packing"},
+          {"dimension", model.packing.dimension()},
           {"subdomains", model.partition.subdomains},
           {"counts",
            {{"grains", model.grains()},

@@ -17,7 +17,7 @@ Json table_of(const std::vector<Series>& columns) {
   return all;
 }
 
-Json contacts_of(const std::vector<DrawnContact>& contacts) {
+Json contacts_of(const std::vector<DrawnContact>& contacts, Index dimension) {
   std::vector<std::uint32_t> a, b, subdomain;
   std::vector<float> normal, tangential, point;
   std::vector<std::uint8_t> status;
@@ -25,9 +25,9 @@ Json contacts_of(const std::vector<DrawnContact>& contacts) {
     a.push_back(static_cast<std::uint32_t>(c.a));
     b.push_back(static_cast<std::uint32_t>(c.b));
     subdomain.push_back(static_cast<std::uint32_t>(c.subdomain));
-    normal.push_back(static_cast<float>(c.impulse.n));
-    tangential.push_back(static_cast<float>(c.impulse.t));
-    for (const double coordinate : c.point) point.push_back(static_cast<float>(coordinate));
+    normal.push_back(static_cast<float>(c.normal));
+    tangential.push_back(static_cast<float>(c.tangential));
+    for (Index k = 0; k < dimension; ++k) point.push_back(static_cast<float>(c.point[at(k)]));
     status.push_back(static_cast<std::uint8_t>(c.status));
   }
   return {{"a", packed(a)},
@@ -39,17 +39,26 @@ Json contacts_of(const std::vector<DrawnContact>& contacts) {
           {"status", packed(status)}};
 }
 
-Json step_of(const DrawnStep& step) {
+// A straight line by a point and its normal; a plane likewise, or a cylinder by its axis, with the radius behind.
+Json wall_of(const Wall& wall, Index dimension) {
+  Json json = Json::array();
+  for (const auto& vector : {wall.point, wall.normal})
+    for (Index k = 0; k < dimension; ++k) json.push_back(drawn(vector[at(k)]));
+  if (dimension == 3) json.push_back(drawn(wall.radius));
+  return json;
+}
+
+Json step_of(const DrawnStep& step, Index dimension) {
   Json walls = Json::array();
-  for (const Wall& wall : step.walls)
-    walls.push_back(
-        Json::array({drawn(wall.point[0]), drawn(wall.point[1]), drawn(wall.normal[0]), drawn(wall.normal[1])}));
-  return {{"step", step.step},
-          {"time", drawn(step.time)},
-          {"x", packed(converted<float>(step.x))},
-          {"y", packed(converted<float>(step.y))},
-          {"walls", std::move(walls)},
-          {"contacts", contacts_of(step.contacts)}};
+  for (const Wall& wall : step.walls) walls.push_back(wall_of(wall, dimension));
+  Json json{{"step", step.step},
+            {"time", drawn(step.time)},
+            {"x", packed(converted<float>(step.x))},
+            {"y", packed(converted<float>(step.y))},
+            {"walls", std::move(walls)},
+            {"contacts", contacts_of(step.contacts, dimension)}};
+  if (dimension == 3) json["z"] = packed(converted<float>(step.z));
+  return json;
 }
 
 }  // namespace
@@ -57,11 +66,12 @@ Json step_of(const DrawnStep& step) {
 Json json_of(const RunReport& report) {
   const GranularSystem& system = report.header.system;
   Json steps = Json::array(), boundaries = Json::array(), provenance = Json::array();
-  for (const DrawnStep& step : report.steps) steps.push_back(step_of(step));
+  for (const DrawnStep& step : report.steps) steps.push_back(step_of(step, system.dimension));
   for (const Boundary& boundary : system.boundaries) boundaries.push_back(boundary.name);
   for (const auto& [key, text] : report.header.provenance)
     if (key != "cases") provenance.push_back(Json::array({key, text}));
   return {{"kind", "run"},
+          {"dimension", system.dimension},
           {"ended", report.ended},
           {"provenance_of_run", std::move(provenance)},
           {"solver",

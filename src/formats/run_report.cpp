@@ -42,14 +42,19 @@ Column heading_of(const std::string& name, const ResultColumns<Result>& columns)
 }
 
 DrawnStep drawn(const Simulation& run, const TrajectoryStep& step) {
-  DrawnStep result{step.state.step, step.state.time, step.state.x, step.state.y, {}, {}};
-  for (const Wall& wall : run.system.walls)
-    result.walls.push_back(
-        moved<2>(wall, run.system.boundaries[at(wall.boundary)].motion, step.state.poses[at(wall.boundary)]));
+  const GranularState& state = step.state;
+  DrawnStep result{state.step, state.time, state.x, state.y, state.z, {}, {}};
+  for (const Wall& wall : run.system.walls) {
+    const auto b = at(wall.boundary);
+    result.walls.push_back(in_dimension(run.system, [&](auto dimension) {
+      return moved<decltype(dimension)::value>(wall, run.system.boundaries[b].motion, state.poses[b]);
+    }));
+  }
+  const bool flat = run.system.dimension == 2;
   for (const TrajectoryContact& c : step.contacts)
     if (c.carries())
-      result.contacts.push_back(
-          {c.geometry.a, c.geometry.b, {c.geometry.point[0], c.geometry.point[1]}, c.impulse, c.status, c.subdomain});
+      result.contacts.push_back({c.geometry.a, c.geometry.b, c.geometry.point, c.impulse.n,
+                                 flat ? c.impulse.t : c.tangential(), c.status, c.subdomain});
   return result;
 }
 
@@ -61,11 +66,13 @@ std::string name_of_case(const std::string& path, const TrajectoryHeader& header
   return std::filesystem::path(path).stem().string();
 }
 
-// Bytes that a step takes on the page: two numbers of four bytes for a disk, and 19 bytes for a contact that carries,
-// written as letters of six bits.
+// Bytes that a step takes on the page, written as letters of six bits: a number of four bytes for every coordinate of a
+// grain and of the point of a contact that carries, which also has its ends, subdomain, impulses and status.
 double bytes_of(const TrajectoryStep& step) {
   const auto carrying = std::ranges::count_if(step.contacts, [](const TrajectoryContact& c) { return c.carries(); });
-  return 4.0 / 3 * (8.0 * static_cast<double>(step.state.x.size()) + 19.0 * static_cast<double>(carrying)) + 200;
+  const double place = step.state.z.empty() ? 8 : 12;
+  return 4.0 / 3 * (place * static_cast<double>(step.state.x.size()) + (place + 21) * static_cast<double>(carrying)) +
+         200;
 }
 
 // The last iteration of a step always has a row: that of the summary. Runs that use up the iterations allowed have the
@@ -124,8 +131,6 @@ std::vector<Index> steps_to_draw(const std::string& path, const std::vector<Inde
 std::optional<RunReport> report_run(const std::string& path, const std::vector<Index>& steps, const Monitor& monitor) {
   RunReport report;
   report.header = read_trajectory_header(path);
-  if (report.header.system.dimension != 2)
-    fail("{}: report: expected a run of disks in the plane, met spheres in space", path);
   report.ended = read_end(path);
   report.status = read_statuses(path);
   if (report.status.empty()) fail("{}: expected a run that has taken a step, met none", path);

@@ -11,17 +11,17 @@ namespace nscdd {
 /// A contact with an impulse, from one centre to the other, or to the foot on a wall.
 struct DrawnContact {
   Index a = 0, b = 0;  ///< a wall has the number disks + its own
-  std::array<double, 2> point{};
-  LocalVector<2> impulse;  ///< N s
+  std::array<double, 3> point{};
+  double normal = 0, tangential = 0;  ///< impulse, N s; tangential with its sign in the plane, its size in space
   ContactStatus status = ContactStatus::open;
   Index subdomain = 0;
 };
 
 struct DrawnStep {
   Index step = 0;
-  double time = 0;           ///< s
-  std::vector<double> x, y;  ///< of all disks, m
-  std::vector<Wall> walls;   ///< where they are now
+  double time = 0;              ///< s
+  std::vector<double> x, y, z;  ///< of all grains, m; z in space only
+  std::vector<Wall> walls;      ///< where they are now
   std::vector<DrawnContact> contacts;
 };
 

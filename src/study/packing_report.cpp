@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/packing_report.hpp"
 
-#include "packing/plane.hpp"
 #include "study/sweep_points.hpp"
 
 namespace nscdd {
@@ -27,16 +26,18 @@ std::vector<Index> spread_places(Index size, Index number, bool last) {
   return places;
 }
 
-// x and y of every copy, by grain and subdomain, relative to the largest speed.
-std::vector<float> relative_velocities(const Interface& interface, const std::vector<Vector>& velocities) {
+// Components of every copy, by grain and subdomain, relative to the largest speed.
+std::vector<float> relative_velocities(const Interface& interface, const std::vector<Vector>& velocities,
+                                       Index dimension) {
   double largest = 0;
   for (const Vector& v : velocities)
-    for (Index k = 0; k + 1 < v.size(); k += 2) largest = std::max(largest, std::hypot(v[k], v[k + 1]));
+    for (Index k = 0; k + dimension <= v.size(); k += dimension)
+      largest = std::max(largest, v.segment(k, dimension).norm());
   std::vector<float> all;
   for (Index grain = 0; grain < interface.grains(); ++grain)
     for (const GrainCopy& copy : interface.copies(grain))
-      for (Index k = 0; k < 2; ++k) {
-        const double v = velocities[at(copy.subdomain)][2 * copy.grain + k];
+      for (Index k = 0; k < dimension; ++k) {
+        const double v = velocities[at(copy.subdomain)][dimension * copy.grain + k];
         all.push_back(static_cast<float>(largest > 0 ? v / largest : 0));
       }
   return all;
@@ -86,7 +87,7 @@ class GridWork {
     if (f.size() == 0 || f.isZero(0) || !radius.converged) return;
     const auto velocities = answers_.velocities(result.point.epsilon, mode_sign(f) * f);
     grid_.modes.push_back({row, column, side, low ? radius.subdominant_min : radius.subdominant_max,
-                           relative_velocities(selection_.stage_one->interface, velocities)});
+                           relative_velocities(selection_.stage_one->interface, velocities, model_.problem.dimension)});
   }
 
   void find_optima(Progress& progress) {
@@ -144,7 +145,6 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
                                             const Monitor& monitor) {
   require_geometry(model, "report");
   const SweepParameters& sweep = parameters.sweep;
-  require_plane(model.packing, "report");
   PackingReport report;
   report.scale = flexibility_scale(model);
   report.inspection = inspect(model, 0);
@@ -158,7 +158,8 @@ std::optional<PackingReport> report_packing(const Model& model, const PackingRep
   }
   if (report.impulses.size() == 0 && !model.problem.arriving_velocity.isZero(0))
     report.impulses = choose_contacts(model, ContactSet::active).impulses;
-  const Index sets = count(report.grids), velocities = 2 * std::max<Index>(1, copies_of(model.parts.interface));
+  const Index sets = count(report.grids),
+              velocities = model.problem.dimension * std::max<Index>(1, copies_of(model.parts.interface));
   const ModePlaces places =
       mode_places(count(sweep.epsilon), count(sweep.eta), parameters.mode_velocities / (velocities * sets));
   const Index spectra = point_count(sweep), optima = parameters.optima ? count(sweep.epsilon) : 0;

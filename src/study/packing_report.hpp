@@ -14,7 +14,8 @@ struct PackingReportParameters {
   SweepParameters sweep;
   std::vector<ContactSet> contact_sets;  ///< of Stage 1, with a grid each
   bool optima = true;                    ///< look for the best eta of every epsilon
-  /// Velocities that the modes kept may have in all, two for each copy of a grain. At least one mode is kept.
+  /// Velocities that the modes kept may have in all, one for each copy of a grain and direction. At least one mode is
+  /// kept.
   Index mode_velocities = 1'500'000;
 };
 
@@ -23,7 +24,8 @@ struct KeptMode {
   Index epsilon = 0, eta = 0;              ///< places in the lists of flexibilities
   SpectrumSide side = SpectrumSide::high;  ///< `low` or `high`
   double eigenvalue = not_a_number;
-  /// x and y of every copy, by grain and subdomain, relative to the largest speed of a copy, and the sign as in Mode.
+  /// x, y and in space z of every copy, by grain and subdomain, relative to the largest speed of a copy, and the sign
+  /// as in Mode.
   std::vector<float> velocities;
 };
 

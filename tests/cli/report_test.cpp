@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstring>
 
 using namespace nscdd::testing;
 
@@ -113,6 +114,97 @@ TEST_CASE("report: an empty interface is said and shown") {
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.standard_error, "the interface is empty"));
   CHECK(data_of(session.read("page.html"))["grids"][0]["points"][0]["radius"] == 0);
+}
+
+// What a page has as a packed array.
+template <class Value>
+std::vector<Value> unpacked(const Json& array) {
+  static const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes;
+  unsigned gathered = 0;
+  int bits = 0;
+  for (const char letter : array["data"].get<std::string>()) {
+    if (letter == '=') break;
+    gathered = (gathered << 6 | static_cast<unsigned>(letters.find(letter))) & 0xFFFFU;
+    bits += 6;
+    if (bits < 8) continue;
+    bits -= 8;
+    bytes.push_back(static_cast<unsigned char>(gathered >> bits & 0xFFU));
+  }
+  std::vector<Value> values(bytes.size() / sizeof(Value));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
+  return values;
+}
+
+TEST_CASE("report: spheres have their z, radii of the sweep, and modes of three components") {
+  const Session session;
+  session.file("fcc.toml",
+               "[packing]\ngenerator = \"fcc\"\ncolumns = 3\nrows = 3\nlayers = 3\n[partition]\ngrid = [2, 2, 2]\n"
+               "[loads]\ncompression = [1.0, 0.5, 0.25]\n");
+  answer(session, "report fcc.toml --epsilon 0.1,1 --eta 0.3,inf --no-optimum -o page.html");
+  const Json data = data_of(session.read("page.html"));
+  CHECK(data["dimension"] == 3);
+  const std::string packing = answer(session, "generate fcc.toml -o -");
+  const CsvTable grains = read_table(packing.substr(packing.find("\nx,y,z,radius") + 1));
+  const std::vector<float> z = unpacked<float>(data["grains"]["z"]);
+  REQUIRE(z.size() == grains.rows.size());
+  for (std::size_t i = 0; i < z.size(); ++i) CHECK(z[i] == doctest::Approx(grains.number(i, "z")).epsilon(1e-6));
+  const std::size_t copies = unpacked<std::uint32_t>(data["copies"]["subdomain"]).size();
+  for (const Json& grid : data["grids"]) {
+    const CsvTable sweep = table(
+        session, "sweep fcc.toml --epsilon 0.1,1 --eta 0.3,inf --contacts " + grid["contacts"].get<std::string>());
+    for (std::size_t row = 0; row < sweep.rows.size(); ++row)
+      CHECK(grid["points"][row]["radius"] == sweep.number(row, "spectral_radius"));
+    REQUIRE(!grid["modes"].empty());
+    for (const Json& mode : grid["modes"]) {
+      const std::vector<std::int16_t> v = unpacked<std::int16_t>(mode["velocities"]);
+      REQUIRE(v.size() == 3 * copies);
+      double fastest = 0, along_z = 0;
+      for (std::size_t k = 0; k < copies; ++k) {
+        fastest = std::max(fastest, std::hypot(1.0 * v[3 * k], 1.0 * v[3 * k + 1], 1.0 * v[3 * k + 2]));
+        along_z = std::max(along_z, std::abs(1.0 * v[3 * k + 2]));
+      }
+      CHECK(fastest == doctest::Approx(32767).epsilon(1e-4));
+      CHECK(along_z > 1000);
+    }
+  }
+  answer(session, "report disks4 --epsilon 1 --eta inf --no-optimum -o plane.html");
+  CHECK(data_of(session.read("plane.html"))["dimension"] == 2);
+  CHECK(!data_of(session.read("plane.html"))["grains"].contains("z"));
+}
+
+TEST_CASE("report: a run of spheres has heights, walls with their radii and points of contacts in space") {
+  const Session session;
+  session.file("drum.toml",
+               "[packing]\ngenerator = \"cubic\"\ncolumns = 3\nrows = 3\nlayers = 3\ndisorder = 0.1\n"
+               "[masses]\ndensity = 2500\n[partition]\ngrid = [2, 2, 1]\n"
+               "[dynamics]\nstep = 0.005\nsteps = 80\n[solver]\nalgorithm = \"generic\"\n"
+               "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [1, 0, 1]\nto = [1, 1, 1]\nradius = 2.2\n"
+               "centre = [1, 0, 1]\nspin = [0, 2, 0]\n"
+               "[[boundary]]\nname = \"end\"\nshape = \"wall\"\npoint = [0, -0.6, 0]\nnormal = [0, 1, 0]\n");
+  answer(session, "simulate drum.toml --save-every 40 -o drum.h5");
+  CHECK(contains(answer(session, "report drum.h5 -o drum.html"), "3 of 81 steps drawn, 27 spheres"));
+  const Json data = data_of(session.read("drum.html"));
+  CHECK(data["dimension"] == 3);
+  REQUIRE(data["steps"].size() == 3);
+  const nscdd::TrajectoryStep last = nscdd::read_last_step(session.folder / "drum.h5");
+  const Json& step = data["steps"][2];
+  CHECK((step["walls"] == Json::parse("[[1, 0, 1, 0, 1, 0, 2.2], [0, -0.6, 0, 0, 1, 0, 0]]")));
+  const std::vector<float> z = unpacked<float>(step["z"]);
+  REQUIRE(z.size() == 27);
+  for (std::size_t i = 0; i < z.size(); ++i) CHECK(z[i] == static_cast<float>(last.state.z[i]));
+  const std::vector<float> point = unpacked<float>(step["contacts"]["point"]);
+  const std::vector<float> tangential = unpacked<float>(step["contacts"]["tangential"]);
+  std::size_t carrying = 0;
+  for (const nscdd::TrajectoryContact& c : last.contacts) {
+    if (!c.carries()) continue;
+    REQUIRE(point.size() >= 3 * (carrying + 1));
+    for (std::size_t k = 0; k < 3; ++k) CHECK(point[3 * carrying + k] == static_cast<float>(c.geometry.point[k]));
+    CHECK(tangential[carrying] == static_cast<float>(std::hypot(c.impulse.t, c.second_tangential)));
+    ++carrying;
+  }
+  CHECK(carrying > 10);
+  CHECK(3 * carrying == point.size());
 }
 
 TEST_CASE("report: usage that makes no sense, of a packing") {

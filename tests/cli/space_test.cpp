@@ -280,12 +280,6 @@ TEST_CASE("space: a study of a file with z takes tolerances of its columns along
   CHECK(network.number(0, "z_a") == 0);
 }
 
-TEST_CASE("space: spheres have no page yet: it is refused") {
-  const Session session;
-  session.file("fcc.toml", lattice);
-  check_refused(session, "report fcc.toml -o page.html", {"report", "expected disks in the plane"});
-}
-
 TEST_CASE("space: spheres fall into a drum that turns; a run that is cut short goes on bit by bit") {
   const Session session;
   session.file("drum.toml", drum);

@@ -24,6 +24,9 @@ from selenium.webdriver.common.keys import Keys
 
 import colours
 
+sys.path.insert(0, os.path.join(os.environ["NSCDD_SOURCE"], "plots"))
+import perspective  # noqa: E402
+
 EPSILON, ETA = "0,0.1,1,10", "0.3,1,3,10,inf"
 FAILED = []
 
@@ -204,10 +207,13 @@ def tab_through(page, use):
     return reached
 
 
-def check_keyboard(page):
+IN_SPACE = ("layer-inner", "grain-size", "cut")
+
+
+def check_keyboard(page, more=()):
     """Tab alone reaches everything that can be used, and keys use it."""
     wanted = {"scene", "zoom-in", "zoom-out", "whole", "layer-contacts", "layer-labels", "layer-hatching", "layer-mode",
-              "amplitude", "epsilon", "eta", "go-best"}
+              "amplitude", "epsilon", "eta", "go-best", *more}
     missing = wanted - set(tab_through(page, use_focused))
     check(not missing, f"keyboard: Tab reaches all controls {missing or ''}")
 
@@ -373,6 +379,102 @@ def check_print(page):
     page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
+def check_camera(page):
+    """The camera of the page is that of the figures in space, and leaves the plane as it is."""
+    with open(os.path.join(os.environ["NSCDD_SOURCE"], "src/formats/page/camera.js"), encoding="utf-8") as stream:
+        code = stream.read()
+    low, high = [-1.0, 2.0, 0.5], [4.0, 5.0, 9.0]
+    points = np.random.default_rng(1).uniform(low, high, (50, 3))
+    for azimuth, elevation in ((28, 16), (-75, 60), (200, -30)):
+        seen = page.js(code + """
+            const camera = createCamera(true), [points, low, high, azimuth, elevation] = arguments;
+            camera.aim(low, high);
+            camera.turn(azimuth, elevation);
+            return points.map((p) => camera.project(...p));""", points.tolist(), low, high, azimuth, elevation)
+        screen, nearness, scale = perspective.Camera(low, high, azimuth, elevation).project(points)
+        far = np.abs(np.column_stack([screen, nearness, scale]) - seen).max()
+        check(far < 1e-12, f"camera: it sees points where plots/perspective.py does ({far:.1e})")
+    flat = page.js(code + "return arguments[0].map(([x, y]) => createCamera(false).project(x, y, 0))", points.tolist())
+    check(np.array_equal(flat, np.column_stack([points[:, :2], np.zeros(50), np.ones(50)])), "camera: a plane stays")
+    order = page.js(code + """
+        const near = Float32Array.from(arguments[0]);
+        return [...fromFarToNear(near, Math.min(...near), Math.max(...near))];""", points[:, 0].tolist())
+    check(sorted(order) == list(range(50)) and np.all(np.diff(points[order, 0]) > -1e-3), "camera: far things come first")
+
+
+def turn_slider(page, name, *keys):
+    page.by_id(name).send_keys(*keys)
+    page.settle()
+    return page.picture()
+
+
+def check_space(page, name):
+    """The camera turns, and lets one look into the packing."""
+    page.by_id("scene").click()
+    page.keys(Keys.ESCAPE, "0")
+    first = page.picture()
+    page.keys(Keys.ARROW_LEFT)
+    turned = page.picture()
+    page.keys(Keys.ARROW_RIGHT)
+    check(page.picture() == first != turned, f"{name}: arrow keys turn the camera, and back")
+    page.keys(Keys.ARROW_UP)
+    check(page.picture() not in (first, turned), f"{name}: and up")
+    ActionChains(page.browser, duration=0).key_down(Keys.SHIFT).send_keys(Keys.ARROW_LEFT).key_up(Keys.SHIFT).perform()
+    page.settle()
+    moved = page.picture()
+    page.keys("0")
+    check(page.picture() == first != moved, f"{name}: 0 brings back where it was seen from first")
+    sizes = [turn_slider(page, "grain-size", Keys.HOME), turn_slider(page, "grain-size", Keys.END)]
+    drawn = page.pixels()[1]
+    check(len({first, *sizes}) == 3, f"{name}: grains shrink and grow")
+    check(page.by_id("grain-size").get_attribute("aria-valuetext") == "100 %", f"{name}: the slider says how much")
+    turn_slider(page, "cut", Keys.END)
+    left = page.pixels()[1]
+    check(0.005 < left < 0.8 * drawn, f"{name}: what lies in front is cut away ({drawn:.0%} to {left:.0%})")
+    turn_slider(page, "cut", Keys.HOME)
+    page.switch("inner", False)
+    check(0.01 < page.pixels()[1] < 0.95 * drawn, f"{name}: grains of the interface alone are shown")
+    page.switch("inner", True)
+    check(page.picture() == sizes[1], f"{name}: and all again")
+
+
+def check_pages_in_space(browser, folder):
+    """Spheres: the same page with a camera that turns."""
+    nscdd(folder, "generate", "fcc", "--set", "packing.columns=6", "--set", "packing.rows=6", "--set",
+          "packing.layers=6", "-o", "fcc.csv")
+    grid = ["--epsilon", EPSILON, "--eta", ETA]
+    cut = ["--subdomains", "2x2x2"]
+    nscdd(folder, "report", "fcc.csv", *cut, *grid, "-o", "fcc.html")
+    path = os.path.join(folder, "fcc.html")
+    page = Page(browser, path)
+    check_renders(page, "spheres")
+    check_camera(page)
+    check_sliders(page, rows(nscdd(folder, "sweep", "fcc.csv", *cut, *grid, "--csv", "-")))
+    check_modes(page)
+    check_space(page, "spheres")
+    check_keyboard(page, IN_SPACE)
+    check_mouse(page)
+    check_contrast(page, "spheres")
+    check("turn" in page.text("scene-help"), "spheres: the help says how to turn")
+    page.quiet("spheres")
+    check_narrow(Page(browser, path, 400, 800), "spheres", ("epsilon", "eta"))
+    case = os.path.join(os.environ["NSCDD_SOURCE"], "studies/newton-scalability-in-space/deposit.toml")
+    nscdd(folder, "simulate", case, "--algorithm", "generic", "--steps", "3", "--set", "solver.tolerance=1e-2",
+          "--convergence", "bed.csv", "-o", "bed.h5")
+    nscdd(folder, "report", "bed.h5", "--convergence", "bed.csv", "-o", "bed.html")
+    path = os.path.join(folder, "bed.html")
+    page = Page(browser, path)
+    check_renders(page, "run of spheres")
+    check_run(page, os.path.join(folder, "bed.h5"))
+    check_space(page, "run of spheres")
+    check("512 spheres" in page.text("lead") and "Spheres" in page.text("facts"), "run of spheres: they are called so")
+    page.by_id("scene").click()
+    page.keys("n")
+    check(page.text("grain").startswith("Sphere "), f"run of spheres: N names one: {page.text('grain')}")
+    page.quiet("run of spheres")
+    check_narrow(Page(browser, path, 400, 800), "run of spheres", ("step",))
+
+
 def check_packing_pages(browser, folder):
     grid = ["--epsilon", EPSILON, "--eta", ETA]
     nscdd(folder, "report", "disks12", *grid, "-o", "disks12.html")
@@ -454,6 +556,7 @@ def main():
             check_alone(browser, folder)
             check_run_pages(browser, folder)
             check_criterion(browser, folder)
+            check_pages_in_space(browser, folder)
     finally:
         browser.quit()
     if FAILED:

@@ -10,8 +10,8 @@ using namespace nscdd;
 using namespace nscdd::testing;
 
 TEST_CASE("packing report: a mode is that of nscdd modes, at its own point and relative to the fastest copy") {
-  Index compared = 0;
-  for (const Case& one : plane_problems()) {
+  std::array<Index, 4> compared{};
+  for (const Case& one : every_problem()) {
     const Model model = build(one);
     if (model.parts.interface_size() == 0 || !model.has_geometry()) continue;
     CAPTURE(one.spec.name);
@@ -38,17 +38,19 @@ TEST_CASE("packing report: a mode is that of nscdd modes, at its own point and r
         double fastest = 0;
         mode_velocities(model, mode, [&](const ModeVelocity& copy) {
           velocities.push_back(copy.velocity);
-          fastest = std::max(fastest, std::hypot(copy.velocity[0], copy.velocity[1]));
+          fastest = std::max(fastest, std::hypot(copy.velocity[0], copy.velocity[1], copy.velocity[2]));
         });
-        REQUIRE(kept.velocities.size() == 2 * velocities.size());
+        const auto d = static_cast<std::size_t>(model.packing.dimension());
+        REQUIRE(kept.velocities.size() == d * velocities.size());
         double worst = 0;
         for (std::size_t k = 0; k < kept.velocities.size(); ++k)
-          worst = std::max(worst, std::abs(velocities[k / 2][k % 2] / fastest - kept.velocities[k]));
+          worst = std::max(worst, std::abs(velocities[k / d][k % d] / fastest - kept.velocities[k]));
         CHECK(worst < 1e-4);
-        ++compared;
+        ++compared[d];
       }
   }
-  CHECK(compared > 20);
+  CHECK(compared[2] > 20);
+  CHECK(compared[3] > 20);
 }
 
 TEST_CASE("packing report: modes are kept at places evenly spread, with both ends, and never more than there is room") {

@@ -69,7 +69,7 @@ function fact(list, term, text) {
 // Colours of subdomains that people tell apart whatever their colour vision (tests/report measures the distances).
 // Each goes with a hatching of its own, so that no colour is the only sign.
 const palette = ['#56B4E9', '#E69F00', '#F2EFE6', '#8F8F8F', '#0072B2', '#F0E442'];
-const ink = '#1b1b1b', modeInk = '#8a1c00';
+const ink = '#1b1b1b', modeInk = '#8a1c00', idle = '#d8d8d8';
 
 // Neighbouring subdomains get different colours, the first ones free. `holders(i)`: subdomains of grain i.
 function coloursOf(subdomains, grains, holders) {

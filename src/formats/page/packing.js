@@ -5,6 +5,8 @@ function showPacking() {
   const {counts, scale, epsilon, contacts: network} = data;
   const eta = data.eta.map((value) => (value === 'inf' ? Infinity : value));
   const grains = Object.fromEntries(Object.entries(data.grains).map(([key, array]) => [key, unpacked(array)]));
+  const space = data.dimension === 3;
+  grains.z ??= new Float32Array(grains.x.length);
   const start = unpacked(data.copies.start), subdomainOfCopy = unpacked(data.copies.subdomain);
   const [first, second] = [unpacked(network.a), unpacked(network.b)];
   const impulses = network.impulse && unpacked(network.impulse);
@@ -27,7 +29,7 @@ function showPacking() {
   };
 
   function makePicture() {
-    const made = {...grains, holders, colours, special: () => false, lines: [], arrows: null};
+    const made = {...grains, space, holders, colours, special: () => false, lines: [], arrows: null};
     const canvas = byId('scene');
     canvas.setAttribute(
         'aria-label', `Picture of ${plural(counts.grains, 'grain')} in ` + plural(data.subdomains, 'subdomain'));
@@ -46,7 +48,8 @@ function showPacking() {
   function showContacts() {
     const active = unpacked(grid().active);
     const numbers = Array.from(first.keys());
-    const ends = (k) => [grains.x[first[k]], grains.y[first[k]], grains.x[second[k]], grains.y[second[k]]];
+    const place = (i) => [grains.x[i], grains.y[i], grains.z[i]];
+    const ends = (k) => [...place(first[k]), ...place(second[k])];
     const sorted = impulses ? Array.from(impulses, Math.abs).sort((a, b) => a - b) : [];
     const full = sorted.length ? sorted[Math.floor(0.99 * (sorted.length - 1))] || 1 : 1;
     const size = (k) => (impulses ? Math.abs(impulses[k]) / full : 0.3);
@@ -80,21 +83,15 @@ function showPacking() {
 
   function arrowsOf(mode) {
     if (!velocities.has(mode)) velocities.set(mode, unpacked(mode.velocities));
-    const packed = velocities.get(mode), copies = packed.length / 2;
-    const arrows = {
-      x: new Float32Array(copies),
-      y: new Float32Array(copies),
-      u: new Float32Array(copies),
-      v: new Float32Array(copies)
-    };
+    const packed = velocities.get(mode), d = data.dimension, copies = packed.length / d;
+    const [x, y, z, u, v, w] = Array.from({length: 6}, () => new Float32Array(copies));
     for (let i = 0; i < grains.x.length; ++i)
       for (let k = start[i]; k < start[i + 1]; ++k) {
-        arrows.x[k] = grains.x[i];
-        arrows.y[k] = grains.y[i];
-        arrows.u[k] = packed[2 * k] / 32767;
-        arrows.v[k] = packed[2 * k + 1] / 32767;
+        [x[k], y[k], z[k]] = [grains.x[i], grains.y[i], grains.z[i]];
+        [u[k], v[k]] = [packed[d * k] / 32767, packed[d * k + 1] / 32767];
+        if (space) w[k] = packed[d * k + 2] / 32767;
       }
-    return arrows;
+    return {x, y, z, u, v, w};
   }
 
   function meaningOf(point) {
@@ -276,14 +273,11 @@ function showPacking() {
     addSwitch(scene, 'labels', 'numbers of subdomains');
     addSwitch(scene, 'hatching', 'hatching');
     addSwitch(scene, 'mode', 'slowest mode');
-    const amplitude = element(
-        'input', {type: 'range', id: 'amplitude', min: -3, max: 5, step: 0.5, value: 0, 'aria-valuetext': 'times 1'});
-    amplitude.addEventListener('input', () => {
-      scene.amplitude = 2 ** Number(amplitude.value);
-      amplitude.setAttribute('aria-valuetext', 'times ' + told(scene.amplitude, 2));
-      scene.draw();
+    const times = (value) => 'times ' + told(2 ** value, 2);
+    addRange(scene, 'amplitude', 'length of arrows', {min: -3, max: 5, step: 0.5, value: 0}, times, (value) => {
+      scene.amplitude = 2 ** value;
     });
-    byId('layers').append(element('label', {}, 'length of arrows', amplitude));
+    addSpaceTools(scene, 60);
     byId('layers').after(element('p', {id: 'mode-text', role: 'status'}));
     const shared = sample(palette[0]);
     shared.setAttribute('stroke-width', 3);

@@ -11,6 +11,7 @@ const indicators = [
 ];
 
 function showRun() {
+  const space = data.dimension === 3, grain = space ? 'sphere' : 'disk', Grain = space ? 'Sphere' : 'Disk';
   const radius = unpacked(data.disks.radius), mass = unpacked(data.disks.mass), {solver} = data;
   const summary = Object.fromEntries(data.summary.map((column) => [column.name, column.values]));
   const iterations = Object.fromEntries(data.iterations.map((column) => [column.name, column.values]));
@@ -22,6 +23,8 @@ function showRun() {
   const picture = {
     x: shown[0].x,
     y: shown[0].y,
+    z: shown[0].z,
+    space,
     radius,
     colours,
     walls: [],
@@ -34,7 +37,7 @@ function showRun() {
 
   byId('figures').append(byId('run').content);
   const scene = createScene(byId('scene'), picture);
-  byId('scene').setAttribute('aria-label', `Picture of ${plural(radius.length, 'disk')} and their force chains`);
+  byId('scene').setAttribute('aria-label', `Picture of ${plural(radius.length, grain)} and their force chains`);
 
   // A step with its arrays, and the subdomains that hold each disk: those of its contacts.
   function opened(step) {
@@ -50,6 +53,7 @@ function showRun() {
       time: step.time,
       x: unpacked(step.x),
       y: unpacked(step.y),
+      z: space ? unpacked(step.z) : new Float32Array(radius.length),
       walls: step.walls,
       contacts,
       holders
@@ -63,15 +67,15 @@ function showRun() {
   }
 
   function showChains() {
-    const {contacts: c, x, y, walls} = shown[place];
-    const ends = (k) => [x[c.a[k]], y[c.a[k]], ...(c.b[k] < radius.length ? [x[c.b[k]], y[c.b[k]]] : [
-                           c.point[2 * k], c.point[2 * k + 1]
-                         ])];
+    const {contacts: c, x, y, z, walls} = shown[place], d = data.dimension;
+    const centre = (i) => [x[i], y[i], z[i]], point = (k) => [...c.point.subarray(d * k, d * k + d), 0].slice(0, 3);
+    const ends = (k) => [...centre(c.a[k]), ...(c.b[k] < radius.length ? centre(c.b[k]) : point(k))];
     const size = (k) => Math.abs(c.normal[k]) / full;
     const numbers = Array.from(c.a.keys()), pulls = (k) => c.normal[k] < 0, slides = (k) => c.status[k] >= 2;
     Object.assign(picture, {
       x,
       y,
+      z,
       walls,
       lines: [
         ...lineGroups(numbers.filter((k) => !pulls(k) && !slides(k)), ends, size, {colour: ink}),
@@ -84,12 +88,12 @@ function showRun() {
 
   function describe(i) {
     const held = shown[place].holders[i], driver = data.disks.driven_by[i];
-    const kind = driver >= 0 ? `disk of boundary ${data.boundaries[driver]}` : `mass ${told(mass[i])} kg`;
+    const kind = driver >= 0 ? `${grain} of boundary ${data.boundaries[driver]}` : `mass ${told(mass[i])} kg`;
     const where = !solver.decomposes ? '' :
         held.length === 0            ? ', carries nothing' :
         held.length === 1            ? `, subdomain ${held[0]}` :
                                        `, shared by subdomains ${held.join(', ')}`;
-    return `Disk ${i}: ${kind}, radius ${told(radius[i])} m${where}`;
+    return `${Grain} ${i}: ${kind}, radius ${told(radius[i])} m${where}`;
   }
 
   const rowOf = (step) => summary.step.indexOf(step);
@@ -237,17 +241,18 @@ function showRun() {
     addSwitch(scene, 'contacts', 'force chains');
     if (colours.length > 1) addSwitch(scene, 'labels', 'numbers of subdomains');
     if (colours.length > 1) addSwitch(scene, 'hatching', 'hatching');
+    addSpaceTools(scene, 40);
     addToLegend('compression, sticks', stroke(5, ink));
     addToLegend('compression, slides', stroke(4, '#8a1c00', '6 3'));
     addToLegend('tension', stroke(4, '#0050a0', '2 2'));
-    addToLegend(colours.length > 1 ? 'disk, coloured and hatched by subdomain' : 'disk', disk(palette[0]));
-    if (colours.length > 1) addToLegend('shared disk: thick rim', disk(palette[0], 3));
-    addToLegend('disk of a boundary, or one that carries nothing', disk('#d8d8d8'));
+    addToLegend(colours.length > 1 ? `${grain}, coloured and hatched by subdomain` : grain, disk(palette[0]));
+    if (colours.length > 1) addToLegend(`shared ${grain}: thick rim`, disk(palette[0], 3));
+    addToLegend(`${grain} of a boundary, or one that carries nothing`, disk(idle));
   }
 
   function addFacts() {
     const list = byId('facts'), driven = data.disks.driven_by.filter((boundary) => boundary >= 0).length;
-    fact(list, 'Disks', `${radius.length - driven} free, ${driven} of boundaries`);
+    fact(list, Grain + 's', `${radius.length - driven} free, ${driven} of boundaries`);
     fact(list, 'Boundaries', data.boundaries.join(', ') || 'none');
     fact(
         list, 'Algorithm',
@@ -272,7 +277,7 @@ function showRun() {
 
   byId('picture-title').textContent = 'Force chains';
   byId('lead').textContent =
-      `A run of ${plural(summary.step.length, 'step')} with ${plural(radius.length, 'disk')}: how ` +
+      `A run of ${plural(summary.step.length, 'step')} with ${plural(radius.length, grain)}: how ` +
       'its steps converged, and the impulses that they ended with.';
   addLegend();
   addFacts();
