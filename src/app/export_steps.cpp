@@ -4,6 +4,7 @@
 #include "app/step_range.hpp"
 #include "files/output_file.hpp"
 #include "files/output_folder.hpp"
+#include "formats/datbox_sphere_writer.hpp"
 #include "formats/datbox_writer.hpp"
 #include "formats/export.hpp"
 #include "formats/vtkhdf.hpp"
@@ -77,8 +78,16 @@ int export_vtkhdf(const Chosen& chosen, const std::string& path) {
 
 using Write = std::function<void(const std::string& name, const std::string& text)>;
 
-// What LMGC90 begins with: the first of the steps. So does this program, where no disk spins in it.
-void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const Write& write) {
+bool spins(const GranularState& state) {
+  const auto any = [](const std::vector<double>& spins) {
+    return std::ranges::any_of(spins, [](double spin) { return spin != 0; });
+  };
+  return any(state.spin) || any(state.spin_x) || any(state.spin_y);
+}
+
+// What LMGC90 begins with: the first of the steps. So does this program, where no grain spins in it.
+template <class Writer>
+void write_datbox(const Writer& writer, const TrajectoryStep& first, const Write& write) {
   write("BODIES.DAT", writer.bodies());
   write("BULK_BEHAV.DAT", writer.bulk());
   write("TACT_BEHAV.DAT", writer.tact());
@@ -88,9 +97,10 @@ void write_datbox(const DatboxWriter& writer, const TrajectoryStep& first, const
   write("Vloc_Rloc.INI", writer.vloc_rloc(first));
 }
 
+template <class Writer>
 int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const TrajectoryStep first = read_trajectory_step(chosen.trajectory, chosen.steps.front());
-  const DatboxWriter writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
+  const Writer writer(rebuilt_simulation(chosen.trajectory, chosen.header, first.state));
   make_folder(folder.string(), chosen.force);
   const auto into = [&](const char* name) -> Write {
     make_folder((folder / name).string(), chosen.force);
@@ -101,9 +111,9 @@ int export_lmgc90(const Chosen& chosen, const fs::path& folder) {
   const std::string reason = writer.without_datbox();
   if (reason.empty()) {
     write_datbox(writer, first, into("DATBOX"));
-    if (std::ranges::any_of(first.state.spin, [](double spin) { return spin != 0; }))
-      note("{}: disks spin in step {}, which nscdd simulate does not begin with; LMGC90 does",
-           (folder / "DATBOX").string(), first.state.step);
+    if (spins(first.state))
+      note("{}: {}s spin in step {}, which nscdd simulate does not begin with; LMGC90 does",
+           (folder / "DATBOX").string(), shape_of_grains(chosen.header.system.dimension), first.state.step);
   } else {
     note("{}: no DATBOX is written: {}", folder.string(), reason);
   }
@@ -130,7 +140,9 @@ int export_steps(const StepsOptions& options, const std::string& trajectory, boo
     require_vtkhdf_name(options.vtkhdf);
   }
   const Chosen steps = chosen(trajectory, parse_step_range(options.range), force);
-  if (!options.lmgc90.empty()) return export_lmgc90(steps, options.lmgc90);
+  if (!options.lmgc90.empty())
+    return steps.header.system.dimension == 3 ? export_lmgc90<SphereDatboxWriter>(steps, options.lmgc90)
+                                              : export_lmgc90<DatboxWriter>(steps, options.lmgc90);
   return options.vtkhdf.empty() ? export_vtk(steps, options.vtk) : export_vtkhdf(steps, options.vtkhdf);
 }
 

@@ -3,8 +3,9 @@
 
 #include "study/case.hpp"
 
-/// Input files of LMGC90 for rigid bodies in the plane, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT, TACT_BEHAV.DAT,
-/// DRV_DOF.DAT and DOF.INI. Numbers stand in fixed columns with seven or eight digits. Errors name file and line.
+/// Input files of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT,
+/// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers stand in fixed columns with seven or eight digits. Errors name file
+/// and line.
 namespace nscdd {
 
 /// A place in one of the files, for errors.
@@ -15,10 +16,12 @@ struct DatboxPlace {
 
 /// What a body touches others with.
 struct DatboxContactor {
-  bool plank = false;                ///< JONCx, a plank with round ends; else a disk: DISKx, or DISKb of a cluster
-  double radius = 0;                 ///< m, of a disk
+  /// JONCx, a plank with round ends, or PLANx in space; else a disk: DISKx, or DISKb of a cluster, or a sphere SPHER.
+  bool plank = false;
+  double radius = 0;                 ///< m, of a disk or sphere
   double length = 0, thickness = 0;  ///< m, of a plank: half its length without the ends, half its thickness
-  std::array<double, 2> shift{};     ///< m, from the centre of the body, in its own axes
+  double width = 0;                  ///< m, of a plank in space, half of it
+  std::array<double, 2> shift{};     ///< m, from the centre of the body, in its own axes; none in space
   std::string colour;
   DatboxPlace place;
 };
@@ -32,17 +35,25 @@ struct DatboxDrive {
 };
 
 struct DatboxBody {
-  std::array<double, 3> position{};                ///< x, y (m) and angle (rad) at the beginning
-  std::array<double, 3> velocity{};                ///< m/s, m/s, rad/s
-  double average_radius = 0, gyration_radius = 0;  ///< m; the mass is density x pi x average_radius^2
-  double written_digit = 0;                        ///< m, half of the last digit in which its place is written
-  std::string bulk;                                ///< name of its bulk law
-  std::vector<DatboxContactor> contactors;         ///< at least one
-  std::array<std::optional<DatboxDrive>, 3> drives;
-  std::optional<DatboxPlace> force;  ///< where a prescribed force stands, if there is one
+  std::array<double, 3> position{};  ///< at the beginning, m: x, y, and the angle (rad) or in space z
+  std::array<double, 3> velocity{};  ///< m/s, and in the plane rad/s
+  /// m; the mass is density x pi x average_radius^2, in space density x 4/3 pi x average_radius^3.
+  double average_radius = 0, gyration_radius = 0;
+  std::array<double, 3> inertia{};  ///< in space, times the density, m^5
+  /// In space: the axes of the body at the beginning, as columns, and its spin along them, rad/s. A plank is normal to
+  /// the third one.
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
+  std::array<double, 3> spin{};
+  double written_digit = 0;                          ///< m, half of the last digit in which its place is written
+  std::string bulk;                                  ///< name of its bulk law
+  std::vector<DatboxContactor> contactors;           ///< at least one
+  std::array<std::optional<DatboxDrive>, 6> drives;  ///< three in the plane
+  std::optional<DatboxPlace> force;                  ///< where a prescribed force stands, if there is one
   DatboxPlace place, velocity_place;
 
-  bool driven() const { return drives[0] || drives[1] || drives[2]; }
+  bool driven() const {
+    return std::ranges::any_of(drives, [](const auto& drive) { return drive.has_value(); });
+  }
   bool plank() const { return contactors[0].plank; }
 };
 
@@ -55,7 +66,8 @@ struct DatboxLaw {
 
 /// Which contactors see each other, and by which law.
 struct DatboxSight {
-  std::array<std::string, 2> contactors, colours;  ///< DISKx or JONCx, of the candidate and of the antagonist
+  /// DISKx or JONCx, in space SPHER or PLANx, of the candidate and of the antagonist.
+  std::array<std::string, 2> contactors, colours;
   std::string law;
   double alert = 0;  ///< m
   DatboxPlace place;
@@ -63,9 +75,10 @@ struct DatboxSight {
 
 struct Datbox {
   std::string folder;
+  Index dimension = 2;  ///< that of the first body: 2 for RBDY2, 3 for RBDY3
   std::vector<DatboxBody> bodies;
-  std::map<std::string, double> density;  ///< kg/m^2, by bulk law
-  std::array<double, 2> gravity{};        ///< m/s^2
+  std::map<std::string, double> density;  ///< kg/m^2 or kg/m^3, by bulk law
+  std::array<double, 3> gravity{};        ///< m/s^2
   std::map<std::string, DatboxLaw> laws;
   std::vector<DatboxSight> sights;
   double start = 0;  ///< s, time of DOF.INI, which drives count from
@@ -78,8 +91,9 @@ struct DatboxTexts {
 };
 
 /// Reads the files as LMGC90 does, by columns. `folder` stands before the names of files in errors. Throws Error for
-/// other bodies than RBDY2, other contactors than disks and planks, several nodes or bulk elements in a body, and
-/// whatever LMGC90 could not read or would cut off.
+/// other bodies than RBDY2 or RBDY3, bodies of both, other contactors than disks, spheres and planks, several
+/// contactors in a body in space, several nodes or bulk elements in a body, and whatever LMGC90 could not read or would
+/// cut off.
 Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder);
 
 /// Whether a path is a folder with BODIES.DAT in it or in its subfolder DATBOX.
@@ -96,8 +110,8 @@ enum class DatboxDisks {
   free,  ///< those that the linear study is about
 };
 
-/// The disks in the order of the files, with masses. Planks are no grains. Throws Error for a free body of several
-/// disks, one whose inertia is not that of a full disk, and a packing without grains.
+/// The disks or spheres in the order of the files, with masses. Planks are no grains. Throws Error for a free body of
+/// several disks, one whose inertia is not that of a full disk or sphere, and a packing without grains.
 Packing datbox_packing(const Datbox& datbox, DatboxDisks which);
 
 /// How far gaps of the packing are from those that were meant, at the most, because places and radii are rounded to

@@ -21,6 +21,17 @@ void require_full_disk(const DatboxBody& body) {
            body.gyration_radius);
 }
 
+// One of a full sphere is 2/5 m R^2.
+void require_full_sphere(const DatboxBody& body) {
+  constexpr double tolerance = 1e-3;
+  const double radius = body.contactors[0].radius, average = body.average_radius;
+  const double expected = 0.4 * radius * radius * 4.0 / 3 * std::numbers::pi * average * average * average;
+  for (const double inertia : body.inertia)
+    if (!(std::abs(inertia - expected) <= tolerance * expected))
+      refuse(body.place, "I1 to I3: expected those of a full sphere, {}, met {}: other inertias are not modelled",
+             expected, inertia);
+}
+
 double density_of(const Datbox& datbox, const DatboxBody& body) {
   const auto found = datbox.density.find(body.bulk);
   if (found == datbox.density.end())
@@ -88,23 +99,68 @@ Course table_of(const DatboxDrive& drive, double start) {
   return course;
 }
 
-Motion motion_of(const DatboxBody& body, double start) {
-  std::array<Course, 3> courses;
+// Spins in space are along the axes of the body, which keep the axis that it turns about if that is one and the same.
+RigidVelocity velocity_in_space(const DatboxBody& body, const std::array<double, 6>& v, Eigen::Vector3d& axis) {
+  const Eigen::Vector3d own(v[3], v[4], v[5]), spin = body.frame * own;
+  if (axis.isZero(0)) axis = own;
+  if (axis.cross(own).norm() > 1e-5 * axis.norm() * own.norm())
+    refuse(body.place, "expected a body that turns about one axis, met one that does not: not modelled");
+  return {v[0], v[1], spin[2], v[2], spin[0], spin[1]};
+}
+
+Motion motion_of(const DatboxBody& body, double start, Index dimension) {
+  const std::size_t dofs = dimension == 2 ? 3 : 6;
+  std::array<Course, 6> courses;
   std::set<double> times;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < dofs; ++k) {
     if (!body.drives[k])
-      refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 and 3, met one without {}",
-             k + 1);
+      refuse(body.place, "expected a body that is free or driven in all of vlocy 1, 2 {}, met one without {}",
+             dimension == 2 ? "and 3" : "... 6", k + 1);
     const DatboxDrive& drive = *body.drives[k];
     courses[k] = drive.table.empty() ? formula_of(drive, start) : table_of(drive, start);
     for (const auto& point : courses[k].points) times.insert(point[0]);
   }
-  Motion motion{.centre = {body.position[0], body.position[1], 0}, .time = {}, .velocity = {}};
+  Motion motion{.centre = {body.position[0], body.position[1], dimension == 3 ? body.position[2] : 0},
+                .time = {},
+                .velocity = {}};
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
   for (const double t : times) {
     motion.time.push_back(t);
-    motion.velocity.push_back({courses[0].at(t), courses[1].at(t), courses[2].at(t)});
+    std::array<double, 6> v{};
+    for (std::size_t k = 0; k < dofs; ++k) v[k] = courses[k].at(t);
+    if (dimension == 2)
+      motion.velocity.push_back({v[0], v[1], v[2]});
+    else
+      motion.velocity.push_back(velocity_in_space(body, v, axis));
   }
   return motion;
+}
+
+// The plane along that face of a plank which all free spheres are in front of.
+void set_wall_in_space(const Datbox& datbox, const DatboxBody& body, BoundarySpec& wall) {
+  const DatboxContactor& plank = body.contactors[0];
+  const Eigen::Vector3d centre(body.position[0], body.position[1], body.position[2]);
+  Index above = 0, below = 0;
+  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& other, const DatboxContactor&, Index number) {
+    const Eigen::Vector3d place =
+        body.frame.transpose() * (Eigen::Vector3d(other.position[0], other.position[1], other.position[2]) - centre);
+    ++(place[2] > 0 ? above : below);
+    if (std::abs(place[0]) > plank.length || std::abs(place[1]) > plank.width)
+      refuse(body.place,
+             "expected a plank PLANx with all free spheres between its edges, met sphere {} at {} m and {} m from its "
+             "middle, and axe1 = {}, axe2 = {}: walls have no edges here, and would hold what the plank does not",
+             number, std::abs(place[0]), std::abs(place[1]), plank.length, plank.width);
+  });
+  if (above > 0 && below > 0)
+    refuse(body.place,
+           "expected a plank PLANx with all free spheres on one side, met {} above and {} below it: walls are planes "
+           "without edges here",
+           above, below);
+  const Eigen::Vector3d normal = (below > 0 ? -1.0 : 1.0) * body.frame.col(2).normalized();
+  const Eigen::Vector3d foot = centre + plank.thickness * normal;
+  wall.dimension = 3;
+  wall.point = {foot[0], foot[1], foot[2]};
+  wall.normal = {normal[0], normal[1], normal[2]};
 }
 
 // The line along that face of a plank which all free disks are in front of.
@@ -143,13 +199,17 @@ std::vector<BoundarySpec> boundaries_of(const Datbox& datbox) {
     const DatboxBody& body = datbox.bodies[k];
     if (body.force)
       refuse(*body.force, "expected velocities (vlocy), met a force: bodies driven by forces are not modelled");
+    const bool space = datbox.dimension == 3;
     if (body.plank() && !body.driven())
-      refuse(body.place, "expected a plank JONCx that is driven, met a free one: planks are walls here");
+      refuse(body.place, "expected a plank {} that is driven, met a free one: planks are walls here",
+             space ? "PLANx" : "JONCx");
     if (body.driven()) {
       BoundarySpec boundary;
       boundary.name = fmt::format("body {}", k + 1);
-      boundary.motion = motion_of(body, datbox.start);
-      if (body.plank()) {
+      boundary.motion = motion_of(body, datbox.start, datbox.dimension);
+      if (body.plank() && space) {
+        set_wall_in_space(datbox, body, boundary);
+      } else if (body.plank()) {
         set_wall(datbox, body, boundary);
       } else {
         boundary.shape = BoundaryShape::grains;
@@ -170,10 +230,14 @@ std::vector<PrescribedVelocity> moving_grains(const Datbox& datbox, DatboxDisks 
   std::vector<PrescribedVelocity> moving;
   for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor&, Index number) {
     if (body.driven()) return;
-    const auto& [vx, vy, spin] = body.velocity;
+    const bool space = datbox.dimension == 3;
+    const double spin = space ? Eigen::Vector3d(body.spin[0], body.spin[1], body.spin[2]).norm() : body.velocity[2];
     if (spin != 0 && which == DatboxDisks::all)
-      refuse(body.velocity_place, "V(3): expected disks that do not spin at the beginning, met {}", spin);
-    if (vx != 0 || vy != 0) moving.push_back({number, {vx, vy}});
+      refuse(body.velocity_place, "{}: expected {}s that do not spin at the beginning, met {}",
+             space ? "V(4) to V(6)" : "V(3)", shape_of_grains(datbox.dimension), spin);
+    const auto& [x, y, z] = body.velocity;
+    if (space && (x != 0 || y != 0 || z != 0)) moving.push_back({number, {x, y, z}});
+    if (!space && (x != 0 || y != 0)) moving.push_back({number, {x, y}});
   });
   return moving;
 }
@@ -195,15 +259,24 @@ std::string datbox_name(const std::string& path) {
 Packing datbox_packing(const Datbox& datbox, DatboxDisks which) {
   Packing packing;
   for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
+    packing.radius.push_back(disk.radius);
+    const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
+    if (datbox.dimension == 3) {
+      if (!body.driven()) require_full_sphere(body);
+      packing.x.push_back(body.position[0]);
+      packing.y.push_back(body.position[1]);
+      packing.z.push_back(body.position[2]);
+      packing.mass.push_back(density_of(datbox, body) * 4.0 / 3 * std::numbers::pi * size * size * size);
+      return;
+    }
     if (!body.driven()) require_full_disk(body);
     const std::array<double, 2> place = place_of(body, disk);
     packing.x.push_back(place[0]);
     packing.y.push_back(place[1]);
-    packing.radius.push_back(disk.radius);
-    const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
     packing.mass.push_back(density_of(datbox, body) * std::numbers::pi * size * size);
   });
-  if (packing.size() == 0) fail("{}/BODIES.DAT: expected at least one disk, met none", datbox.folder);
+  if (packing.size() == 0)
+    fail("{}/BODIES.DAT: expected at least one {}, met none", datbox.folder, shape_of_grains(datbox.dimension));
   check(packing);
   return packing;
 }
@@ -214,8 +287,8 @@ double gap_uncertainty(const Datbox& datbox) {
     digit = std::max(digit, body.written_digit);
     smallest = std::min(smallest, disk.radius);
   });
-  // Two places that are each off by `digit` along x and y, and two radii, which are smaller numbers.
-  const double relative = (2 * std::numbers::sqrt2 + 2) * digit / smallest;
+  // Two places that are each off by `digit` along x, y and in space z, and two radii, which are smaller numbers.
+  const double relative = (2 * std::sqrt(static_cast<double>(datbox.dimension)) + 2) * digit / smallest;
   if (!(relative > 0) || !std::isfinite(relative)) return relative > 0 ? relative : 0;
   const double unit = std::pow(10.0, std::floor(std::log10(relative)));
   return std::ceil(relative / unit) * unit;
@@ -227,7 +300,9 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   dynamics.boundaries = boundaries_of(datbox);
   const DatboxContactLaw contact = contact_law_of(datbox);
   dynamics.interaction = contact.interaction;
-  dynamics.time.gravity = datbox.gravity;
+  dynamics.time.gravity = datbox.dimension == 3
+                              ? Components<double>{datbox.gravity[0], datbox.gravity[1], datbox.gravity[2]}
+                              : Components<double>{datbox.gravity[0], datbox.gravity[1]};
   dynamics.time.alert = std::min(10.0, contact.alert / smallest_radius(packing));
   if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as IQS_CLB has it
   return dynamics;

@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a DATBOX has beside bodies and their state: laws and motions.
 #include "core/fail.hpp"
+#include "formats/datbox_input.hpp"
 #include "formats/datbox_text.hpp"
 #include "formats/datbox_writer.hpp"
 
 namespace nscdd {
 namespace {
-
-// The velocity of one degree of freedom at the times of a motion.
-std::vector<double> component(const Motion& motion, std::size_t dof) {
-  std::vector<double> values;
-  for (const RigidVelocity& v : motion.velocity) values.push_back(dof == 0 ? v.x : dof == 1 ? v.y : v.spin);
-  if (values.empty()) values.push_back(0);
-  return values;
-}
 
 bool is_constant(const std::vector<double>& values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
@@ -46,12 +38,67 @@ std::string datbox_named(std::initializer_list<std::pair<const char*, double>> v
   return text;
 }
 
-std::string DatboxWriter::without_datbox() const {
-  const Interaction& interaction = first_.dynamics.interaction;
+std::string without_datbox_law(const Interaction& interaction) {
   if (const auto law = to_string(interaction.law); law != Coulomb::name && law != Frictionless::name)
     return fmt::format("interaction.law: expected coulomb or frictionless, met {}", law);
   if (interaction.restitution == 0 && interaction.tangential_restitution != 0)
     return "interaction.tangential_restitution: expected 0 without normal restitution, as IQS_CLB has it";
+  return {};
+}
+
+std::string datbox_law_texts(const Interaction& interaction) {
+  const bool frictionless = to_string(interaction.law) == Frictionless::name;
+  return law_text(datbox_law_of_grains, interaction, frictionless ? 0 : interaction.friction) +
+         law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
+}
+
+std::string datbox_sight(const char* body, const char* grain, const char* law, const char* contactor,
+                         const char* colour, double alert) {
+  return fmt::format(
+      "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n {}  {}  {}  {}  {}  {}  {}      {}\n\n",
+      body, grain, datbox_grains, law, body, contactor, colour, datbox_number(alert));
+}
+
+std::string datbox_driven_text(const char* body, const char* node, const std::vector<DatboxDriven>& driven) {
+  std::string text = "! File DRV_DOF\n\n";
+  for (const DatboxDriven& one : driven) {
+    text += fmt::format(
+        "$bdyty\n {}  {:7}\n$nodty\n {}      1\n"
+        "$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]\n",
+        body, one.body, node);
+    for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
+      const std::vector<double>& values = one.velocity[dof];
+      text += fmt::format(" vlocy  {:5}", dof + 1);
+      if (is_constant(values))
+        for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
+      else
+        text += " evolution " + table_name(one.body, dof);
+      text += "\n";
+    }
+    text += "$$$$$$\n\n";
+  }
+  return text;
+}
+
+std::vector<std::pair<std::string, std::string>> datbox_tables(const std::vector<DatboxDriven>& driven) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const DatboxDriven& one : driven)
+    for (std::size_t dof = 0; dof < one.velocity.size(); ++dof) {
+      const std::vector<double>& values = one.velocity[dof];
+      if (is_constant(values)) continue;
+      std::string text;
+      const auto add = [&](double time, double value) { text += fmt::format("{:.17g} {:.17g}\n", time, value); };
+      const double reach = 1 + one.time.back() - one.time.front();  // s, of the constant ends
+      add(one.time.front() - reach, values.front());
+      for (std::size_t k = 0; k < values.size(); ++k) add(one.time[k], values[k]);
+      add(one.time.back() + reach, values.back());
+      all.emplace_back(table_name(one.body, dof), text);
+    }
+  return all;
+}
+
+std::string DatboxWriter::without_datbox() const {
+  if (const std::string reason = without_datbox_law(first_.dynamics.interaction); !reason.empty()) return reason;
   for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b) {
     const Boundary& boundary = first_.system.boundaries[b];
     if (!turns(boundary.motion)) continue;
@@ -66,60 +113,30 @@ std::string DatboxWriter::without_datbox() const {
 }
 
 std::string DatboxWriter::tact() const {
-  const Interaction& interaction = first_.dynamics.interaction;
-  const bool frictionless = to_string(interaction.law) == Frictionless::name;
   const double alert = first_.dynamics.time.alert * *std::ranges::min_element(first_.system.radius);
-  std::string text = "! File TACT_BEHAV\n\n";
-  text += law_text(datbox_law_of_grains, interaction, frictionless ? 0 : interaction.friction);
-  text += law_text(datbox_law_of_boundaries, interaction, frictionless ? 0 : interaction.friction_at_boundaries());
-  for (const auto& [law, contactor, colour] : {std::tuple(datbox_law_of_grains, "DISKx", datbox_grains),
-                                               std::tuple(datbox_law_of_boundaries, "DISKx", datbox_boundaries),
-                                               std::tuple(datbox_law_of_boundaries, "JONCx", datbox_boundaries)})
-    text += fmt::format(
-        "$seety\n cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert\n RBDY2  DISKx  {}  {}  RBDY2  {}  {}"
-        "      {}\n\n",
-        datbox_grains, law, contactor, colour, datbox_number(alert));
-  return text;
+  std::string text = "! File TACT_BEHAV\n\n" + datbox_law_texts(first_.dynamics.interaction);
+  text += datbox_sight("RBDY2", "DISKx", datbox_law_of_grains, "DISKx", datbox_grains, alert);
+  text += datbox_sight("RBDY2", "DISKx", datbox_law_of_boundaries, "DISKx", datbox_boundaries, alert);
+  return text + datbox_sight("RBDY2", "DISKx", datbox_law_of_boundaries, "JONCx", datbox_boundaries, alert);
 }
 
-std::string DatboxWriter::driven() const {
-  std::string text = "! File DRV_DOF\n\n";
+std::vector<DatboxDriven> DatboxWriter::driven_bodies() const {
+  std::vector<DatboxDriven> all;
   for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b) {
-    const Index body = body_of_boundary(static_cast<Index>(b));
-    text += fmt::format(
-        "$bdyty\n RBDY2  {:7}\n$nodty\n NO3xx      1\n"
-        "$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]\n",
-        body);
-    for (std::size_t dof = 0; dof < 3; ++dof) {
-      const std::vector<double> values = component(first_.system.boundaries[b].motion, dof);
-      text += fmt::format(" vlocy  {:5}", dof + 1);
-      if (is_constant(values))
-        for (const double value : {values.front(), 0.0, 0.0, 0.0, 1.0, 0.0}) text += " " + datbox_number(value);
-      else
-        text += " evolution " + table_name(body, dof);
-      text += "\n";
+    const Motion& motion = first_.system.boundaries[b].motion;
+    DatboxDriven one{body_of_boundary(static_cast<Index>(b)), motion.time, {{}, {}, {}}};
+    for (const RigidVelocity& v : motion.velocity.empty() ? std::vector<RigidVelocity>{{}} : motion.velocity) {
+      one.velocity[0].push_back(v.x);
+      one.velocity[1].push_back(v.y);
+      one.velocity[2].push_back(v.spin);
     }
-    text += "$$$$$$\n\n";
+    all.push_back(std::move(one));
   }
-  return text;
-}
-
-std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const {
-  std::vector<std::pair<std::string, std::string>> all;
-  for (std::size_t b = 0; b < first_.system.boundaries.size(); ++b)
-    for (std::size_t dof = 0; dof < 3; ++dof) {
-      const Motion& motion = first_.system.boundaries[b].motion;
-      const std::vector<double> values = component(motion, dof);
-      if (is_constant(values)) continue;
-      std::string text;
-      const auto add = [&](double time, double value) { text += fmt::format("{:.17g} {:.17g}\n", time, value); };
-      const double reach = 1 + motion.time.back() - motion.time.front();  // s, of the constant ends
-      add(motion.time.front() - reach, values.front());
-      for (std::size_t k = 0; k < values.size(); ++k) add(motion.time[k], values[k]);
-      add(motion.time.back() + reach, values.back());
-      all.emplace_back(table_name(body_of_boundary(static_cast<Index>(b)), dof), text);
-    }
   return all;
 }
+
+std::string DatboxWriter::driven() const { return datbox_driven_text("RBDY2", "NO3xx", driven_bodies()); }
+
+std::vector<std::pair<std::string, std::string>> DatboxWriter::tables() const { return datbox_tables(driven_bodies()); }
 
 }  // namespace nscdd

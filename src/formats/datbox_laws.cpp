@@ -7,7 +7,7 @@ namespace nscdd {
 namespace {
 
 // Who may touch whom: the colours of free disks, and the contactors and colours of what is driven.
-using Colour = std::pair<std::string, std::string>;  // DISKx or JONCx, and its colour
+using Colour = std::pair<std::string, std::string>;  // DISKx, JONCx, SPHER or PLANx, and its colour
 struct Colours {
   std::map<Colour, Index> free;  // with the number of disks
   std::set<Colour> driven;
@@ -15,9 +15,11 @@ struct Colours {
 
 Colours colours_of(const Datbox& datbox) {
   Colours colours;
+  const bool space = datbox.dimension == 3;
+  const char *plank = space ? "PLANx" : "JONCx", *grain = space ? "SPHER" : "DISKx";
   for (const DatboxBody& body : datbox.bodies)
     for (const DatboxContactor& one : body.contactors) {
-      const Colour colour{one.plank ? "JONCx" : "DISKx", one.colour};
+      const Colour colour{one.plank ? plank : grain, one.colour};
       if (body.driven())
         colours.driven.insert(colour);
       else
@@ -32,9 +34,9 @@ const DatboxSight& sight_of(const Datbox& datbox, const Colour& a, const Colour&
     if ((candidate == a && antagonist == b) || (candidate == b && antagonist == a)) return sight;
   }
   fail(
-      "{}/TACT_BEHAV.DAT: expected a $seety for {} {} and {} {}, met none: all free disks touch each other and what is "
+      "{}/TACT_BEHAV.DAT: expected a $seety for {} {} and {} {}, met none: all free {}s touch each other and what is "
       "driven here",
-      datbox.folder, a.first, a.second, b.first, b.second);
+      datbox.folder, a.first, a.second, b.first, b.second, shape_of_grains(datbox.dimension));
 }
 
 const DatboxLaw& law_of(const Datbox& datbox, const DatboxSight& sight) {

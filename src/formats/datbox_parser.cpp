@@ -20,17 +20,73 @@ double positive(const FixedColumns& lines, std::size_t first, std::string_view w
   return value;
 }
 
-void read_bulk_element(FixedColumns& lines, DatboxBody& body) {
+const char* body_kind(Index dimension) { return dimension == 2 ? "RBDY2" : "RBDY3"; }
+
+// Three numbers of a line, called such as coo1, coo2, coo3.
+std::array<double, 3> three(const FixedColumns& lines, const char* name, bool blank = false) {
+  const auto one = [&](std::size_t column, int number) {
+    return lines.number(column, fmt::format("{}{}", name, number), blank);
+  };
+  return {one(35, 1), one(56, 2), one(77, 3)};
+}
+
+Eigen::Vector3d column(const FixedColumns& lines, const char* name) {
+  const auto [x, y, z] = three(lines, name);
+  return {x, y, z};
+}
+
+void read_bulk_element(FixedColumns& lines, DatboxBody& body, Index dimension) {
   if (lines.text(2, 6) != "PLAIN") lines.refuse("expected the bulk element PLAIN", lines.text(2, 6));
   body.bulk = lines.text(23, 27);
   body.average_radius = lines.number(35, "avrd", true);
-  body.gyration_radius = lines.number(56, "gyrd", true);
+  if (dimension == 2) body.gyration_radius = lines.number(56, "gyrd", true);
 }
 
-void read_node(FixedColumns& lines, DatboxBody& body) {
-  if (lines.text(2, 6) != "NO3xx") lines.refuse("expected the node NO3xx of a rigid body", lines.text(2, 6));
-  body.position = {lines.number(35, "coo1"), lines.number(56, "coo2"), lines.number(77, "coo3", true)};
+void read_node(FixedColumns& lines, DatboxBody& body, Index dimension) {
+  const char* kind = dimension == 2 ? "NO3xx" : "NO6xx";
+  if (lines.text(2, 6) != kind)
+    lines.refuse(fmt::format("expected the node {} of a rigid body", kind), lines.text(2, 6));
+  body.position = {lines.number(35, "coo1"), lines.number(56, "coo2"), lines.number(77, "coo3", dimension == 2)};
   body.written_digit = std::max(half_digit(body.position[0]), half_digit(body.position[1]));
+  if (dimension == 3) body.written_digit = std::max(body.written_digit, half_digit(body.position[2]));
+}
+
+// The axes of a body may lie askew by their seven digits, and no more.
+void require_frame(const DatboxBody& body, const DatboxPlace& place) {
+  const Eigen::Matrix3d rest = body.frame.transpose() * body.frame - Eigen::Matrix3d::Identity();
+  if (!(rest.cwiseAbs().maxCoeff() < 1e-5) || !(body.frame.determinant() > 0))
+    fail("{}:{}: expected three axes of a body that are unit, orthogonal and right-handed, met others", place.file,
+         place.line);
+}
+
+// "localframe" behind a PLANx: its axes, and how far its centre is from the node.
+void read_frame(FixedColumns& lines, DatboxBody& body) {
+  const DatboxPlace place = lines.place();
+  Index k = 0;
+  for (const char* name : {"alp", "bet", "gam"}) {
+    lines.require_next("the axes of the frame");
+    body.frame.col(k++) = column(lines, name);
+  }
+  require_frame(body, place);
+  lines.require_next("the shift of the frame");
+  const std::array<double, 3> shift = three(lines, "coo");
+  for (std::size_t i = 0; i < 3; ++i) body.position[i] += shift[i];
+}
+
+DatboxContactor read_contactor_in_space(FixedColumns& lines) {
+  const std::string kind(lines.text(2, 6));
+  DatboxContactor contactor{.colour = std::string(lines.text(23, 27)), .place = lines.place()};
+  if (kind == "PLANx") {
+    contactor.plank = true;
+    contactor.length = positive(lines, 35, "axe1");
+    contactor.width = positive(lines, 56, "axe2");
+    contactor.thickness = positive(lines, 77, "axe3");
+  } else if (kind == "SPHER") {
+    contactor.radius = positive(lines, 35, "byrd");
+  } else {
+    lines.refuse("expected contactors SPHER or PLANx: other shapes are not modelled", kind);
+  }
+  return contactor;
 }
 
 DatboxContactor read_contactor(FixedColumns& lines) {
@@ -54,7 +110,13 @@ DatboxContactor read_contactor(FixedColumns& lines) {
 
 // LMGC90 works out what BODIES.DAT leaves at 0: the centre of a body of several contactors, weighted by their areas,
 // and its radii. A plank is never free here, so that its own radii have no effect.
-void complete(DatboxBody& body) {
+void complete(DatboxBody& body, Index dimension) {
+  if (dimension == 3) {
+    const double radius = body.contactors[0].radius, volume = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+    if (body.average_radius == 0) body.average_radius = radius;
+    if (body.inertia == std::array<double, 3>{}) body.inertia.fill(0.4 * radius * radius * volume);
+    return;
+  }
   if (body.contactors.size() > 1 && body.position == std::array<double, 3>{}) {
     double area = 0;
     std::array<double, 2> centre{};
@@ -72,43 +134,64 @@ void complete(DatboxBody& body) {
   }
 }
 
-DatboxBody read_body(FixedColumns& lines) {
+// What stands on one line, but for the inertia of a body in space, the rest of its node and the frame of a plank.
+void read_line(FixedColumns& lines, const std::string& section, Index dimension, std::map<std::string, int>& met,
+               DatboxBody& body) {
+  const bool space = dimension == 3, again = ++met[section] > 1;
+  if (section == "$blmty" && !again)
+    read_bulk_element(lines, body, dimension);
+  else if (section == "$blmty" && space && met[section] == 2 && lines.text(30, 31) == "I1")
+    body.inertia = three(lines, "I");
+  else if (section == "$nodty" && !again)
+    read_node(lines, body, dimension);
+  else if (section == "$nodty" && space && met[section] == 2)
+    return;  // coo4 to coo6, which LMGC90 sets to 0
+  else if (section == "$tacty" && space && again && lines.text(30, 39) == "localframe" && body.plank())
+    read_frame(lines, body);
+  else if (section == "$tacty")
+    body.contactors.push_back(space ? read_contactor_in_space(lines) : read_contactor(lines));
+  else
+    lines.refuse(fmt::format("section {}: expected one line", section), "another");
+}
+
+// The first body says the dimension.
+DatboxBody read_body(FixedColumns& lines, Index& dimension, bool first) {
   lines.require_next("a body");
   DatboxBody body;
   body.place = body.velocity_place = lines.place();
-  if (lines.text(2, 6) != "RBDY2") lines.refuse("expected rigid bodies in the plane (RBDY2)", lines.text(2, 6));
-  int bulks = 0, nodes = 0;
+  if (first && lines.text(2, 6) == "RBDY3") dimension = 3;
+  if (lines.text(2, 6) != body_kind(dimension))
+    lines.refuse(first ? "expected rigid bodies (RBDY2 in the plane, RBDY3 in space)"
+                       : fmt::format("expected {} as the bodies before", body_kind(dimension)),
+                 lines.text(2, 6));
+  std::map<std::string, int> seen;  // lines of each section
   lines.next();
   while (lines.section() && !lines.key().empty() && lines.key() != "$$$$$$" && lines.key() != "$bdyty") {
     const std::string section(lines.key());
-    while (lines.next() && !lines.section()) {
-      if (section == "$blmty" && ++bulks == 1)
-        read_bulk_element(lines, body);
-      else if (section == "$nodty" && ++nodes == 1)
-        read_node(lines, body);
-      else if (section == "$tacty")
-        body.contactors.push_back(read_contactor(lines));
-      else
-        lines.refuse(fmt::format("section {}: expected one line", section), "another");
-    }
+    while (lines.next() && !lines.section()) read_line(lines, section, dimension, seen, body);
   }
   const auto refuse = [&](std::string_view expected, std::string_view met) {
     fail("{}:{}: {}, met {}", body.place.file, body.place.line, expected, met);
   };
   if (lines.key() != "$$$$$$") refuse("expected a body that ends with $$$$$$", "one that does not");
-  if (bulks == 0 || nodes == 0) refuse("expected a body with a bulk element and a node", "one without");
+  if (seen["$blmty"] == 0 || seen["$nodty"] == 0) refuse("expected a body with a bulk element and a node", "one without");
   if (body.contactors.empty()) refuse("expected a body with a contactor", "one without");
+  if (dimension == 3 && body.contactors.size() > 1)
+    refuse("expected a body in space with one contactor",
+           fmt::format("one with {}: not modelled", body.contactors.size()));
   if (body.contactors.size() > 1)
     for (const DatboxContactor& one : body.contactors)
       if (one.plank) refuse("expected a plank JONCx alone in its body", "one with other contactors");
-  complete(body);
+  complete(body, dimension);
   return body;
 }
 
 // The body that a record of DRV_DOF.DAT or DOF.INI is about, by its number from 1.
-DatboxBody& numbered_body(FixedColumns& lines, std::vector<DatboxBody>& bodies) {
+DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox) {
+  std::vector<DatboxBody>& bodies = datbox.bodies;
+  const char* kind = body_kind(datbox.dimension);
   lines.require_next("a body");
-  if (lines.text(2, 6) != "RBDY2") lines.refuse("expected RBDY2", lines.text(2, 6));
+  if (lines.text(2, 6) != kind) lines.refuse(fmt::format("expected {}", kind), lines.text(2, 6));
   const Index number = lines.integer(9, 15, "number of the body");
   if (number < 1 || number > count(bodies))
     lines.refuse(fmt::format("expected one of the {} bodies of BODIES.DAT", bodies.size()), std::to_string(number));
@@ -140,10 +223,10 @@ void read_table(const FixedColumns& lines, const DatboxTexts& texts, const std::
   if (drive.table.size() < 2) fail("{}: expected at least two rows, met {}", file.file, drive.table.size());
 }
 
-void read_drives(FixedColumns lines, std::vector<DatboxBody>& bodies, const DatboxTexts& texts,
-                 const std::string& folder) {
+void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, const std::string& folder) {
+  const Index most = datbox.dimension == 2 ? 3 : 6;
   while (lines.find("$bdyty")) {
-    DatboxBody& body = numbered_body(lines, bodies);
+    DatboxBody& body = numbered_body(lines, datbox);
     while (lines.next() && lines.key() != "$$$$$$") {
       if (lines.section() || lines.text(2, 3) == "NO") continue;
       const std::string_view kind = lines.text(2, 6);
@@ -153,7 +236,9 @@ void read_drives(FixedColumns lines, std::vector<DatboxBody>& bodies, const Datb
         continue;
       }
       const Index dof = lines.integer(9, 13, "degree of freedom");
-      if (dof < 1 || dof > 3) lines.refuse("expected a degree of freedom 1, 2 or 3", std::to_string(dof));
+      if (dof < 1 || dof > most)
+        lines.refuse(fmt::format("expected a degree of freedom 1, 2 {}", most == 3 ? "or 3" : "... 6"),
+                     std::to_string(dof));
       DatboxDrive& drive = body.drives[at(dof - 1)].emplace();
       drive.place = lines.place();
       if (lines.text(15, 23) == "evolution") {
@@ -175,15 +260,26 @@ void read_initial(FixedColumns lines, Datbox& datbox) {
   while (lines.next()) {
     if (lines.key() == "$steps") datbox.start = lines.number(35, "time");
     if (lines.key() != "$bdyty") continue;
-    DatboxBody& body = numbered_body(lines, datbox.bodies);
+    DatboxBody& body = numbered_body(lines, datbox);
+    const bool space = datbox.dimension == 3;
     if (!lines.find("$nodty")) fail("{}: expected a section $nodty, met none", lines.place().file);
     lines.require_next("displacements X");
     const std::array<double, 3> moved{lines.number(35, "X(1)"), lines.number(56, "X(2)"), lines.number(77, "X(3)")};
     for (std::size_t k = 0; k < 3; ++k) body.position[k] += moved[k];
-    body.written_digit += std::max(half_digit(moved[0]), half_digit(moved[1]));
+    const double digit = std::max(half_digit(moved[0]), half_digit(moved[1]));
+    body.written_digit += space ? std::max(digit, half_digit(moved[2])) : digit;
+    if (space) lines.require_next("displacements X(4) to X(6)");  // which LMGC90 has at 0
     lines.require_next("velocities V");
     body.velocity = {lines.number(35, "V(1)"), lines.number(56, "V(2)"), lines.number(77, "V(3)")};
     body.velocity_place = lines.place();
+    if (!space) continue;
+    lines.require_next("velocities V(4) to V(6)");
+    body.spin = {lines.number(35, "V(4)"), lines.number(56, "V(5)"), lines.number(77, "V(6)")};
+    for (Index k = 0; k < 3; ++k) {
+      lines.require_next("the axes of the body");
+      body.frame.col(k) = column(lines, "axis ");
+    }
+    require_frame(body, lines.place());
   }
 }
 
@@ -192,7 +288,8 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
     const std::string section(lines.key());
     if (section == "$gravy") {
       lines.require_next("the acceleration of gravity");
-      datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2")};
+      datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2"), 0};
+      if (datbox.dimension == 3) datbox.gravity[2] = lines.number(67, "grv3");
     } else if (section == "$behav") {
       lines.require_next("a bulk law");
       if (lines.text(9, 38) == "RIGID") datbox.density[std::string(lines.text(2, 6))] = positive(lines, 46, "Umas");
@@ -247,8 +344,8 @@ Datbox parse_datbox(const DatboxTexts& texts, const std::string& folder) {
   Datbox datbox;
   datbox.folder = folder;
   for (FixedColumns bodies = lines(texts.bodies, "BODIES.DAT"); bodies.find("$bdyty");)
-    datbox.bodies.push_back(read_body(bodies));
-  read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox.bodies, texts, folder);
+    datbox.bodies.push_back(read_body(bodies, datbox.dimension, datbox.bodies.empty()));
+  read_drives(lines(texts.driven, "DRV_DOF.DAT"), datbox, texts, folder);
   read_initial(lines(texts.initial, "DOF.INI"), datbox);
   read_bulk(lines(texts.bulk, "BULK_BEHAV.DAT"), datbox);
   read_tact(lines(texts.tact, "TACT_BEHAV.DAT"), datbox);

@@ -9,7 +9,8 @@
 namespace nscdd {
 
 bool turns(const Motion& motion) {
-  return std::ranges::any_of(motion.velocity, [](const RigidVelocity& v) { return v.spin != 0; });
+  return std::ranges::any_of(motion.velocity,
+                             [](const RigidVelocity& v) { return v.spin != 0 || v.spin_x != 0 || v.spin_y != 0; });
 }
 
 namespace {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "formats/datbox_input.hpp"
 #include "formats/trajectory.hpp"
 
 namespace nscdd {
@@ -42,6 +43,7 @@ class DatboxWriter {
     Index body = 0, contactor = 1;
   };
   void lay_planks(double size);
+  std::vector<DatboxDriven> driven_bodies() const;
   Index body_of_boundary(Index boundary) const { return first_.system.free_disks() + boundary + 1; }
   std::array<double, 3> position(Index boundary, const Pose& pose) const;
   std::string contact(const TrajectoryStep& step, const TrajectoryContact& c, Index number) const;

@@ -129,4 +129,5 @@ def main(run, folder, step):
     assert np.abs(moved[len(free) :]).max() > 1e-5
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -37,6 +37,59 @@ std::string box_case() {
                   "motion = [[0, 0, 0, 0], [0.02, -0.05, 0, 0]]");
 }
 
+// Spheres in a box: a side that turns about its foot, one that is pushed in, and a sphere that is driven.
+const std::string spheres =
+    "[packing]\n"
+    "generator = \"sphere_deposit\"\n"
+    "grains = 60\n"
+    "width = 1.0\n"
+    "depth = 1.0\n"
+    "[masses]\n"
+    "density = 2500\n"
+    "[partition]\n"
+    "grid = [2, 1, 1]\n"
+    "[interaction]\n"
+    "friction = 0.3\n"
+    "boundary_friction = 0.5\n"
+    "[dynamics]\n"
+    "step = 0.005\n"
+    "steps = 15\n"
+    "penetration_correction = 0\n"
+    "[[boundary]]\n"
+    "name = \"floor\"\n"
+    "shape = \"wall\"\n"
+    "point = [0.3, 0.2, 0]\n"
+    "normal = [0, 0, 1]\n"
+    "[[boundary]]\n"
+    "name = \"left\"\n"
+    "shape = \"wall\"\n"
+    "point = [0, 0, 0]\n"
+    "normal = [1, 0, 0]\n"
+    "centre = [0, 0, 0]\n"
+    "spin = [0, 0.1, 0]\n"
+    "[[boundary]]\n"
+    "name = \"right\"\n"
+    "shape = \"wall\"\n"
+    "point = [1, 0, 0]\n"
+    "normal = [-1, 0, 0]\n"
+    "motion = [[0, 0, 0, 0, 0, 0, 0], [0.02, -0.05, 0, 0, 0, 0, 0]]\n"
+    "[[boundary]]\n"
+    "name = \"front\"\n"
+    "shape = \"wall\"\n"
+    "point = [0, 0, 0]\n"
+    "normal = [0, 1, 0]\n"
+    "[[boundary]]\n"
+    "name = \"back\"\n"
+    "shape = \"wall\"\n"
+    "point = [0, 1, 0]\n"
+    "normal = [0, -1, 0]\n"
+    "[[boundary]]\n"
+    "name = \"probe\"\n"
+    "shape = \"grains\"\n"
+    "first = -1\n"
+    "last = -1\n"
+    "velocity = [0.02, 0, 0]\n";
+
 // The largest differences of places (m) and velocities (m/s) of free disks in a step of two runs.
 std::array<double, 2> difference(const Session& session, const std::string& a, const std::string& b, Index step) {
   const GranularSystem system = read_trajectory_header(path_of(session, a)).system;
@@ -262,6 +315,101 @@ TEST_CASE("export --lmgc90: a wall that turns about a point on it, or behind it,
     CHECK(places < 5e-5);
     CHECK(velocities < 1e-2);
   }
+}
+
+TEST_CASE("export --lmgc90: spheres obey Newton's law by the files alone") {
+  const Session session;
+  session.file("bed.toml", spheres);
+  answer(session, "simulate bed.toml -o run.h5");
+  const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --steps 10:15"));
+  CHECK(contains(outcome.standard_output, "out: 6 steps (10:15), 60 spheres"));
+  CHECK(contains(outcome.standard_error, "out/DATBOX: spheres spin in step 10"));
+  const std::string command = "/usr/bin/python3 -B '" +
+                              (source_folder() / "tests/cli/check_outbox_in_space.py").string() + "' '" +
+                              path_of(session, "run.h5") + "' '" + path_of(session, "out/OUTBOX") + "' 12";
+  CHECK(std::system(command.c_str()) == 0);
+}
+
+TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it was written from") {
+  const Session session;
+  session.file("bed.toml", spheres);
+  answer(session, "simulate bed.toml -o run.h5");
+  answer(session, "export run.h5 --lmgc90 out");
+  CHECK(contains(session.read("out/DATBOX/DRV_DOF.DAT"), "evolution velocity_63_1.dat"));
+  answer(session, "simulate out --steps 15 --set dynamics.step=0.005 -o back.h5");
+  const GranularSystem before = read_trajectory_header(path_of(session, "run.h5")).system,
+                       after = read_trajectory_header(path_of(session, "back.h5")).system;
+  REQUIRE(after.dimension == 3);
+  REQUIRE(after.walls.size() == before.walls.size());
+  const Interaction interaction = datbox_dynamics(read_datbox(path_of(session, "out"))).interaction;
+  CHECK(interaction.friction == 0.3);
+  CHECK(interaction.boundary_friction == 0.5);
+  for (std::size_t w = 0; w < before.walls.size(); ++w) {
+    // Bodies are the free spheres, those of boundaries, and the walls, in this order.
+    const Wall &p = before.walls[w], &q = after.walls[w];
+    double height = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      CHECK(p.normal[k] == doctest::Approx(q.normal[k]).epsilon(1e-6));
+      height += (q.point[k] - p.point[k]) * p.normal[k];
+    }
+    CHECK(std::abs(height) < 1e-6);
+    for (const double t : {0.0, 0.01, 0.5}) {
+      const RigidVelocity u = before.boundaries[at(p.boundary)].motion.at(t),
+                          v = after.boundaries[at(q.boundary)].motion.at(t);
+      CHECK(u.x == doctest::Approx(v.x).epsilon(1e-6));
+      CHECK(u.spin_y == doctest::Approx(v.spin_y).epsilon(1e-6));
+      CHECK(u.spin_x == doctest::Approx(v.spin_x).epsilon(1e-6));
+    }
+  }
+  for (const Index step : {1, 5, 15}) {
+    CAPTURE(step);
+    const GranularState p = read_trajectory_step(path_of(session, "run.h5"), step).state,
+                        q = read_trajectory_step(path_of(session, "back.h5"), step).state;
+    REQUIRE(p.x.size() == q.x.size());
+    double places = 0, velocities = 0;
+    for (std::size_t i = 0; i < p.x.size(); ++i) {
+      places = std::max({places, std::abs(p.x[i] - q.x[i]), std::abs(p.y[i] - q.y[i]), std::abs(p.z[i] - q.z[i])});
+      if (before.free(static_cast<Index>(i)))
+        velocities =
+            std::max({velocities, std::abs(p.velocity_x[i] - q.velocity_x[i]),
+                      std::abs(p.velocity_y[i] - q.velocity_y[i]), std::abs(p.velocity_z[i] - q.velocity_z[i])});
+    }
+    CHECK(places < 1e-4);
+    CHECK(velocities < 1e-2);
+  }
+  // The linear study, and a packing that it is: without what is driven.
+  const Packing packing = read_packing(path_of(session, "out"));
+  CHECK(packing.dimension() == 3);
+  CHECK(packing.size() == 59);
+  CHECK(contains(answer(session, "inspect out"), "grains               59"));
+  answer(session, "sweep out --subdomains 2x1x1 --epsilon 1 --eta inf --csv swept.csv");
+}
+
+TEST_CASE("export --lmgc90: what of spheres LMGC90 would compute otherwise is said") {
+  const Session session;
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    session.file("bed.toml", text);
+    answer(session, "simulate bed.toml --steps 1 -o run.h5 --force");
+    const Outcome outcome = session.run(words("export run.h5 --lmgc90 out --force"));
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.standard_error, "no DATBOX is written: " + part));
+    CHECK_FALSE(session.has("out/DATBOX/BODIES.DAT"));
+    CHECK(session.has("out/OUTBOX/DOF.OUT.1"));
+  };
+  refused(replaced(spheres, "velocity = [0.02, 0, 0]", "spin = [0, 0, 0.1]"),
+          "boundary 'probe': expected spheres of boundaries that do not turn");
+  refused(replaced(spheres, "centre = [0, 0, 0]", "centre = [0.2, 0, 0]"),
+          "boundary 'left': expected a wall that turns about a point on it or behind it");
+  refused(replaced(spheres, "spin = [0, 0.1, 0]", "motion = [[0, 0, 0, 0, 0, 0.1, 0], [1, 0, 0, 0, 0, 0, 0.1]]"),
+          "boundary 'left': expected a wall that turns about one axis");
+  refused(replaced(spheres, "friction = 0.3", "law = \"cohesive\"\ncohesion = 1.0\nfriction = 0.3"),
+          "interaction.law: expected coulomb or frictionless, met cohesive");
+  session.file("drum.toml", spheres +
+                                "[[boundary]]\nname = \"drum\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, "
+                                "0, 1]\nradius = 9\n");
+  answer(session, "simulate drum.toml --steps 1 -o drum.h5");
+  check_refused(session, "export drum.h5 --lmgc90 new", {"LMGC90", "boundary 'drum'", "met a cylinder"});
+  CHECK(!session.has("new"));
 }
 
 TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {

@@ -114,6 +114,89 @@ $$$$$$
   return texts;
 }
 
+// A sphere in front of a plank whose third axis points to -x, and one that is driven.
+DatboxTexts small_in_space() {
+  DatboxTexts texts;
+  texts.bodies = R"($bdyty
+ RBDY3      1
+$blmty
+ PLAIN      1  behav  STONE  avrd= 0.2000000D+00
+                             I1  = 0.8377580D-03  I2  = 0.8377580D-03  I3  = 0.8377580D-03
+$nodty
+ NO6xx      1                coo1= 0.1000000D+01  coo2= 0.2000000D+01  coo3= 0.3000000D+01
+                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
+$tacty
+ SPHER      1  color  BLEUx  byrd= 0.2500000D+00
+$$$$$$
+
+$bdyty
+ RBDY3      2
+$blmty
+ PLAIN      1  behav  HARDx  avrd= 0.0000000D+00
+$nodty
+ NO6xx      1                coo1= 0.5000000D+01  coo2= 0.1000000D+01  coo3= 0.0000000D+00
+                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
+$tacty
+ PLANx      1  color  WALLx  axe1= 0.6000000D+01  axe2= 0.7000000D+01  axe3= 0.5000000D+00
+                             localframe
+                             alp1= 0.0000000D+00  alp2= 0.0000000D+00  alp3= 0.1000000D+01
+                             bet1= 0.0000000D+00  bet2= 0.1000000D+01  bet3= 0.0000000D+00
+                             gam1=-0.1000000D+01  gam2= 0.0000000D+00  gam3= 0.0000000D+00
+                             coo1= 0.0000000D+00  coo2= 0.2500000D+00  coo3= 0.0000000D+00
+$$$$$$
+
+$bdyty
+ RBDY3      3
+$blmty
+ PLAIN      1  behav  HARDx  avrd= 0.0000000D+00
+$nodty
+ NO6xx      1                coo1= 0.1000000D+01  coo2= 0.2000000D+01  coo3=-0.4000000D+01
+                             coo4= 0.0000000D+00  coo5= 0.0000000D+00  coo6= 0.0000000D+00
+$tacty
+ SPHER      1  color  ROUGE  byrd= 0.2000000D+01
+$$$$$$
+)";
+  texts.bulk = small().bulk;
+  texts.bulk = replaced(texts.bulk, "grv3= 0.0000000D+00", "grv3= 0.5000000D+00");
+  texts.tact = R"($behav  lawty
+ iqsc0  IQS_CLB                         fric= 0.3000000D+00
+
+$seety
+ cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert
+ RBDY3  SPHER  BLEUx  iqsc0  RBDY3  PLANx  WALLx       0.5000000D-01
+$seety
+ cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert
+ RBDY3  SPHER  ROUGE  iqsc0  RBDY3  SPHER  BLEUx       0.1000000D+00
+)";
+  const std::string zero = "  0.0000000D+00", one = "  0.1000000D+01";
+  const auto drives = [&](int body, const std::array<const char*, 6>& velocities) {
+    std::string text =
+        "$bdyty\n RBDY3" + std::string(8, ' ') + std::to_string(body) + "\n$nodty\n NO6xx      1\n$dofty\n";
+    for (std::size_t k = 0; k < 6; ++k)
+      text += " vlocy      " + std::to_string(k + 1) + "  " + velocities[k] + zero + zero + zero + one + zero + "\n";
+    return text + "$$$$$$\n";
+  };
+  texts.driven =
+      drives(2,
+             {"0.1000000D+01", "0.2000000D+01", "0.3000000D+01", "0.4000000D+01", "0.0000000D+00", "0.5000000D+01"}) +
+      drives(3, {"0.0000000D+00", "0.0000000D+00", "0.7000000D+01", "0.0000000D+00", "0.0000000D+00", "0.0000000D+00"});
+  texts.initial = R"($steps      0                time= 0.0000000D+00
+
+$bdyty
+ RBDY3        1
+$nodty
+ NO6xx      1                X(1)= 0.5000000D+00  X(2)=-0.2500000D+00  X(3)= 0.1250000D+00
+                             X(4)= 0.0000000D+00  X(5)= 0.0000000D+00  X(6)= 0.0000000D+00
+                             V(1)= 0.7000000D+01  V(2)=-0.8000000D+01  V(3)= 0.9000000D+01
+                             V(4)= 0.0000000D+00  V(5)= 0.0000000D+00  V(6)= 0.0000000D+00
+                             a(1)= 0.0000000D+00  a(2)= 0.1000000D+01  a(3)= 0.0000000D+00
+                             b(1)=-0.1000000D+01  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00
+                             g(1)= 0.0000000D+00  g(2)= 0.0000000D+00  g(3)= 0.1000000D+01
+$$$$$$
+)";
+  return texts;
+}
+
 Datbox read(const DatboxTexts& texts) { return parse_datbox(texts, "box"); }
 
 }  // namespace
@@ -163,6 +246,88 @@ TEST_CASE("DATBOX: laws, gravity, walls and motions") {
   CHECK(pair.last == 2);
   CHECK(pair.motion.velocity[0].x == 2);  // AMP cos(0)
   CHECK(pair.motion.velocity[0].spin == -0.075);
+}
+
+TEST_CASE("DATBOX: spheres, their masses, a plank as a plane, and spins along the axes of a body") {
+  const Datbox datbox = read(small_in_space());
+  CHECK(datbox.dimension == 3);
+  const Packing packing = datbox_packing(datbox, DatboxDisks::all);
+  REQUIRE(packing.size() == 2);
+  CHECK(packing.x == std::vector<double>{1.5, 1});
+  CHECK(packing.y == std::vector<double>{1.75, 2});
+  CHECK(packing.z == std::vector<double>{3.125, -4});
+  CHECK(packing.radius == std::vector<double>{0.25, 2});
+  CHECK(packing.mass[0] == doctest::Approx(1000 * 4.0 / 3 * std::numbers::pi * 0.008));  // by avrd, not by byrd
+  CHECK(packing.mass[1] == doctest::Approx(5000 * 4.0 / 3 * std::numbers::pi * 8));
+  CHECK(datbox_packing(datbox, DatboxDisks::free).size() == 1);
+  CHECK(datbox.bodies[0].velocity == std::array<double, 3>{7, -8, 9});
+  CHECK(datbox.bodies[0].frame.col(0) == Eigen::Vector3d(0, 1, 0));
+  const Dynamics dynamics = datbox_dynamics(datbox);
+  CHECK(dynamics.time.gravity == std::array<double, 3>{1.25, -9.81, 0.5});
+  REQUIRE(dynamics.boundaries.size() == 2);
+  const BoundarySpec& wall = dynamics.boundaries[0];
+  CHECK(wall.dimension == 3);
+  CHECK(wall.normal == std::array<double, 3>{-1, 0, 0});
+  CHECK(wall.point == std::array<double, 3>{4.5, 1.25, 0});
+  CHECK(wall.motion.centre == std::array<double, 3>{5, 1.25, 0});
+  const RigidVelocity v = wall.motion.at(0);
+  CHECK(v.x == 1);
+  CHECK(v.y == 2);
+  CHECK(v.z == 3);
+  CHECK(v.spin == 4);  // V(4) is along the first axis, which is z
+  CHECK(v.spin_x == -5);
+  CHECK(v.spin_y == 0);
+  const BoundarySpec& driven = dynamics.boundaries[1];
+  CHECK(driven.shape == BoundaryShape::grains);
+  CHECK(driven.first == 1);
+  CHECK(driven.last == 1);
+  CHECK(driven.motion.at(1).z == 7);
+  CHECK(driven.motion.centre == std::array<double, 3>{1, 2, -4});
+  // Without inertia and averaged radius both are those of the contactor, and a plank may lie the other way round.
+  DatboxTexts texts = small_in_space();
+  texts.bodies = replaced(texts.bodies, "avrd= 0.2000000D+00\n", "avrd= 0.0000000D+00\n");
+  texts.bodies = replaced(
+      texts.bodies, "                             I1  = 0.8377580D-03  I2  = 0.8377580D-03  I3  = 0.8377580D-03\n", "");
+  CHECK(datbox_packing(read(texts), DatboxDisks::free).mass[0] ==
+        doctest::Approx(1000 * 4.0 / 3 * std::numbers::pi / 64));
+  texts.bodies = replaced(texts.bodies, "alp3= 0.1000000D+01", "alp3=-0.1000000D+01");
+  texts.bodies = replaced(texts.bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01");
+  CHECK(datbox_dynamics(read(texts)).boundaries[0].normal == std::array<double, 3>{-1, 0, 0});
+}
+
+TEST_CASE("DATBOX: what of spheres is not modelled or cannot be read is refused by file and line") {
+  const auto refused = [](const DatboxTexts& texts, const std::string& part) {
+    CHECK_THROWS_WITH_AS(datbox_dynamics(read(texts)), doctest::Contains(part.c_str()), Error);
+  };
+  const auto with = [](std::string DatboxTexts::*file, const std::string& from, const std::string& to) {
+    DatboxTexts texts = small_in_space();
+    texts.*file = replaced(texts.*file, from, to);
+    return texts;
+  };
+  const auto bodies = &DatboxTexts::bodies, driven = &DatboxTexts::driven, initial = &DatboxTexts::initial;
+  refused(with(bodies, "SPHER      1  color  BLEUx", "SPHEb      1  color  BLEUx"),
+          "BODIES.DAT:10: expected contactors SPHER or PLANx");
+  refused(with(bodies, "RBDY3      2", "RBDY2      2"), "BODIES.DAT:14: expected RBDY3 as the bodies before");
+  refused(with(bodies, "NO6xx      1", "NO3xx      1"), "BODIES.DAT:7: expected the node NO6xx");
+  refused(with(bodies, "I2  = 0.8377580D-03", "I2  = 0.9377580D-03"), "BODIES.DAT:2: I1 to I3");
+  refused(with(bodies, "axe1= 0.6000000D+01", "axe1= 0.3000000D+01"),
+          "BODIES.DAT:14: expected a plank PLANx with all free spheres between its edges");
+  refused(with(bodies, "gam1=-0.1000000D+01", "gam1=-0.9000000D+00"), "BODIES.DAT:22: expected three axes");
+  refused(with(bodies, "gam1=-0.1000000D+01", "gam1= 0.1000000D+01"), "BODIES.DAT:22: expected three axes");
+  refused(with(bodies, " SPHER      1  color  BLEUx  byrd= 0.2500000D+00",
+               " SPHER      1  color  BLEUx  byrd= 0.2500000D+00\n SPHER      2  color  BLEUx  byrd= 0.2500000D+00"),
+          "BODIES.DAT:2: expected a body in space with one contactor, met one with 2");
+  refused(with(driven, "vlocy      6", "vlocy      7"), "DRV_DOF.DAT:11: expected a degree of freedom 1, 2 ... 6");
+  refused(with(driven, " vlocy      6", "!vlocy      6"),
+          "BODIES.DAT:14: expected a body that is free or driven in all");
+  DatboxTexts texts = small_in_space();
+  texts.driven = replaced(texts.driven, " vlocy      4  0.4000000D+01", " vlocy      4 evolution turn.dat      ");
+  texts.table = [](const std::string&) { return std::string("0 4\n1 0\n"); };
+  refused(texts, "BODIES.DAT:14: expected a body that turns about one axis");
+  refused(with(initial, "a(2)= 0.1000000D+01", "a(2)= 0.2000000D+01"), "DOF.INI:12: expected three axes");
+  refused(with(initial, "RBDY3        1", "RBDY2        1"), "DOF.INI:4: expected RBDY3");
+  // Planks of the plane are none of space.
+  refused(with(bodies, "PLANx      1", "JONCx      1"), "BODIES.DAT:21: expected contactors SPHER or PLANx");
 }
 
 TEST_CASE("DATBOX: a velocity by a table is linear between its rows, and on beyond them as LMGC90 has it") {
