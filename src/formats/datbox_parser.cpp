@@ -174,7 +174,8 @@ DatboxBody read_body(FixedColumns& lines, Index& dimension, bool first) {
     fail("{}:{}: {}, met {}", body.place.file, body.place.line, expected, met);
   };
   if (lines.key() != "$$$$$$") refuse("expected a body that ends with $$$$$$", "one that does not");
-  if (seen["$blmty"] == 0 || seen["$nodty"] == 0) refuse("expected a body with a bulk element and a node", "one without");
+  if (seen["$blmty"] == 0 || seen["$nodty"] == 0)
+    refuse("expected a body with a bulk element and a node", "one without");
   if (body.contactors.empty()) refuse("expected a body with a contactor", "one without");
   if (dimension == 3 && body.contactors.size() > 1)
     refuse("expected a body in space with one contactor",
