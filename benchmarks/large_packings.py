@@ -11,8 +11,8 @@ values, or those of the peer. Radii must agree to 2e-8 wherever both have them.
 usage: large_packings.py [--program PATH] [--grains N] [--strips 2,16] [--peers octave,scipy] [--peer-epsilons 2]
        large_packings.py --scaling [--sizes 10000,100000,1000000]     cost of one point against N, 16 strips
        large_packings.py --deposits [--sizes 100000,1000000]          deposits of equal to very unequal grains
-       large_packings.py --space [--sizes 1000,10000,100000] [--peers scipy] [--peers-up-to 10000]
-           one radius of spheres in 2 x 2 x 2 blocks: growth, and the peer that reads the exported operators
+       large_packings.py --space [--sizes 1000,10000,100000] [--peers octave,scipy] [--peers-up-to 10000]
+           one radius of spheres in 2 x 2 x 2 blocks: growth, and the peers that read the exported operators
 """
 import argparse
 import csv
@@ -27,6 +27,10 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 EPSILONS = 20
+OPERATOR_PEERS = {
+    "octave": ["octave-cli", "--no-gui", "-q", os.path.join(HERE, "peers", "spectral_operators_octave.m")],
+    "scipy": ["/usr/bin/python3", os.path.join(HERE, "peers", "spectral_operators_scipy.py")],
+}
 
 
 def machine():
@@ -138,7 +142,7 @@ def deposits(options, folder):
 
 def spheres(options, folder):
     """Face-centred cubic lattices and deposits of spheres: rigid, and with epsilon > 0."""
-    print("one radius, 2 x 2 x 2 blocks, eta infinite; whole process, packing read; the peer without its set-up")
+    print("one radius, 2 x 2 x 2 blocks, eta infinite; whole process, packing read; peers without their set-up")
     print("packing  spheres  unknowns  epsilon  program  seconds  memory, MiB  radius")
     blocks = "2x2x2"
     for grains in options.sizes or [1000, 10_000, 100_000]:
@@ -155,21 +159,21 @@ def spheres(options, folder):
                 print(f"{kind:14}  {grains:7}  {own['unknowns']:>6}  {epsilon:>5}  nscdd  {own['seconds']:8.2f}  "
                       f"{own['memory'] / 2**20:6.0f}  {radius:.10f}{'  not proved' if own['unproved'] else ''}",
                       flush=True)
-                if epsilon == "0" or "scipy" not in options.peers or grains > options.peers_up_to:
+                if epsilon == "0" or grains > options.peers_up_to:
                     continue
                 operators = os.path.join(folder, "operators")
                 shutil.rmtree(operators, ignore_errors=True)
                 timed([options.program, "export", packing, "--subdomains", blocks, "--operators", operators,
                        "--sparse-only"])
-                script = os.path.join(HERE, "peers", "spectral_operators_scipy.py")
-                output, _, memory = timed(["/usr/bin/python3", script, operators, epsilon])
-                cells = (part.split("=") for part in output.split())
-                other = {key: float(value.rstrip("s")) for key, value in cells}
-                print(f"{kind:14}  {grains:7}  {own['unknowns']:>6}  {epsilon:>5}  scipy  {other['total']:8.2f}  "
-                      f"{memory / 2**20:6.0f}  {other['rho']:.10f}  ratio {other['total'] / own['seconds']:.1f}",
-                      flush=True)
-                if abs(other["rho"] - radius) > 2e-8:
-                    sys.exit("scipy and nscdd disagree")
+                for peer in options.peers:
+                    output, _, memory = timed([*OPERATOR_PEERS[peer], operators, epsilon])
+                    cells = (part.split("=") for part in output.split())
+                    other = {key: float(value.rstrip("s")) for key, value in cells}
+                    print(f"{kind:14}  {grains:7}  {own['unknowns']:>6}  {epsilon:>5}  {peer}  {other['total']:8.2f}  "
+                          f"{memory / 2**20:6.0f}  {other['rho']:.10f}  ratio {other['total'] / own['seconds']:.1f}",
+                          flush=True)
+                    if abs(other["rho"] - radius) > 2e-8:
+                        sys.exit(f"{peer} and nscdd disagree")
 
 
 def main():
