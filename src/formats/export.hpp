@@ -22,7 +22,7 @@ struct VtkFile {
 std::string pvd_text(const std::vector<VtkFile>& files);
 
 /// The contact problem that a simulation solves next, as a global problem of FCLIB (see friction_problem):
-/// bodies are its free disks, ascending; contacts as in a trajectory, ascending by (a, b). With the step that
+/// bodies are its free grains, ascending; contacts as in a trajectory, ascending by (a, b). With the step that
 /// was taken from there, its impulses and velocities are the solution. Throws Error for a law that is neither
 /// Coulomb's nor frictionless, and for a step `after` with other contacts.
 FclibFile fclib_of_step(const Simulation& before, const TrajectoryStep* after);
