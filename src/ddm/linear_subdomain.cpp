@@ -2,6 +2,18 @@
 #include "ddm/linear_subdomain.hpp"
 
 namespace nscdd {
+namespace {
+
+std::vector<FrozenContact<2>> frozen_at(const GranularSubdomain<2>& subdomain,
+                                        const std::vector<ContactStatus>& statuses) {
+  std::vector<FrozenContact<2>> frozen;
+  for (std::size_t k = 0; k < statuses.size(); ++k)
+    frozen.push_back(
+        frozen_as<2>(statuses[k], subdomain.contacts.contact(k, subdomain.velocities), subdomain.velocities));
+  return frozen;
+}
+
+}  // namespace
 
 LinearSubdomain::LinearSubdomain(const GranularSubdomain<2>& subdomain, const ContactLaw& law,
                                  std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
@@ -11,7 +23,7 @@ LinearSubdomain::LinearSubdomain(const GranularSubdomain<2>& subdomain, const Co
       base_(subdomain.velocities),
       present_(subdomain.velocities),
       flexibility_(flexibility),
-      network_(frozen_network(subdomain, statuses_)) {
+      network_(frozen_network(subdomain, frozen_at(subdomain, statuses_))) {
   if (fields) fields_ = fields(network_);
   factorise();
 }

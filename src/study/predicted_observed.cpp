@@ -14,11 +14,13 @@ constexpr double largest_drift = 0.1;
 constexpr std::size_t shortest = 12;  // iterations in the half that is fitted
 
 // Iterations without a change of status.
+template <int D>
 struct Stretch {
   Index first = 0;
   // |F_i - 2 F_{i-1} + F_{i-2}| / |F_i|, as long as rounding does not hide it, and Z of the same iterations
   std::vector<double> second_changes, z;
   std::vector<ContactStatus> statuses;
+  std::vector<FrozenContact<D>> frozen;  // at the last of these iterations
 
   std::size_t middle() const { return second_changes.size() / 2; }
   // log of the factor by which the last half falls or, where the frozen map is unstable, grows.
@@ -29,20 +31,23 @@ struct Stretch {
 };
 
 // Follows a run and keeps the stretch in which one rate shows best.
+template <int D>
 class Stretches {
  public:
-  void record(const IterationRecord& record, std::vector<ContactStatus> statuses) {
-    if (statuses != now_.statuses) {
+  void record(const GranularTwoStage<D>& iteration) {
+    const IterationRecord record = iteration.record();
+    if (std::vector<ContactStatus> statuses = iteration.statuses(); statuses != now_.statuses) {
       close();
-      now_ = {.first = record.iteration, .second_changes = {}, .z = {}, .statuses = std::move(statuses)};
+      now_ = {.first = record.iteration, .second_changes = {}, .z = {}, .statuses = std::move(statuses), .frozen = {}};
       ended_ = false;
     }
     ended_ = ended_ || !(record.interface_second_change > rounding);
     if (ended_) return;
     now_.second_changes.push_back(record.interface_second_change);
     now_.z.push_back(record.interface_change);
+    now_.frozen = frozen_contacts(iteration.parts(), now_.statuses);
   }
-  Stretch best() {
+  Stretch<D> best() {
     close();
     return best_;
   }
@@ -51,11 +56,12 @@ class Stretches {
   void close() {
     if (now_.change() > best_.change()) best_ = now_;
   }
-  Stretch now_, best_;
+  Stretch<D> now_, best_;
   bool ended_ = false;
 };
 
-void fit(PredictedObserved& result, const Stretch& stretch) {
+template <int D>
+void fit(PredictedObserved& result, const Stretch<D>& stretch) {
   if (stretch.change() < std::log(least_change)) return;
   const std::size_t begin = stretch.middle();
   std::vector<double> x, y, z;
@@ -76,6 +82,41 @@ void fit(PredictedObserved& result, const Stretch& stretch) {
   result.observed_error = result.observed * (line.slope_error + drift);
   result.first = stretch.first + static_cast<Index>(begin);
   result.last = stretch.first + count(stretch.second_changes) - 1;
+}
+
+template <int D>
+PredictedObserved compare_rates(const Simulation& simulation) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  PreparedStep<D> step = prepare_solution<D>(simulation);
+  const GranularDecomposition<D> parts = step.iteration.parts();
+  Stretches<D> stretches;
+  IterationWatch watch(solver);
+  PredictedObserved result{.report = step.report};
+  std::optional<SolverStatus> status;
+  while (!status) {
+    step.iteration.iterate();
+    const IterationRecord record = step.iteration.record();
+    stretches.record(step.iteration);
+    result.report.last = record;
+    if (!watch.looks_at(record.iteration)) continue;
+    status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
+  }
+  result.report.status = *status;
+  const Stretch<D> best = stretches.best();
+  if (best.frozen.empty()) return result;
+  result.active = count(best.statuses) - std::ranges::count(best.statuses, ContactStatus::open);
+  result.stick = std::ranges::count(best.statuses, ContactStatus::stick);
+  result.slide = result.active - result.stick;
+  fit(result, best);
+  const MapRadius frozen = frozen_radius(
+      FrozenIteration(parts, best.frozen, solver.gauss_seidel_sweeps, step.enriched, solver.interface_relaxation));
+  result.predicted = frozen.value;
+  result.complex_pair = frozen.dominant.imag() > 0;
+  result.converged = frozen.converged;
+  if (simulation.system.disks() <= dense_rate_grains)
+    result.predicted_exact =
+        frozen_radius(frozen_contraction(parts, best.frozen, step.enriched, solver.interface_relaxation)).value;
+  return result;
 }
 
 }  // namespace
@@ -106,37 +147,7 @@ void require_comparable(const Dynamics& dynamics, const Partitioner& partitioner
 
 PredictedObserved predicted_observed(const Simulation& simulation) {
   require_comparable(simulation.dynamics, simulation.partitioner);
-  const StepSolver& solver = simulation.dynamics.solver;
-  PreparedStep<2> step = prepare_solution(simulation);
-  const GranularDecomposition<2> parts = step.iteration.parts();
-  Stretches stretches;
-  IterationWatch watch(solver);
-  PredictedObserved result{.report = step.report};
-  std::optional<SolverStatus> status;
-  while (!status) {
-    step.iteration.iterate();
-    const IterationRecord record = step.iteration.record();
-    stretches.record(record, step.iteration.statuses());
-    result.report.last = record;
-    if (!watch.looks_at(record.iteration)) continue;
-    status = watch.judge(record, needs_residual(solver.criterion) ? step.iteration.residual() : ContactResidual{});
-  }
-  result.report.status = *status;
-  const Stretch best = stretches.best();
-  if (best.statuses.empty()) return result;
-  result.active = count(best.statuses) - std::ranges::count(best.statuses, ContactStatus::open);
-  result.stick = std::ranges::count(best.statuses, ContactStatus::stick);
-  result.slide = result.active - result.stick;
-  fit(result, best);
-  const MapRadius frozen = frozen_radius(
-      FrozenIteration(parts, best.statuses, solver.gauss_seidel_sweeps, step.enriched, solver.interface_relaxation));
-  result.predicted = frozen.value;
-  result.complex_pair = frozen.dominant.imag() > 0;
-  result.converged = frozen.converged;
-  if (simulation.system.disks() <= dense_rate_disks)
-    result.predicted_exact =
-        frozen_radius(frozen_contraction(parts, best.statuses, step.enriched, solver.interface_relaxation)).value;
-  return result;
+  return in_dimension(simulation.system, [&](auto dimension) { return compare_rates<dimension()>(simulation); });
 }
 
 }  // namespace nscdd

@@ -16,7 +16,7 @@ struct PredictedObserved {
   StepReport report;                       ///< of the run, without what its end adds
   Index active = 0, stick = 0, slide = 0;  ///< at the statuses compared
   double predicted = not_a_number;         ///< radius of the frozen iteration with n_GS sweeps
-  double predicted_exact = not_a_number;   ///< the same with an exact Stage 1; NaN above 1 500 disks
+  double predicted_exact = not_a_number;   ///< the same with an exact Stage 1; NaN above dense_rate_grains
   bool complex_pair = false;               ///< the dominant eigenvalue of `predicted` is one of a pair
   bool converged = false;                  ///< of the prediction
   double observed = not_a_number;          ///< factor per iteration; NaN where no stretch shows one
@@ -37,12 +37,13 @@ struct PredictedObserved {
 ///    a constant drift at a rate that is the subdominant radius. (The drift consists of impulses that the
 ///    networks carry either way; it is zero where there are none.) So the rate is fitted to
 ///    |F_i - 2 F_{i-1} + F_{i-2}| over the last half of the stretch.
-/// 4. Compare it with the radius of the frozen iteration at the statuses of that stretch.
+/// 4. Compare it with the radius of the frozen iteration at the statuses of that stretch; in space, where directions of
+///    sliding turn on the way, with the derivative at its last iteration.
 /// Throws Error as require_comparable.
 PredictedObserved predicted_observed(const Simulation& simulation);
 
-/// Disks up to which the rate with an exact Stage 1 is worth its dense factorisations.
-inline constexpr Index dense_rate_disks = 1500;
+/// Grains up to which the rate with an exact Stage 1 is worth its dense factorisations.
+inline constexpr Index dense_rate_grains = 1500;
 
 /// Throws Error naming the key for settings whose rate is not predicted. Plain Gauss-Seidel and one subdomain
 /// have no interface. The frozen iteration has no conjugate gradients, no enrichment but that of every

@@ -3,6 +3,7 @@
 
 #include "ddm/frozen_iteration.hpp"
 #include "linalg/random.hpp"
+#include "mechanics/contact_solvers/contact_blocks.hpp"
 #include "study/moving_tables.hpp"
 #include "study/predicted_observed.hpp"
 
@@ -18,20 +19,22 @@ constexpr Index sweeps_of_power = 100;  // in the power of the frozen iteration 
 constexpr double least_angle = 1e-12;   // sine between errors that are multiples of each other
 
 // The solution of the next step, as exact as rounding lets it be.
-SolvedStep<2> solution_of(Simulation simulation) {
+template <int D>
+SolvedStep<D> solution_of(Simulation simulation) {
   simulation.dynamics.solver = {.algorithm = StepAlgorithm::automatic,
                                 .criterion = Criterion::natural_map,
                                 .tolerance = rounding,
                                 .warm_start = true};
-  return solve_step(simulation);
+  return solve_step<D>(simulation);
 }
 
-void describe(RateAtSolution& result, const SolvedStep<2>& solution) {
+template <int D>
+void describe(RateAtSolution& result, const SolvedStep<D>& solution) {
   double squares = 0;
   std::vector<double> margins;
-  for (const GrainContact<2>& contact : solution.contacts) {
+  for (const GrainContact<D>& contact : solution.contacts) {
     squares += squared(contact.impulse);
-    margins.push_back(status_margin(solution.problem.law, contact, solution.velocities));
+    margins.push_back(status_margin<D>(solution.problem.law, contact, solution.velocities));
   }
   const double scale = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, margins.size())));
   for (double& margin : margins) margin /= scale;
@@ -64,15 +67,17 @@ Rate of_two_modes(const ErrorVector& e0, const ErrorVector& e1, const ErrorVecto
 }
 
 // A run next to a solution, from a tenth of it to the next.
+template <int D>
 class NearbyRun {
  public:
-  NearbyRun(GranularTwoStage<2>& iteration, Vector solution, Index iterations)
+  NearbyRun(GranularTwoStage<D>& iteration, Vector solution, Index iterations)
       : iteration_(iteration),
         solution_(std::move(solution)),
         length_(std::max<Index>(1, iterations / parts_of_run)),
         speed_(free_velocities(iteration.parts()).norm()) {
     run();
     statuses_ = iteration_.statuses();
+    frozen_ = frozen_contacts(iteration_.parts(), statuses_);
     end_ = iteration_.state();
     end_velocities_ = free_velocities(iteration_.parts());
     const Vector f = solution_.tail(iteration_.parts().interface_size());
@@ -100,6 +105,7 @@ class NearbyRun {
   Index tenth() const { return parts_of_tenth * length_; }  // iterations
   Index changed() const { return changed_; }                // iterations with other statuses
   const std::vector<ContactStatus>& statuses() const { return statuses_; }
+  const std::vector<FrozenContact<D>>& frozen() const { return frozen_; }
 
  private:
   void run() {
@@ -109,15 +115,17 @@ class NearbyRun {
     }
   }
 
-  GranularTwoStage<2>& iteration_;
+  GranularTwoStage<D>& iteration_;
   Vector solution_, end_, error_;  // states: of the solution, where a part takes it, and what is added to it
   Vector end_velocities_;
   std::vector<ContactStatus> statuses_;
+  std::vector<FrozenContact<D>> frozen_;
   Index length_, changed_ = 0;
   double speed_, scaled_ = 0;  // the logarithm of all factors
 };
 
-void observe(RateAtSolution& result, NearbyRun& run) {
+template <int D>
+void observe(RateAtSolution& result, NearbyRun<D>& run) {
   std::vector<ErrorVector> errors;
   std::array<Rate, 2> now;
   std::array<double, 2> change{};
@@ -141,31 +149,33 @@ void observe(RateAtSolution& result, NearbyRun& run) {
 
 }  // namespace
 
-double status_margin(const ContactLaw& law, const GrainContact<2>& contact,
-                     const std::vector<GrainVelocity<2>>& velocities) {
-  const LocalVector<2> stop = stopping_impulse(contact, velocities);
+template <int D>
+double status_margin(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> velocities) {
+  const LocalVector<D> stop = stopping_impulse<D>(contact, velocities);
   const double n = stop.n + contact.pull;
   const bool rubs = contact.friction > 0 && std::visit([](const auto& one) { return one.rubs; }, law);
   if (n <= 0) return -n;
-  return rubs ? std::min(n, std::abs(contact.friction * n - std::abs(stop.t))) : n;
+  return rubs ? std::min(n, std::abs(contact.friction * n - norm(stop.t))) : n;
 }
 
-Vector restart_at(GranularTwoStage<2>& iteration, const std::vector<GrainContact<2>>& contacts) {
+template <int D>
+Vector restart_at(GranularTwoStage<D>& iteration, const std::vector<GrainContact<D>>& contacts) {
   const Index unknowns = iteration.parts().interface_size();
-  Vector z = Vector::Zero(2 * count(contacts) + unknowns);
-  for (std::size_t c = 0; c < contacts.size(); ++c)
-    z.segment<2>(static_cast<Index>(2 * c)) << contacts[c].impulse.n, contacts[c].impulse.t;
+  Vector z = Vector::Zero(D * count(contacts) + unknowns);
+  for (Index c = 0; c < count(contacts); ++c) set_component<D>(z, c, contacts[at(c)].impulse);
   iteration.restart(z);
   z.tail(unknowns) = generic_interface_solve(iteration.parts(), interface_jumps(iteration.parts()));
   iteration.restart(z);
   return z;
 }
 
-RateAtSolution rate_at_solution(const Simulation& simulation) {
-  require_comparable(simulation.dynamics, simulation.partitioner);
+namespace {
+
+template <int D>
+RateAtSolution rate_in(const Simulation& simulation) {
   const StepSolver& solver = simulation.dynamics.solver;
-  PreparedStep<2> step = prepare_solution(simulation);
-  const SolvedStep<2> solution = solution_of(simulation);
+  PreparedStep<D> step = prepare_solution<D>(simulation);
+  const SolvedStep<D> solution = solution_of<D>(simulation);
   RateAtSolution result{.report = solution.report};
   result.report.interface_size = step.report.interface_size;
   result.report.eta = step.report.eta;
@@ -177,25 +187,37 @@ RateAtSolution rate_at_solution(const Simulation& simulation) {
   step.iteration.iterate();
   result.drift = (free_velocities(step.iteration.parts()) - before).norm() / before.norm();
   step.iteration.restart(z);
-  NearbyRun run(step.iteration, z, solver.maximum_iterations);
+  NearbyRun<D> run(step.iteration, z, solver.maximum_iterations);
   const std::vector<ContactStatus>& statuses = run.statuses();
   result.active = count(statuses) - std::ranges::count(statuses, ContactStatus::open);
   result.stick = std::ranges::count(statuses, ContactStatus::stick);
   result.slide = result.active - result.stick;
   observe(result, run);
 
-  const GranularDecomposition<2>& parts = step.iteration.parts();
+  const GranularDecomposition<D>& parts = step.iteration.parts();
   const Index sweeps = solver.gauss_seidel_sweeps;
   const MapRadius frozen =
-      frozen_radius(FrozenIteration(parts, statuses, sweeps, step.enriched, solver.interface_relaxation), {},
+      frozen_radius(FrozenIteration(parts, run.frozen(), sweeps, step.enriched, solver.interface_relaxation), {},
                     1 + sweeps_of_power / sweeps / 2 * 2);
   result.predicted = frozen.value;
   result.complex_pair = frozen.dominant.imag() > 0;
-  if (simulation.system.disks() <= dense_rate_disks)
+  if (simulation.system.disks() <= dense_rate_grains)
     result.predicted_exact =
-        frozen_radius(frozen_contraction(parts, statuses, step.enriched, solver.interface_relaxation)).value;
+        frozen_radius(frozen_contraction(parts, run.frozen(), step.enriched, solver.interface_relaxation)).value;
   result.converged = frozen.converged && !std::isnan(result.observed);
   return result;
+}
+
+}  // namespace
+
+template double status_margin(const ContactLaw&, const GrainContact<2>&, GrainVelocities<2>);
+template double status_margin(const ContactLaw&, const GrainContact<3>&, GrainVelocities<3>);
+template Vector restart_at(GranularTwoStage<2>&, const std::vector<GrainContact<2>>&);
+template Vector restart_at(GranularTwoStage<3>&, const std::vector<GrainContact<3>>&);
+
+RateAtSolution rate_at_solution(const Simulation& simulation) {
+  require_comparable(simulation.dynamics, simulation.partitioner);
+  return in_dimension(simulation.system, [&](auto dimension) { return rate_in<dimension()>(simulation); });
 }
 
 namespace {
