@@ -63,34 +63,29 @@ void GranularTwoStage<D>::switch_models(const std::vector<RememberedModel>& befo
                                         const Grains& grains) {
   if (!before.empty() && before.size() != parts_.subdomains.size())
     throw Error("models: expected one per subdomain of this step, met another number");
-  if constexpr (D == 3) {
-    throw Error("solver.switch: expected disks in the plane, met spheres in space");
-  } else {
-    for (Index e = 0; e < count(parts_.subdomains); ++e) {
-      SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
-      if (solver_.model == SwitchedModel::homogenised)
-        for (const Index i : parts_.subdomains[at(e)].bodies) {
-          const bool grain = i < count(grains.radius);  // otherwise the body of a wall
-          rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0},
-                                  grain ? grains.radius[at(i)] : 0.0, parts_.interface.multiplicity(i) > 1});
-        }
-      switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
-    }
+  if (D == 3 && solver_.model == SwitchedModel::homogenised)
+    throw Error("solver.switch: expected none or linear with spheres in space, met homogenised");
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    SwitchRules rules{solver_.switch_after, solver_.switch_flexibility.at_scale(scale), solver_.switch_cells};
+    if (solver_.model == SwitchedModel::homogenised)
+      for (const Index i : parts_.subdomains[at(e)].bodies) {
+        const bool grain = i < count(grains.radius);  // otherwise the body of a wall
+        rules.bodies.push_back({grain ? grains.centre[at(i)] : std::array{0.0, 0.0}, grain ? grains.radius[at(i)] : 0.0,
+                                parts_.interface.multiplicity(i) > 1});
+      }
+    switches_.emplace_back(parts_, e, law_, rules, before.empty() ? 0 : before[at(e)].standing);
   }
 }
 
 template <int D>
 std::vector<SweepSums> GranularTwoStage<D>::stage_one() {
   std::vector<SweepSums> sums(parts_.subdomains.size());
-  [[maybe_unused]] const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
+  const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
-    if constexpr (D == 2)
-      if (!switches_.empty()) {
-        sums[at(e)] = switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
-        return;
-      }
-    sums[at(e)] = sweeps(subdomain);
+    sums[at(e)] = switches_.empty()
+                      ? sweeps(subdomain)
+                      : switches_[at(e)].stage_one(subdomain, discrete, {parts_.interface, e, interface_impulses_});
   });
   sweeps_ += solver_.gauss_seidel_sweeps;
   return sums;
@@ -251,12 +246,10 @@ ContactResidual GranularTwoStage<D>::residual() const {
 template <int D>
 std::vector<RememberedModel> GranularTwoStage<D>::models() const {
   std::vector<RememberedModel> result(switches_.size());
-  if constexpr (D == 2) {
-    const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
-    for (Index e = 0; e < count(switches_); ++e)
-      result[at(e)] =
-          switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
-  }
+  const auto discrete = [&](GranularSubdomain<D>& subdomain) { return sweeps(subdomain); };
+  for (Index e = 0; e < count(switches_); ++e)
+    result[at(e)] =
+        switches_[at(e)].report(parts_.subdomains[at(e)], discrete, {parts_.interface, e, interface_impulses_});
   return result;
 }
 

@@ -52,7 +52,7 @@ class GranularTwoStage {
   };
   /// Lets subdomains become linear once their statuses have stood still, see ModelSwitch; after `start`. `before`: the
   /// models of the step before, one per subdomain, empty if impulses start from zero. `scale`: W, 1/kg. `grains` are of
-  /// use to homogenised subdomains alone. In the plane.
+  /// use to homogenised subdomains alone, which are in the plane.
   void switch_models(const std::vector<RememberedModel>& before, double scale, const Grains& grains = {});
 
   void iterate();
@@ -117,7 +117,7 @@ class GranularTwoStage {
   std::optional<InterfaceOperator> enriched_;
   Vector interface_impulses_ = Vector::Zero(parts_.interface_size()), last_change_ = interface_impulses_;
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
-  std::vector<ModelSwitch> switches_;                    // of the subdomains; empty unless models are switched
+  std::vector<ModelSwitch<D>> switches_;                 // of the subdomains; empty unless models are switched
   double free_speed_squared_ = glued_speed_squared();    // |V_free|^2 over the copies of shared grains
   double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
   Index iteration_ = 0, sweeps_ = 0;

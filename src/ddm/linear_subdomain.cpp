@@ -4,31 +4,62 @@
 namespace nscdd {
 namespace {
 
-std::vector<FrozenContact<2>> frozen_at(const GranularSubdomain<2>& subdomain,
+template <int D>
+std::vector<FrozenContact<D>> frozen_at(const GranularSubdomain<D>& subdomain,
                                         const std::vector<ContactStatus>& statuses) {
-  std::vector<FrozenContact<2>> frozen;
+  std::vector<FrozenContact<D>> frozen;
   for (std::size_t k = 0; k < statuses.size(); ++k)
     frozen.push_back(
-        frozen_as<2>(statuses[k], subdomain.contacts.contact(k, subdomain.velocities), subdomain.velocities));
+        frozen_as<D>(statuses[k], subdomain.contacts.contact(k, subdomain.velocities), subdomain.velocities));
   return frozen;
+}
+
+// v += a - b
+template <int D>
+void add_difference(GrainVelocity<D>& v, const GrainVelocity<D>& a, const GrainVelocity<D>& b) {
+  GrainUnknowns<D> sum = unknowns(v);
+  const GrainUnknowns<D> plus = unknowns(a), minus = unknowns(b);
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += plus[k] - minus[k];
+  v = with_unknowns(sum, v.inverse_mass);
+}
+
+// The next components of a tangential vector, which move `column` on.
+template <int D>
+Tangent<D> next_tangent(const Vector& d, Index& column) {
+  if constexpr (D == 2) {
+    return d[column++];
+  } else {
+    column += 2;
+    return {d[column - 2], d[column - 1]};
+  }
+}
+
+void put_tangent(Vector& d, Index& column, double t) { d[column++] = t; }
+void put_tangent(Vector& d, Index& column, TangentVector t) {
+  d[column++] = t.first;
+  d[column++] = t.second;
 }
 
 }  // namespace
 
-LinearSubdomain::LinearSubdomain(const GranularSubdomain<2>& subdomain, const ContactLaw& law,
-                                 std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
+template <int D>
+LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const ContactLaw& law,
+                                    std::vector<ContactStatus> statuses, double flexibility, const Fields& fields)
     : law_(law),
-      statuses_(std::move(statuses)),
+      frozen_(frozen_at(subdomain, statuses)),
       contacts_(subdomain.contacts),
       base_(subdomain.velocities),
       present_(subdomain.velocities),
       flexibility_(flexibility),
-      network_(frozen_network(subdomain, frozen_at(subdomain, statuses_))) {
+      network_(frozen_network(subdomain, frozen_)) {
+  if (!network_.turning.empty())
+    throw Error("linear subdomain: expected contacts whose impulses do not turn, met one that slides in space");
   if (fields) fields_ = fields(network_);
   factorise();
 }
 
-void LinearSubdomain::factorise() {
+template <int D>
+void LinearSubdomain<D>::factorise() {
   if (network_.impulses.cols() == 0) return;
   matrix_.resize(network_.root.size(), network_.root.size());
   matrix_.setIdentity();
@@ -39,38 +70,38 @@ void LinearSubdomain::factorise() {
 }
 
 // v + bias in the directions that rest.
-Vector LinearSubdomain::strain(const std::vector<GrainVelocity<2>>& velocities) const {
+template <int D>
+Vector LinearSubdomain<D>::strain(const std::vector<GrainVelocity<D>>& velocities) const {
   Vector result(network_.resting.cols());
   Index column = 0;
-  for (std::size_t k = 0; k < statuses_.size(); ++k) {
-    if (statuses_[k] == ContactStatus::open) continue;
-    const GrainContact<2> c = contacts_.contact(k, velocities);
-    const LocalVector<2> v = relative_velocity(c, velocities) + c.bias;
+  for (std::size_t k = 0; k < frozen_.size(); ++k) {
+    if (frozen_[k].status == ContactStatus::open) continue;
+    const GrainContact<D> c = contacts_.contact(k, velocities);
+    const LocalVector<D> v = relative_velocity<D>(c, velocities) + c.bias;
     result[column++] = v.n;
-    if (statuses_[k] == ContactStatus::stick) result[column++] = v.t;
+    if (frozen_[k].status == ContactStatus::stick) put_tangent(result, column, v.t);
   }
   return result;
 }
 
 // What Stage 2 has done since.
-void LinearSubdomain::follow(const GranularSubdomain<2>& subdomain) {
-  for (std::size_t i = 0; i < base_.size(); ++i) {
-    base_[i].x += subdomain.velocities[i].x - present_[i].x;
-    base_[i].y += subdomain.velocities[i].y - present_[i].y;
-    base_[i].rim += subdomain.velocities[i].rim - present_[i].rim;
-  }
+template <int D>
+void LinearSubdomain<D>::follow(const GranularSubdomain<D>& subdomain) {
+  for (std::size_t i = 0; i < base_.size(); ++i) add_difference(base_[i], subdomain.velocities[i], present_[i]);
   present_ = subdomain.velocities;
 }
 
 // With one step of iterative refinement.
-Vector LinearSubdomain::solve(const Vector& b) const {
+template <int D>
+Vector LinearSubdomain<D>::solve(const Vector& b) const {
   const Vector x = solver_->solve(b);
   return x + solver_->solve(b - matrix_ * x);
 }
 
-LinearAnswer LinearSubdomain::answer(const GranularSubdomain<2>& subdomain) {
+template <int D>
+LinearAnswer<D> LinearSubdomain<D>::answer(const GranularSubdomain<D>& subdomain) {
   follow(subdomain);
-  LinearAnswer result{contacts_.impulses, base_};
+  LinearAnswer<D> result{contacts_.impulses, base_};
   Vector d;
   if (solver_) {
     const Vector here = strain(base_);
@@ -81,58 +112,63 @@ LinearAnswer LinearSubdomain::answer(const GranularSubdomain<2>& subdomain) {
     d = (here + network_.resting.transpose() * change) / -flexibility_;
   }
   Index column = 0;
-  for (std::size_t k = 0; k < statuses_.size(); ++k) {
-    if (statuses_[k] == ContactStatus::open) continue;
-    const GrainContact<2> c = contacts_.contact(k, base_);
-    LocalVector<2>& r = result.impulses[k];
+  for (std::size_t k = 0; k < frozen_.size(); ++k) {
+    if (frozen_[k].status == ContactStatus::open) continue;
+    const GrainContact<D> c = contacts_.contact(k, base_);
+    LocalVector<D> r = c.impulse;
     r.n += d[column++];
     // On the edge of the cone to the last bit, so that rounding does not make the contact stick.
-    r.t = statuses_[k] == ContactStatus::stick ? r.t + d[column++]
-                                               : sliding_slope(statuses_[k], c.friction) * (r.n + c.pull);
+    r.t = frozen_[k].status == ContactStatus::stick ? r.t + next_tangent<D>(d, column)
+                                                    : (r.n + c.pull) * frozen_[k].slope;
+    result.impulses[k] = swept(c.normal, r);
     if (!fields_) apply_impulse(c, r - c.impulse, result.velocities);
   }
   result.admissible = admits(result);
   return result;
 }
 
-bool LinearSubdomain::admits(const LinearAnswer& answer) const {
-  const auto impulse = [&](const GrainContact<2>& c) {
-    const LocalVector<2> stop = stopping_impulse(c, answer.velocities);
+template <int D>
+bool LinearSubdomain<D>::admits(const LinearAnswer<D>& answer) const {
+  const auto impulse = [&](const GrainContact<D>& c) {
+    const LocalVector<D> stop = stopping_impulse<D>(c, answer.velocities);
     return std::visit([&](const auto& law) { return law_at(law, c.pull).impulse(stop, c.inverse_w, c.friction); },
                       law_);
   };
-  for (std::size_t k = 0; k < statuses_.size(); ++k) {
-    GrainContact<2> c = contacts_.contact(k, answer.velocities);
-    c.impulse = answer.impulses[k];
+  for (std::size_t k = 0; k < frozen_.size(); ++k) {
+    GrainContact<D> c = contacts_.contact(k, answer.velocities);
+    c.impulse = in_frame(c.normal, answer.impulses[k]);
     c.impulse = impulse(c);
-    if (status_of(law_, c) != statuses_[k]) return false;
+    if (status_of(law_, c) != frozen_[k].status) return false;
   }
   return true;
 }
 
-void LinearSubdomain::move(std::vector<GrainVelocity<2>>& velocities, const Vector& change) const {
+template <int D>
+void LinearSubdomain<D>::move(std::vector<GrainVelocity<D>>& velocities, const Vector& change) const {
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     const Index first = network_.rows[i].first;
     if (first < 0) continue;
-    velocities[i].x += change[first];
-    velocities[i].y += change[first + 1];
-    velocities[i].rim += change[first + 2];
+    GrainUnknowns<D> moved = unknowns(velocities[i]);
+    for (Index k = 0; k < unknowns_of_grain<D>; ++k) moved[at(k)] += change[first + k];
+    velocities[i] = with_unknowns(moved, velocities[i].inverse_mass);
   }
 }
 
-void LinearSubdomain::release(GranularSubdomain<2>& subdomain) {
+template <int D>
+void LinearSubdomain<D>::release(GranularSubdomain<D>& subdomain) {
   if (!fields_) return;
   follow(subdomain);
   subdomain.velocities = base_;
-  for (std::size_t k = 0; k < statuses_.size(); ++k) {
-    const GrainContact<2> c = contacts_.contact(k, base_);
-    apply_impulse(c, subdomain.contacts.impulses[k] - c.impulse, subdomain.velocities);
+  for (std::size_t k = 0; k < frozen_.size(); ++k) {
+    const GrainContact<D> c = contacts_.contact(k, base_);
+    apply_impulse(c, subdomain.contacts.impulse(k) - c.impulse, subdomain.velocities);
   }
 }
 
-SweepSums LinearSubdomain::take(LinearAnswer answer, GranularSubdomain<2>& subdomain) {
+template <int D>
+SweepSums LinearSubdomain<D>::take(LinearAnswer<D> answer, GranularSubdomain<D>& subdomain) {
   SweepSums sums;
-  for (std::size_t k = 0; k < statuses_.size(); ++k) {
+  for (std::size_t k = 0; k < frozen_.size(); ++k) {
     sums.change += squared(answer.impulses[k] - subdomain.contacts.impulses[k]);
     sums.impulses += squared(answer.impulses[k]);
   }
@@ -140,5 +176,8 @@ SweepSums LinearSubdomain::take(LinearAnswer answer, GranularSubdomain<2>& subdo
   subdomain.velocities = present_ = std::move(answer.velocities);
   return sums;
 }
+
+template class LinearSubdomain<2>;
+template class LinearSubdomain<3>;
 
 }  // namespace nscdd

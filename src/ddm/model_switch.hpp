@@ -29,27 +29,31 @@ struct Surroundings {
 /// How far off the linear model is, is measured when it is given up and at the end of a step, by the sweeps from the
 /// same state: the root mean square of dV over the copies of shared grains, m/s, and |M dV| / |A_E^T F|, the impulses
 /// which that difference is worth there.
+///
+/// In space a subdomain in which a contact slides with friction is not linear, as the impulse turns with the velocity:
+/// it is switched only while none does. Without friction all that keep their statuses are.
+template <int D>
 class ModelSwitch {
  public:
-  using Sweeps = std::function<SweepSums(GranularSubdomain<2>&)>;
+  using Sweeps = std::function<SweepSums(GranularSubdomain<D>&)>;
 
   /// `standing`: iterations for which the statuses of the present impulses have stood still already.
-  ModelSwitch(const GranularDecomposition<2>& parts, Index subdomain, const ContactLaw& law, const SwitchRules& rules,
+  ModelSwitch(const GranularDecomposition<D>& parts, Index subdomain, const ContactLaw& law, const SwitchRules& rules,
               Index standing);
 
-  SweepSums stage_one(GranularSubdomain<2>& subdomain, const Sweeps& sweeps, const Surroundings& around);
+  SweepSums stage_one(GranularSubdomain<D>& subdomain, const Sweeps& sweeps, const Surroundings& around);
 
   /// The step so far. If the subdomain is switched, the sweeps are tried on a copy of it.
-  RememberedModel report(const GranularSubdomain<2>& subdomain, const Sweeps& sweeps, const Surroundings& around) const;
+  RememberedModel report(const GranularSubdomain<D>& subdomain, const Sweeps& sweeps, const Surroundings& around) const;
 
  private:
-  bool linear_now(const GranularSubdomain<2>& subdomain);
-  void watch(const GranularSubdomain<2>& subdomain);
+  bool linear_now(const GranularSubdomain<D>& subdomain);
+  void watch(const GranularSubdomain<D>& subdomain);
 
   ContactLaw law_;
   SwitchRules rules_;
   std::vector<ContactStatus> statuses_;  // of the present impulses
-  std::optional<LinearSubdomain> linear_;
+  std::optional<LinearSubdomain<D>> linear_;
   RememberedModel record_;
 };
 

@@ -219,9 +219,8 @@ Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   check_dynamics(one.spec);
   const Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
   require_gravity(one.spec, packing.dimension());
-  if (packing.dimension() == 3 && one.spec.dynamics->solver.model != SwitchedModel::none)
-    throw Error("solver.switch",
-                "expected none with spheres in space, met " + std::string(to_string(one.spec.dynamics->solver.model)));
+  if (packing.dimension() == 3 && one.spec.dynamics->solver.model == SwitchedModel::homogenised)
+    throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
   GranularScene start = scene(packing, *one.spec.dynamics);
   set_moving(one, packing, start);
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};

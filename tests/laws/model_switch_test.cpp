@@ -165,12 +165,12 @@ std::vector<GrainVelocity<2>> homogenised_by_hand(const GranularSubdomain<2>& su
 struct OnTheFloor {
   GranularDecomposition<2> parts;
   ContactLaw law = Coulomb{};
-  ModelSwitch::Sweeps sweeps = [this](GranularSubdomain<2>& one) {
+  ModelSwitch<2>::Sweeps sweeps = [this](GranularSubdomain<2>& one) {
     return gauss_seidel_sweep(law, one.contacts, one.velocities);
   };
   Vector none = Vector::Zero(0);
   Surroundings around{parts.interface, 0, none};
-  ModelSwitch model;
+  ModelSwitch<2> model;
 
   static GranularDecomposition<2> parts_of() {
     Dynamics dynamics = tight();
@@ -199,12 +199,12 @@ TEST_CASE("a linear subdomain answers what a dense solve of its frozen network d
     REQUIRE(std::ranges::count(statuses, ContactStatus::open) > 0);
     REQUIRE(std::ranges::count_if(statuses, [](auto s) { return s > ContactStatus::stick; }) > 3);
     for (const double alpha : {1e-2, 1e-6}) {
-      LinearSubdomain linear(subdomain, step.problem.law, statuses, alpha * step.problem.scale);
+      LinearSubdomain<2> linear(subdomain, step.problem.law, statuses, alpha * step.problem.scale);
       REQUIRE(linear.regular());
       for (int push = 0; push < 2; ++push) {
         GranularSubdomain<2> pushed = subdomain;  // as Stage 2 does
         if (push == 1) pushed.velocities[1].x += pushed.velocities[1].inverse_mass > 0 ? 0.01 : 0;
-        const LinearAnswer answer = linear.answer(pushed);
+        const LinearAnswer<2> answer = linear.answer(pushed);
         const auto by_hand = frozen_by_hand(pushed, statuses, alpha * step.problem.scale);
         const Index bodies = count(by_hand);
         CHECK(largest_difference(answer.velocities, by_hand, bodies) < 1e-8 * largest_speed(by_hand, bodies));
@@ -228,13 +228,13 @@ TEST_CASE("a homogenised subdomain is the dense Galerkin projection, and on a fi
                         step.iteration.parts().interface.multiplicity(i) > 1});
     }
     const auto homogenised = [&](const std::vector<PlacedBody>& placed, Index cells) {
-      LinearSubdomain model(subdomain, step.problem.law, statuses, alpha, [&](const FrozenNetwork& network) {
+      LinearSubdomain<2> model(subdomain, step.problem.law, statuses, alpha, [&](const FrozenNetwork& network) {
         return coarse_velocities(network, placed, {cells, cells});
       });
       REQUIRE(model.regular());
       return model.answer(subdomain).velocities;
     };
-    const auto linear = LinearSubdomain(subdomain, step.problem.law, statuses, alpha).answer(subdomain).velocities;
+    const auto linear = LinearSubdomain<2>(subdomain, step.problem.law, statuses, alpha).answer(subdomain).velocities;
     const Index n = count(linear);
     const double speed = largest_speed(linear, n);
     for (const Index cells : {1, 2, 3}) {

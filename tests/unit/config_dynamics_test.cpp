@@ -333,7 +333,8 @@ TEST_CASE("moving case in space: boundaries and gravity of the other dimension a
           "boundary 'f': expected shape wall, cylinder or grains for a packing in space, met disks");
   refused(space + "[[boundary]]\nname = \"f\"\nshape = \"grains\"\nfirst = 0\nlast = 0\nspin = 1\n",
           "boundary 'f': expected three components for a packing in space, met two");
-  refused(space + "[solver]\nalgorithm = \"generic\"\nswitch = \"linear\"\n", "solver.switch: expected none");
+  refused(space + "[solver]\nalgorithm = \"generic\"\nswitch = \"homogenised\"\n",
+          "solver.switch: expected none or linear");
   const std::string plane = replaced(replaced(space, "fcc", "hexagonal"), "[1, 1, 1]", "[1, 1]");
   refused(plane + "gravity = [0, 0, -9.81]\n", "dynamics.gravity: expected two numbers for a packing in the plane");
   refused(plane + "[[boundary]]\nname = \"d\"\nshape = \"cylinder\"\nfrom = [0, 0, 0]\nto = [0, 1, 0]\nradius = 9\n",
