@@ -36,16 +36,17 @@ EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
   const Vector root = inertia_.cwiseSqrt().cwiseInverse();                   // M^-1/2
   const Matrix b = root.asDiagonal() * Matrix(h_);                           // M^-1/2 H
   auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
-  // The square has lost small singular values to rounding. They are worked out again in the space of their own.
+  // There are as many zeros as H has dependent rows. This rank does not depend on masses.
+  const Index zeros = h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_});
+  // The square has lost singular values next to them to rounding. They are worked out again in a space of their own.
   const Index small = (eigenvalues.array() < small_square * eigenvalues.maxCoeff()).count();
-  if (small > 0) {
+  if (small > zeros) {
     const Matrix own = vectors.leftCols(small), image = b.transpose() * own;
     const SymmetricEigen again = symmetric_eigen(image.transpose() * image);
     eigenvalues.head(small) = again.values;
     vectors.leftCols(small) = own * again.vectors;
   }
-  // There are as many zeros as H has dependent rows. This rank does not depend on masses.
-  eigenvalues.head(h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_})).setZero();
+  eigenvalues.head(zeros).setZero();
   Modes modes;
   modes.eigenvalues = eigenvalues.cwiseMax(0.0);
   modes.vectors = root.asDiagonal() * vectors;
