@@ -18,9 +18,9 @@ LOOKS = [("black", "-"), ("#b03a2e", (0, (4.5, 1.8))), ("#1f5f99", (0, (1, 1.3))
 FARTHEST = 1000  # times the best
 
 
-def problems_of(folder, name):
+def problems_of(folder, name, measures=tuple(MEASURES), residuals=tuple(RESIDUALS)):
     """The rows of each problem of a table, by solver: they follow one another, and each solver comes once."""
-    numbers = " ".join(f"{measure}_{residual}" for measure in MEASURES for residual in RESIDUALS)
+    numbers = " ".join(f"{measure}_{residual}" for measure in measures for residual in residuals)
     problems = []
     for row in style.read_table(folder, name, numbers=f"contacts {numbers}", texts="solver status"):
         if not problems or row["solver"] in problems[-1]:
@@ -50,6 +50,26 @@ def profile(axes, values, total, look):
     axes.step(tau, share, where="post", color=look[0], linestyle=look[1], clip_on=False)
 
 
+def figure(problems, measures, residuals, width, height):
+    """A panel for each measure and residual, of the solvers that every problem has."""
+    solvers = [s for s in problems[0] if all(s in problem for problem in problems)]
+    fig, grid = style.figure(width, height, len(measures), len(residuals), sharex=True, sharey=True, squeeze=False)
+    letters = iter("abcdef")
+    for line, measure in zip(grid, measures):
+        for axes, residual in zip(line, residuals):
+            for solver, look in zip(solvers, itertools.cycle(LOOKS)):
+                profile(axes, ratios(problems, solver, solvers, f"{measure}_{residual}"), len(problems), look)
+            style.log_axis(axes.xaxis, 1, FARTHEST)
+            axes.set(ylim=(0, 1))
+            style.panel(axes, next(letters), f"{MEASURES[measure]} to {RESIDUALS[residual]}")
+        line[0].set_ylabel(f"share of {len(problems)} problems")
+    for axes in grid[-1]:
+        axes.set_xlabel(r"times the best, $\tau$")
+    handles = [grid[0, 0].plot([], [], color=c, linestyle=s)[0] for _, (c, s) in zip(solvers, itertools.cycle(LOOKS))]
+    style.legend_above(fig, handles, [s.replace("_", " ") for s in solvers], min(len(solvers), 5))
+    return fig
+
+
 def tables_of(results):
     return sorted(glob.glob(os.path.join(results, "profiles", "*.csv")))
 
@@ -62,21 +82,7 @@ def draw(results, output, formats, more=()):
     problems = [problem for path in paths for problem in problems_of(*os.path.split(path))]
     if not problems:
         raise style.NoRows(f"{paths[0]}: no problem with contacts")
-    solvers = [s for s in problems[0] if all(s in problem for problem in problems)]
-    fig, grid = style.figure(style.COLUMN_AND_HALF, 98, 2, 3, sharex=True, sharey=True)
-    for line, measure, letters in zip(grid, MEASURES, ("abc", "def")):
-        for axes, (residual, text), letter in zip(line, RESIDUALS.items(), letters):
-            for solver, look in zip(solvers, itertools.cycle(LOOKS)):
-                profile(axes, ratios(problems, solver, solvers, f"{measure}_{residual}"), len(problems), look)
-            style.log_axis(axes.xaxis, 1, FARTHEST)
-            axes.set(ylim=(0, 1))
-            style.panel(axes, letter, f"{MEASURES[measure]} to {text}")
-        line[0].set_ylabel(f"share of {len(problems)} problems")
-    for axes in grid[-1]:
-        axes.set_xlabel(r"times the best, $\tau$")
-    handles = [grid[0, 0].plot([], [], color=c, linestyle=s)[0] for _, (c, s) in zip(solvers, itertools.cycle(LOOKS))]
-    style.legend_above(fig, handles, [s.replace("_", " ") for s in solvers], min(len(solvers), 5))
-    return style.save(fig, output, "profiles", formats)
+    return style.save(figure(problems, MEASURES, RESIDUALS, style.COLUMN_AND_HALF, 98), output, "profiles", formats)
 
 
 def main():
