@@ -6,8 +6,7 @@
 namespace nscdd {
 namespace {
 
-// The least singular value of columns of unit length that are clearly independent. The basis of a range that they are
-// part of is as well conditioned.
+// The least singular value of columns of unit length that are clearly independent.
 constexpr double independent = 1e-2;
 
 class Peeling {

@@ -7,14 +7,15 @@
 namespace nscdd {
 namespace {
 
-constexpr Index hub_from = 65;  // grains of a cluster: smaller ones take part in the dissection
+constexpr Index hub_from = 65;      // grains of a cluster: smaller ones take part in the dissection
+constexpr double rounding = 1e-15;  // of a column of unit length
 
 SparseMatrix columns_of(const RangeBasis& basis, const SparseMatrix& h) {
   SparseEntries entries;
   entries.add_block(selected_columns(h, basis.columns), 0, 0);
   for (Index k = 0; k < basis.others.cols(); ++k)
     for (Index i = 0; i < h.rows(); ++i)
-      if (basis.others(i, k) != 0) entries.add(i, count(basis.columns) + k, basis.others(i, k));
+      if (std::abs(basis.others(i, k)) > rounding) entries.add(i, count(basis.columns) + k, basis.others(i, k));
   return entries.matrix(h.rows(), basis.size());
 }
 
@@ -26,6 +27,7 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   for (const RigidBody& body : motions.bodies) result.hub.push_back(body.grains >= hub_from);
   const RangeBasis basis = range_basis(motions);
   result.h = columns_of(basis, motions.h);
+  result.conclusive = basis.conclusive;
   std::vector<char> early(at(result.h.cols()), 0);
   std::fill_n(early.begin(), basis.columns.size(), char{1});
   if (std::ranges::count(result.hub, 1) > 0) {
@@ -54,6 +56,9 @@ RigidSystem rigid_system(const Decomposition& parts) {
     rows.push_back(static_cast<double>(own));
   }
   parts.interface.processes().add_up(rows);
+  bool doubtful = false;
+  for (const RigidSubdomain& one : system.subdomains) doubtful |= !one.conclusive;
+  system.conclusive = !parts.interface.processes().any(doubtful);
   for (const double own : rows) system.hub_rows.push_back(static_cast<Index>(own));
   return system;
 }

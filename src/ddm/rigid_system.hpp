@@ -15,6 +15,7 @@ struct RigidSubdomain {
   std::vector<char> hub;     ///< a flag for each body: a cluster so large that its motions are eliminated last of all
   std::vector<Index> early;  ///< columns of `h` that stay independent if the hubs are held
   std::vector<Index> late;   ///< the other columns, which are eliminated with the hubs
+  bool conclusive = true;    ///< false if `h` may be no such basis
 
   /// Whether the motions of a body are eliminated beforehand, body by body, which leaves contact impulses alone: in
   /// space half as many unknowns, and next to a separator a quarter. All other impulses that act on it are then tied.
@@ -26,6 +27,7 @@ struct RigidSystem {
   std::vector<RigidSubdomain> subdomains;
   /// Of every subdomain, those of other processes too: the motions of its hubs and its late impulses.
   std::vector<Index> hub_rows;
+  bool conclusive = true;  ///< of all subdomains; else nothing can be proved with this system
 };
 
 RigidSystem rigid_system(const Decomposition& parts);

@@ -191,8 +191,8 @@ std::optional<Index> counted_at_zero(const ShiftedPencilFamily& family, double e
 // gives to the zeros. A small eigenvalue that lies below it, too, is counted, and nothing is then confirmed.
 bool confirms(const ShiftedPencilFamily& family, const PencilPoint& point, Index kernel, Index& factorisations) {
   const double zero = std::max(rigid_zero_again, 10 * point.rounding);
-  for (double shift = zero; shift < 1e5 * zero; shift *= 10)
-    if (const auto counted = counted_below(family, point.eta, shift, factorisations)) return *counted == kernel;
+  for (const double times : {1.0, 1e1, 1e2, 1e3, 1e4})
+    if (const auto counted = counted_below(family, point.eta, times * zero, factorisations)) return *counted == kernel;
   return false;
 }
 
@@ -215,7 +215,8 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->kernel = b.system.nullity();
     limit->confirmed = false;
   }
-  if (!limit->confirmed) limit->confirmed = confirms(family, point, *limit->kernel, factorisations);
+  if (!limit->confirmed)
+    limit->confirmed = limit->system->conclusive && confirms(family, point, *limit->kernel, factorisations);
   if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");

@@ -25,8 +25,12 @@ constexpr double blurred = 1e-3;       // tau where columns are chosen
 constexpr double faint = 1e-6;         // tau where that is wanted which is outside their span
 constexpr double clearly_apart = 0.1;  // from the span of others
 constexpr double barely_apart = 0.02;
-constexpr Index oversampling = 10;  // random vectors beyond as many as there are columns to be found
-constexpr double damping = 1e-6;    // tau^2 over the largest squared length of a column
+constexpr double least_outside = 1e-9;  // of a column of unit length that is in no span of others
+constexpr Index most_missing = 100;     // columns that are sought by random vectors, of those that are barely apart
+constexpr Index most_full = 30;         // columns that are replaced by their parts outside a span
+constexpr Index oversampling = 10;      // random vectors beyond as many as there are columns to be found
+constexpr Index solved_at_once = 64;    // right-hand sides
+constexpr double damping = 1e-6;        // tau^2 over the largest squared length of a column
 constexpr int most_iterations = 500;
 constexpr int patience = 50;  // iterations without a smaller residual
 constexpr double least_squares_tolerance = 1e-13;
@@ -91,21 +95,27 @@ struct Additions {
 };
 
 // What lies outside that span is seen by a few random vectors of the space that is orthogonal to it: Q R with column
-// exchanges on their products with `others` tells what adds most.
+// exchanges on their products with `others` tells what adds most. Of m random vectors, k of which the columns before
+// have taken up, the others see a distance d as d sqrt(m - k).
 Additions additions(const SparseMatrix& taken, const SparseMatrix& others, Index wanted) {
   const SparseMatrix matrix = saddle_point(taken, -faint * faint);
   const SymmetricFactor factor(saddle_point_analysis(matrix, taken), matrix);
   if (!factor.regular()) return {};
   const Index samples = wanted + oversampling;
   RandomStream random(1);
-  Matrix right = Matrix::Zero(matrix.rows(), samples);
-  for (Index k = 0; k < samples; ++k) right.col(k).head(taken.rows()) = random.normal_vector(taken.rows());
-  const Matrix outside = factor.solve_columns(right).topRows(taken.rows());
-  const Matrix seen = (others.transpose() * outside).transpose();
-  const Eigen::ColPivHouseholderQR<Matrix> factors(seen);
+  Matrix seen(samples, others.cols());
+  for (Index first = 0; first < samples; first += solved_at_once) {
+    Matrix right = Matrix::Zero(matrix.rows(), std::min(solved_at_once, samples - first));
+    for (Index k = 0; k < right.cols(); ++k) right.col(k).head(taken.rows()) = random.normal_vector(taken.rows());
+    const Matrix outside = factor.solve_columns(std::move(right)).topRows(taken.rows());
+    seen.middleRows(first, outside.cols()) = (others.transpose() * outside).transpose();
+  }
+  const Eigen::ColPivHouseholderQR<Matrix> factors(std::move(seen));
   const auto& order = factors.colsPermutation().indices();
-  return {{order.data(), order.data() + wanted},
-          factors.matrixQR().diagonal().head(wanted).cwiseAbs() / std::sqrt(static_cast<double>(samples))};
+  Additions result{{order.data(), order.data() + wanted}, Vector(wanted)};
+  for (Index k = 0; k < wanted; ++k)
+    result.distance[k] = std::abs(factors.matrixQR()(k, k)) / std::sqrt(static_cast<double>(samples - k));
+  return result;
 }
 
 }  // namespace
@@ -173,27 +183,29 @@ RangeBasis RangeProjector::basis() const {
   std::vector<Index> order(at(b_.cols()));
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return apart[i] > apart[j]; });
-  const auto unclear =
-      std::find_if(order.begin(), order.begin() + rank_, [&](Index j) { return !(apart[j] > clearly_apart); });
+  const auto last = order.begin() + rank_;
+  auto unclear = std::find_if(order.begin(), last, [&](Index j) { return !(apart[j] > clearly_apart); });
+  while (last - unclear > most_missing && apart[*unclear] > barely_apart) ++unclear;
   std::vector<Index> taken(order.begin(), unclear), others(unclear, order.end()), weak;
   if (const Index missing = rank_ - count(taken); missing > 0) {
     const Additions more = additions(selected_columns(b_, taken), selected_columns(b_, others), missing);
     result.conclusive &= count(more.order) == missing;
-    for (std::size_t k = 0; k < more.order.size(); ++k)
-      (more.distance[static_cast<Index>(k)] > barely_apart ? taken : weak).push_back(others[at(more.order[k])]);
+    for (Index k = 0; k < count(more.order); ++k)
+      (more.distance[k] > barely_apart || missing - k > most_full ? taken : weak)
+          .push_back(others[at(more.order[at(k)])]);
   }
   if (!weak.empty()) {
     const RangeProjector span(selected_columns(b_, taken));
     result.conclusive &= span.conclusive();
     result.others = Matrix(selected_columns(b_, weak));
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < 2; ++round)
       for (Index k = 0; k < result.others.cols(); ++k) {
         auto own = result.others.col(k);
         own -= span.apply(own);
         own -= result.others.leftCols(k) * (result.others.leftCols(k).transpose() * own);
+        result.conclusive &= own.norm() > least_outside;  // else it would be rounding, and no part of the range
         own.normalize();
       }
-    }
   }
   for (const Index j : taken) result.columns.push_back(filled_[at(j)]);
   std::sort(result.columns.begin(), result.columns.end());

@@ -5,7 +5,7 @@
 
 namespace nscdd {
 
-/// A basis of the range of a matrix, as well conditioned as such columns can be.
+/// A well-conditioned basis of the range of a matrix.
 struct RangeBasis {
   std::vector<Index> columns;  ///< of the matrix, ascending
   Matrix others;               ///< rows x k, orthonormal: what the range has that these columns have next to nothing of

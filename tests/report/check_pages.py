@@ -398,7 +398,8 @@ def check_camera(page):
     check(np.array_equal(flat, np.column_stack([points[:, :2], np.zeros(50), np.ones(50)])), "camera: a plane stays")
     order = page.js(code + """
         const near = Float32Array.from(arguments[0]);
-        return [...fromFarToNear(near, Math.min(...near), Math.max(...near))];""", points[:, 0].tolist())
+        return [...fromFarToNear(near, Math.min(...arguments[0]), Math.max(...arguments[0]))];""",
+                    points[:, 0].tolist())
     check(sorted(order) == list(range(50)) and np.all(np.diff(points[order, 0]) > -1e-3), "camera: far things come first")
 
 

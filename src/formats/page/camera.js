@@ -44,8 +44,10 @@ function createCamera(space) {
 
 // Numbers of grains from far to near, by thousands of equal steps of their nearness.
 function fromFarToNear(near, lowest, highest) {
-  const steps = highest > lowest ? 8192 : 1, first = new Uint32Array(steps + 1), order = new Uint32Array(near.length);
-  const step = (i) => Math.min(steps - 1, Math.floor((steps * (near[i] - lowest)) / (highest - lowest || 1)));
+  const steps = highest > lowest ? 8208 : 1, first = new Uint32Array(steps + 1), order = new Uint32Array(near.length);
+  // Near ends are rounded otherwise than `near`, and may lie outside by that much.
+  const place = (i) => Math.floor((steps * (near[i] - lowest)) / (highest - lowest || 1));
+  const step = (i) => Math.max(0, Math.min(steps - 1, place(i)));
   for (let i = 0; i < near.length; ++i) ++first[step(i) + 1];
   for (let k = 0; k < steps; ++k) first[k + 1] += first[k];
   for (let i = 0; i < near.length; ++i) order[first[step(i)]++] = i;

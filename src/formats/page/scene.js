@@ -141,7 +141,7 @@ function createScene(canvas, picture) {
     return found;
   };
   scene.changed = () => {
-    looks = seen = shapes = null;
+    looks = seen = shapes = stamps = null;  // stamps go by the numbers of looks
     scene.draw();
   };
   scene.draw = () => {

@@ -78,7 +78,7 @@ class SymmetricFactor {
   bool regular() const;                         ///< false if a pivot is exactly zero; nothing else may then be asked
   Index negative_eigenvalues() const;           ///< of A, with multiplicity
   Vector solve(const Vector& b) const;          ///< A^-1 b
-  Matrix solve_columns(const Matrix& b) const;  ///< A^-1 B, for many columns faster than one after the other
+  Matrix solve_columns(Matrix b) const;  ///< A^-1 B, for many columns faster than one after the other
 
   /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts one value for each border row, in their order, into its place
   /// among zeros. The bits are those of `solve`, with less work: the way from or to the border leads through few

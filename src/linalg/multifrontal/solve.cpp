@@ -91,7 +91,9 @@ Vector SymmetricFactor::go_back(const Vector& x, Fronts which) const { return ba
 
 Vector SymmetricFactor::solve(const Vector& b) const { return solved(*fronts_, b, Fronts::all, Fronts::all); }
 
-Matrix SymmetricFactor::solve_columns(const Matrix& b) const { return solved(*fronts_, b, Fronts::all, Fronts::all); }
+Matrix SymmetricFactor::solve_columns(Matrix b) const {
+  return solved(*fronts_, std::move(b), Fronts::all, Fronts::all);
+}
 
 Vector SymmetricFactor::solve_from_border(const Vector& g) const {
   return solved(*fronts_, spread(fronts_->tree, g), Fronts::border, Fronts::all);
