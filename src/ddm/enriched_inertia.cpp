@@ -11,6 +11,18 @@ namespace {
 
 constexpr double small_square = 1e-6;  // of a singular value over the largest
 
+// Where columns are of very unequal lengths, what the short ones can do is small beside rounding. Factors that scale
+// each column are then more exact than a spectrum.
+bool similar_lengths(const SparseMatrix& h) {
+  double longest = 0, shortest = infinity;
+  for (Index j = 0; j < h.cols(); ++j)
+    if (const double length = h.col(j).norm(); length > 0) {
+      longest = std::max(longest, length);
+      shortest = std::min(shortest, length);
+    }
+  return longest <= 1e3 * shortest;
+}
+
 }  // namespace
 
 EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index dense_limit)
@@ -20,7 +32,7 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
   rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
   a_ = SparseMatrix(selected_columns(subdomain.a.transpose(), rows_).transpose());
   dofs_per_grain_ = inertia_.size() / std::max<Index>(count(subdomain.grains), 1);
-  if (inertia_.size() <= dense_limit) {
+  if (inertia_.size() <= dense_limit && similar_lengths(h_)) {
     modes_ = diagonalised();
     return;
   }
@@ -37,7 +49,7 @@ EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
   const Matrix b = root.asDiagonal() * Matrix(h_);                           // M^-1/2 H
   auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
-  const Index zeros = h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_});
+  const Index zeros = h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_}).value;
   // The square has lost singular values next to them to rounding. They are worked out again in a space of their own.
   const Index small = (eigenvalues.array() < small_square * eigenvalues.maxCoeff()).count();
   if (small > zeros) {

@@ -13,12 +13,12 @@
 namespace nscdd {
 namespace {
 
-Index rank_of(const Decomposition& parts, const Subdomain& subdomain) {
+MatrixRank rank_of(const Decomposition& parts, const Subdomain& subdomain) {
   return rigid_rank({parts.dofs_per_grain(), subdomain.centres, subdomain.inertia, subdomain.h});
 }
 
 // The rank of H of the undivided packing, whose rows may lie anywhere.
-Index rank_of_whole(const Decomposition& parts) {
+MatrixRank rank_of_whole(const Decomposition& parts) {
   const Index d = parts.dofs_per_grain();
   std::vector<double> own;  // row, column and value of each entry
   for (const Subdomain& subdomain : parts.subdomains)
@@ -101,7 +101,7 @@ class InterfaceFamily::Preparation {
   Vector scale;
   std::vector<std::optional<EnrichedInertiaFamily>> locals;
   Lazy<SparseMatrix> generic;
-  Lazy<Index> nullity;
+  Lazy<MatrixRank> nullity;
 
  private:
   Lazy<Whole> whole_;
@@ -113,6 +113,24 @@ class InterfaceOperator::Implementation {
       : preparation(std::move(p)), eta(flexibility), locals(preparation->locals.size()) {
     for_each_in_parallel(count(locals),
                          [&](Index e) { locals[nscdd::at(e)].emplace(*preparation->locals[nscdd::at(e)], eta); });
+  }
+
+  // Of X_0. The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
+  const MatrixRank& ranks() const {
+    return preparation->nullity.get([this] {
+      const Decomposition& parts = preparation->parts;
+      const Processes& processes = parts.interface.processes();
+      Index local = 0;
+      bool unclear = false;
+      for (const Subdomain& subdomain : parts.subdomains) {
+        const MatrixRank rank = rank_of(parts, subdomain);
+        local += rank.value;
+        unclear |= !rank.clear;
+      }
+      const MatrixRank undivided = rank_of_whole(parts);
+      const Index nullity = static_cast<Index>(processes.sum(static_cast<double>(local))) - undivided.value;
+      return MatrixRank{std::max<Index>(nullity, 0), !processes.any(unclear || !undivided.clear || nullity < 0)};
+    });
   }
 
   std::shared_ptr<const InterfaceFamily::Preparation> preparation;
@@ -203,16 +221,9 @@ const KernelSplit& InterfaceOperator::kernel() const {
   });
 }
 
-// The ranks do not depend on masses, as the size of an eigenvalue of X_0 does.
-Index InterfaceOperator::nullity() const {
-  if (eta() > 0) return 0;
-  return implementation_->preparation->nullity.get([this] {
-    Index local = 0;
-    for (const Subdomain& subdomain : parts().subdomains) local += rank_of(parts(), subdomain);
-    const auto sum = static_cast<Index>(parts().interface.processes().sum(static_cast<double>(local)));
-    return sum - rank_of_whole(parts());
-  });
-}
+Index InterfaceOperator::nullity() const { return eta() > 0 ? 0 : implementation_->ranks().value; }
+
+bool InterfaceOperator::nullity_is_clear() const { return eta() > 0 || implementation_->ranks().clear; }
 
 Vector InterfaceOperator::solve_generic(const Vector& g) const {
   const Vector& inertia = implementation_->preparation->row_inertia;

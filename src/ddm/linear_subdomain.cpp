@@ -55,6 +55,16 @@ LinearSubdomain<D>::LinearSubdomain(const GranularSubdomain<D>& subdomain, const
   if (!network_.turning.empty())
     throw Error("linear subdomain: expected contacts whose impulses do not turn, met one that slides in space");
   if (fields) fields_ = fields(network_);
+  // Impulses of the step before are kept along x, y and z: where a normal has turned, one that slides without friction
+  // has a part beside it. That is taken away before the model begins, as a sweep would.
+  if constexpr (D == 3)
+    for (std::size_t k = 0; k < frozen_.size(); ++k) {
+      if (!slides(frozen_[k].status)) continue;
+      const GrainContact<D> c = contacts_.contact(k, base_);
+      const LocalVector<D> r{c.impulse.n, (c.impulse.n + c.pull) * frozen_[k].slope};
+      apply_impulse(c, r - c.impulse, base_);
+      contacts_.impulses[k] = swept(c.normal, r);
+    }
   factorise();
 }
 

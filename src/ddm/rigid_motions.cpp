@@ -217,12 +217,13 @@ Index rows_and_columns_left(const RigidNetwork& network) {
   return std::ranges::count(met, 1) + left.cols();
 }
 
-Index rigid_rank(const RigidNetwork& network) {
+MatrixRank rigid_rank(const RigidNetwork& network) {
   const RigidMotions motions = rigid_motions(network);
   if (!motions.searched) return sparse_rank(network.h);
   const Peeled peeled = peel(motions.bodies, {}, motions.h);
-  return network.h.rows() - motions.h.rows() + count(peeled.set_aside) +
-         sparse_rank(selected_columns(motions.h, peeled.left));
+  MatrixRank rank = sparse_rank(selected_columns(motions.h, peeled.left));
+  rank.value += network.h.rows() - motions.h.rows() + count(peeled.set_aside);
+  return rank;
 }
 
 }  // namespace nscdd

@@ -49,6 +49,6 @@ RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& gro
 Index rows_and_columns_left(const RigidNetwork& network);
 
 /// Rank of H, from that of Z^T H.
-Index rigid_rank(const RigidNetwork& network);
+MatrixRank rigid_rank(const RigidNetwork& network);
 
 }  // namespace nscdd

@@ -77,7 +77,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
   result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
   result.residual = ends.residual;
-  result.converged = accurate(result, options.tolerance);
+  result.converged = b.system.nullity_is_clear() && accurate(result, options.tolerance);
   if (options.certify && result.converged) {  // the values come from Sturm counts, which miss no eigenvalue
     result.certified = true;
     result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
@@ -152,7 +152,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   result.mode_min = high.vector;
   result.mode_max = low.vector;
   result.residual = std::max(high_residual, low_residual);
-  result.converged = high.converged && low.converged && accurate(result, options.tolerance);
+  result.converged =
+      b.system.nullity_is_clear() && high.converged && low.converged && accurate(result, options.tolerance);
   return result;
 }
 

@@ -21,6 +21,7 @@ constexpr double refined = 1e-15;
 // Largest error of coefficients of size 1: below 1 no pivot has a false sign.
 constexpr double reliable = 1e-2;
 constexpr Index dense_limit = 1500;    // up to so many columns a dense spectrum decides if no factors do
+constexpr double margin = 0.3;         // of the tolerance, where a rank is clear
 constexpr double blurred = 1e-3;       // tau where columns are chosen
 constexpr double faint = 1e-6;         // tau where that is wanted which is outside their span
 constexpr double clearly_apart = 0.1;  // from the span of others
@@ -127,11 +128,12 @@ RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance)
   analysis_.emplace(saddle_point_analysis(matrix, b_));
   // Two tolerances must agree: an eigenvalue of B^T B, or of a part of it, may lie next to one.
   std::vector<Index> counts;
-  for (const double step : {3.0, 1.0, 0.3, 10.0, 0.1}) {
+  for (const double step : {1 / margin, margin, 1.0, 10.0, 0.1}) {
     matrix.diagonal().tail(b_.cols()).setConstant(step * tolerance * tolerance);
     factor_.emplace(*analysis_, matrix);
     if (!factor_->regular() || !exact_enough(matrix)) continue;
-    rank_ = factor_->negative_eigenvalues();
+    const Index last = std::exchange(rank_, factor_->negative_eigenvalues());
+    if (step == margin && !counts.empty()) clear_ = rank_ == last;
     if (std::find(counts.begin(), counts.end(), rank_) != counts.end()) return;
     counts.push_back(rank_);
   }
@@ -175,7 +177,7 @@ Vector RangeProjector::apply(const Vector& x) const {
 // 2. Of the others those that add most, as long as they add something clear.
 // 3. What is still missing is in the range by little: the parts of columns outside the span of all that are taken.
 RangeBasis RangeProjector::basis() const {
-  RangeBasis result{.columns = {}, .others = Matrix(rows_, 0), .conclusive = conclusive_};
+  RangeBasis result{.columns = {}, .others = Matrix(rows_, 0), .conclusive = conclusive_ && clear_};
   if (rank_ == 0 || !factor_->regular()) return result;
   const SymmetricFactor blurred_factor(*analysis_, saddle_point(b_, -blurred * blurred));
   if (!blurred_factor.regular()) return {.columns = {}, .others = Matrix(rows_, 0), .conclusive = false};
@@ -212,12 +214,14 @@ RangeBasis RangeProjector::basis() const {
   return result;
 }
 
-Index sparse_rank(const SparseMatrix& a, double tolerance) {
+MatrixRank sparse_rank(const SparseMatrix& a, double tolerance) {
   const OneBlasThread serial_blas;
   const RangeProjector sparse(a, tolerance);
-  if (sparse.conclusive_ || sparse.b_.cols() > dense_limit) return sparse.rank_;
+  if (sparse.conclusive_ || sparse.b_.cols() > dense_limit) return {sparse.rank_, sparse.clear_};
   const Matrix gram = Matrix(sparse.b_.transpose() * sparse.b_);
-  return (symmetric_eigen(gram, Eigenvectors::not_wanted).values.array() > tolerance * tolerance).count();
+  const Vector squares = symmetric_eigen(gram, Eigenvectors::not_wanted).values;
+  const auto above = [&](double bound) { return (squares.array() > bound * bound).count(); };
+  return {above(tolerance), above(margin * tolerance) == above(tolerance / margin)};
 }
 
 LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance) {

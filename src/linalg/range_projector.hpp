@@ -5,11 +5,17 @@
 
 namespace nscdd {
 
+/// The rank of a matrix, and whether it is clear (RangeProjector::clear).
+struct MatrixRank {
+  Index value = 0;
+  bool clear = true;
+};
+
 /// A well-conditioned basis of the range of a matrix.
 struct RangeBasis {
   std::vector<Index> columns;  ///< of the matrix, ascending
   Matrix others;               ///< rows x k, orthonormal: what the range has that these columns have next to nothing of
-  bool conclusive = true;      ///< false if their number is not sure
+  bool conclusive = true;      ///< false if the range is not sure, or not clear (RangeProjector::clear)
 
   Index size() const { return count(columns) + others.cols(); }
 };
@@ -31,11 +37,14 @@ class RangeProjector {
   /// False if there were no two reliable factorisations, with tolerances near the one asked for, that agreed on the
   /// rank. The rank is then the last one counted, and `apply` gives NaN.
   bool conclusive() const { return conclusive_; }
+  /// False if B has a singular value between 0.3 and 3.3 times the tolerance. The range then is known no better than
+  /// that.
+  bool clear() const { return clear_; }
   Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
   RangeBasis basis() const;
 
  private:
-  friend Index sparse_rank(const SparseMatrix& a, double tolerance);
+  friend MatrixRank sparse_rank(const SparseMatrix& a, double tolerance);
   bool exact_enough(const SparseMatrix& matrix) const;
 
   Index rows_;
@@ -44,11 +53,11 @@ class RangeProjector {
   std::optional<SymmetricAnalysis> analysis_;
   std::optional<SymmetricFactor> factor_;
   Index rank_ = 0;
-  bool conclusive_ = true;
+  bool conclusive_ = true, clear_ = true;
 };
 
 /// Rank by the same factorisation. If that is not conclusive, by the dense spectrum of B^T B for up to 1 500 columns.
-Index sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
+MatrixRank sparse_rank(const SparseMatrix& a, double tolerance = RangeProjector::default_tolerance);
 
 /// Solution of min || A x - b || of least norm, with the numerical rank of A.
 struct LeastSquares {

@@ -107,7 +107,7 @@ RigidImpulses rigid_impulses(const ReferenceProblem& problem) {
     result.unique = least.rank == problem.contacts();
     result.impulses = least.solution;
   } else {
-    result.unique = sparse_rank(problem.h) == problem.contacts();
+    result.unique = sparse_rank(problem.h).value == problem.contacts();
     result.impulses = minimum_norm_least_squares(b, load);  // the residual tells how far it got
   }
   if (right.norm() > 0) result.residual = (b.transpose() * (b * result.impulses) - right).norm() / right.norm();

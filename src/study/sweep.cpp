@@ -87,7 +87,7 @@ bool unique_impulses(const ReferenceProblem& problem, const std::vector<Unilater
   const Index grains = std::count(touched.begin(), touched.end(), 1);
   const Index rigid = problem.dimension == 2 ? 3 : grains > 2 ? 6 : 5;
   if (count(closed) > problem.dofs_per_grain * grains - rigid) return false;
-  return sparse_rank(selected_columns(problem.h, closed)) == count(closed);
+  return sparse_rank(selected_columns(problem.h, closed)).value == count(closed);
 }
 
 }  // namespace

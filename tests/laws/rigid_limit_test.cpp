@@ -82,9 +82,8 @@ TEST_CASE("a basis of what hyperstatic contacts without order can do is far bett
 }
 
 TEST_CASE("rigid limit of hyperstatic packings without order: shift-invert proves what the dense pencil finds") {
-  // The sixth with a quarter of the sites vacant has a singular value that its square has lost.
   for (const auto& [vacancies, seeds] :
-       {std::pair{0.2, std::vector{1U, 3U, 4U, 5U}}, std::pair{0.25, std::vector{2U, 3U, 6U, 7U}}})
+       {std::pair{0.2, std::vector{1U, 3U, 4U, 5U}}, std::pair{0.25, std::vector{2U, 3U, 7U}}})
     for (const std::uint64_t seed : seeds) {
       const Case one = disordered_fcc(seed, vacancies, GridPartitioner{{2, 2, 2}});
       CAPTURE(one.spec.name);
@@ -97,6 +96,16 @@ TEST_CASE("rigid limit of hyperstatic packings without order: shift-invert prove
       CHECK(found.unit_multiplicity == dense.unit_multiplicity);
       CHECK(std::abs(found.subdominant_max - dense.subdominant_max) <= 1e-8);
     }
+}
+
+TEST_CASE("rigid limit where a rank is in doubt: neither shift-invert nor the dense pencil counts as converged") {
+  // A singular value of the contacts lies within a factor of 3.3 of the tolerance of a rank.
+  const InterfaceFamily family(build(disordered_fcc(6, 0.25, GridPartitioner{{2, 2, 2}})).parts);
+  const Contraction b{family.at(infinity), family.at(0)};
+  CHECK_FALSE(b.system.nullity_is_clear());
+  CHECK_FALSE(shift_inverted(b).converged);
+  CHECK_FALSE(spectral_radius(b, {.solver = SpectralSolver::dense}).converged);
+  CHECK(family.at(1).nullity_is_clear());
 }
 
 TEST_CASE("rigid limit of redundant packings: shift-invert proves what the dense pencil finds") {

@@ -162,7 +162,7 @@ TEST_CASE("motions that rigid clusters leave: all that contacts allow, ranks, in
       const Dense h = Matrix(part.h), reduced = Matrix(motions.h);
       const Index allowed = zeros(h * h.transpose());
       CHECK(zeros(reduced * reduced.transpose()) == allowed);
-      CHECK(rigid_rank(network) == h.rows() - allowed);
+      CHECK(rigid_rank(network).value == h.rows() - allowed);
       // What the clusters allow, the contacts within them allow.
       const Matrix image = Matrix(part.h.transpose() * motions.z);
       for (Index c = 0, next = 0; c < part.h.cols(); ++c) {

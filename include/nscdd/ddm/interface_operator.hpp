@@ -28,6 +28,10 @@ class InterfaceOperator {
 
   /// dim ker X_eta: 0 for eta > 0; in the rigid limit sum_E rank H_E - rank H, the self-stresses across the interface.
   Index nullity() const;
+  /// False where these ranks are in doubt: a singular value of contacts lies next to the tolerance of a rank, 10^-6 of
+  /// the length of a column, or the ranks contradict each other. Radii of the rigid limit then are no better than that,
+  /// and do not count as converged.
+  bool nullity_is_clear() const;
 
   /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()). Computed once.
   const KernelSplit& kernel() const;

@@ -75,9 +75,9 @@ class SymmetricFactor {
   /// The same, to the last bit, of a matrix that has this interior.
   SymmetricFactor(const SymmetricInterior& interior, const SparseMatrix& lower);
 
-  bool regular() const;                         ///< false if a pivot is exactly zero; nothing else may then be asked
-  Index negative_eigenvalues() const;           ///< of A, with multiplicity
-  Vector solve(const Vector& b) const;          ///< A^-1 b
+  bool regular() const;                  ///< false if a pivot is exactly zero; nothing else may then be asked
+  Index negative_eigenvalues() const;    ///< of A, with multiplicity
+  Vector solve(const Vector& b) const;   ///< A^-1 b
   Matrix solve_columns(Matrix b) const;  ///< A^-1 B, for many columns faster than one after the other
 
   /// A^-1 E g, E^T A^-1 b and E^T A^-1 E g, where E puts one value for each border row, in their order, into its place
