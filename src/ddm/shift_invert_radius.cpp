@@ -215,9 +215,10 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->kernel = b.system.nullity();
     limit->confirmed = false;
   }
+  if (!limit->system->conclusive) return not_converged("shift-invert", *limit->kernel);
   if (!limit->confirmed)
     limit->confirmed = b.system.nullity_is_clear() && confirms(family, point, *limit->kernel, factorisations);
-  if (!limit->confirmed || !limit->system->conclusive) return not_converged("shift-invert", *limit->kernel);
+  if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
   SpectralRadius result = report(b, find_ends(b, point, options, memory.rigid, held), point.kernel, options);
