@@ -53,7 +53,7 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
 void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_multiplicity);
 
 SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity = 0);
-SpectralRadius all_unit(Index size, std::string_view solver);  ///< S = 0, B = I
+SpectralRadius all_unit(Index size, std::string_view solver, bool converged);  ///< S = 0, B = I
 
 /// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|): digits of M are lost beside K/epsilon
 /// and K/eta. The bound is several times the largest error seen against dense spectra (tests/laws).

@@ -9,8 +9,6 @@
 namespace nscdd {
 namespace {
 
-constexpr double small_square = 1e-6;  // of a singular value over the largest
-
 // Where columns are of very unequal lengths, what the short ones can do is small beside rounding. Factors that scale
 // each column are then more exact than a spectrum.
 bool similar_lengths(const SparseMatrix& h) {
@@ -44,23 +42,16 @@ EnrichedInertiaFamily::EnrichedInertiaFamily(const Subdomain& subdomain, Index d
 
 EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
   const OneBlasThread serial_blas;
-  if (inertia_.size() == 0) return {Matrix(0, 0), Vector(0), Matrix(0, 0)};  // Eigen takes no empty matrix
-  const Vector root = inertia_.cwiseSqrt().cwiseInverse();                   // M^-1/2
-  const Matrix b = root.asDiagonal() * Matrix(h_);                           // M^-1/2 H
-  auto [eigenvalues, vectors] = symmetric_eigen(b * b.transpose());
+  if (inertia_.size() == 0) return {Matrix(0, 0), Vector(0), Matrix(0, 0), 0};  // Eigen takes no empty matrix
+  const Vector root = inertia_.cwiseSqrt().cwiseInverse();                      // M^-1/2
+  auto [values, vectors] = left_singular(root.asDiagonal() * Matrix(h_));       // of M^-1/2 H
+  if (values.size() == 0) values.setConstant(inertia_.size(), not_a_number);
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
   const Index zeros = h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_}).value;
-  // The square has lost singular values next to them to rounding. They are worked out again in a space of their own.
-  const Index small = (eigenvalues.array() < small_square * eigenvalues.maxCoeff()).count();
-  if (small > zeros) {
-    const Matrix own = vectors.leftCols(small), image = b.transpose() * own;
-    const SymmetricEigen again = symmetric_eigen(image.transpose() * image);
-    eigenvalues.head(small) = again.values;
-    vectors.leftCols(small) = own * again.vectors;
-  }
-  eigenvalues.head(zeros).setZero();
   Modes modes;
-  modes.eigenvalues = eigenvalues.cwiseMax(0.0);
+  modes.tilt = zeros > 0 && zeros < values.size() ? values[zeros - 1] / values[zeros] : 0;
+  values.head(zeros).setZero();
+  modes.eigenvalues = values.array().square();
   modes.vectors = root.asDiagonal() * vectors;
   modes.traces = a_ * modes.vectors;
   return modes;
@@ -114,15 +105,25 @@ Matrix EnrichedInertia::apply(const Matrix& r) const {
     return factor.solve(r);
   }
   // The rigid limit, Z M^-1/2 (I - Pi) M^-1/2 Z^T
-  const auto& [motions, range] = rigid_.get([&] {
-    RigidMotions found = rigid_motions({family_.dofs_per_grain_, family_.centres_, inertia, family_.h_});
-    RangeProjector projector(scaled_connectivity(found.inertia, found.h));
-    return RigidInverse{std::move(found), std::move(projector)};
-  });
+  const auto& [motions, range] = rigid();
   const Vector root = motions.inertia.cwiseSqrt().cwiseInverse();
   Matrix scaled = root.asDiagonal() * (motions.z.transpose() * r);
   for (Index j = 0; j < scaled.cols(); ++j) scaled.col(j) -= range.apply(scaled.col(j));
   return motions.z * (root.asDiagonal() * scaled);
+}
+
+const EnrichedInertia::RigidInverse& EnrichedInertia::rigid() const {
+  return rigid_.get([this] {
+    RigidMotions found = rigid_motions({family_.dofs_per_grain_, family_.centres_, family_.inertia_, family_.h_});
+    RangeProjector projector(scaled_connectivity(found.inertia, found.h));
+    return RigidInverse{std::move(found), std::move(projector)};
+  });
+}
+
+double EnrichedInertia::uncertainty() const {
+  if (eta_ > 0) return 0;
+  const OneBlasThread serial_blas;
+  return family_.modes_ ? family_.modes_->tilt : rigid().range.tilt();
 }
 
 Vector EnrichedInertia::solve(const Vector& impulses) const {

@@ -44,6 +44,7 @@ class EnrichedInertiaFamily {
     Matrix vectors;      // M^-1/2 Q
     Vector eigenvalues;  // Lambda
     Matrix traces;       // on the interface, A M^-1/2 Q
+    double tilt;         // the largest singular value of M^-1/2 H that counts as zero over the smallest that does not
   };
   Modes diagonalised() const;
   SparseMatrix sum(double eta) const;  // M + K / eta
@@ -77,16 +78,20 @@ class EnrichedInertia {
   /// A_E M_{E,eta}^-1 A_E^T on the interface rows that touch E, in the order of the family's `rows`.
   Matrix condense() const;
 
- private:
-  Matrix apply(const Matrix& r) const;
+  /// In the rigid limit: how far Pi may be off, because singular values count as zero that are not (RangeProjector).
+  double uncertainty() const;
 
-  const EnrichedInertiaFamily& family_;
-  double eta_;
-  Vector weights_;  // of the modes of a small subdomain
+ private:
   struct RigidInverse {
     RigidMotions motions;
     RangeProjector range;
   };
+  Matrix apply(const Matrix& r) const;
+  const RigidInverse& rigid() const;
+
+  const EnrichedInertiaFamily& family_;
+  double eta_;
+  Vector weights_;  // of the modes of a small subdomain
   Lazy<RigidInverse> rigid_;
   Lazy<SparseCholesky> cholesky_;
 };

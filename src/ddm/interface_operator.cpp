@@ -225,6 +225,14 @@ Index InterfaceOperator::nullity() const { return eta() > 0 ? 0 : implementation
 
 bool InterfaceOperator::nullity_is_clear() const { return eta() > 0 || implementation_->ranks().clear; }
 
+double InterfaceOperator::uncertainty() const {
+  if (eta() > 0) return 0;
+  if (!nullity_is_clear()) return infinity;
+  double largest = 0;
+  for (const auto& local : implementation_->locals) largest = std::max(largest, local->uncertainty());
+  return parts().interface.processes().maximum(largest);
+}
+
 Vector InterfaceOperator::solve_generic(const Vector& g) const {
   const Vector& inertia = implementation_->preparation->row_inertia;
   const Index d = parts().dofs_per_grain();

@@ -199,9 +199,9 @@ RigidMotions rigid_motions(const RigidNetwork& network) {
 
 RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded) {
   const SparseMatrix h = grounded.empty() ? motions.h : without_rows(motions, grounded);
-  if (!motions.searched) return RangeProjector(h).basis();
+  if (!motions.searched) return range_basis(h);
   const Peeled peeled = peel(motions.bodies, grounded, h);
-  RangeBasis result = RangeProjector(selected_columns(h, peeled.left)).basis();
+  RangeBasis result = range_basis(selected_columns(h, peeled.left));
   for (Index& c : result.columns) c = peeled.left[at(c)];
   result.columns.insert(result.columns.end(), peeled.set_aside.begin(), peeled.set_aside.end());
   std::sort(result.columns.begin(), result.columns.end());

@@ -28,6 +28,7 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   const RangeBasis basis = range_basis(motions);
   result.h = columns_of(basis, motions.h);
   result.conclusive = basis.conclusive;
+  result.tilt = basis.tilt;
   std::vector<char> early(at(result.h.cols()), 0);
   std::fill_n(early.begin(), basis.columns.size(), char{1});
   if (std::ranges::count(result.hub, 1) > 0) {
@@ -59,6 +60,8 @@ RigidSystem rigid_system(const Decomposition& parts) {
   bool doubtful = false;
   for (const RigidSubdomain& one : system.subdomains) doubtful |= !one.conclusive;
   system.conclusive = !parts.interface.processes().any(doubtful);
+  for (const RigidSubdomain& one : system.subdomains) system.tilt = std::max(system.tilt, one.tilt);
+  system.tilt = parts.interface.processes().maximum(system.tilt);
   for (const double own : rows) system.hub_rows.push_back(static_cast<Index>(own));
   return system;
 }

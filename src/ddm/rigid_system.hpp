@@ -16,6 +16,7 @@ struct RigidSubdomain {
   std::vector<Index> early;  ///< columns of `h` that stay independent if the hubs are held
   std::vector<Index> late;   ///< the other columns, which are eliminated with the hubs
   bool conclusive = true;    ///< false if `h` may be no such basis
+  double tilt = 0;           ///< of what `h` spans against the range, see RangeBasis
 
   /// Whether the motions of a body are eliminated beforehand, body by body, which leaves contact impulses alone: in
   /// space half as many unknowns, and next to a separator a quarter. All other impulses that act on it are then tied.
@@ -28,6 +29,7 @@ struct RigidSystem {
   /// Of every subdomain, those of other processes too: the motions of its hubs and its late impulses.
   std::vector<Index> hub_rows;
   bool conclusive = true;  ///< of all subdomains; else nothing can be proved with this system
+  double tilt = 0;         ///< the largest of all subdomains: lambda may be off by so much
 };
 
 RigidSystem rigid_system(const Decomposition& parts);

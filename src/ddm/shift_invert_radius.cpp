@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/continuation.hpp"
 #include "ddm/stiffest.hpp"
-#include "linalg/range_projector.hpp"
 #include "linalg/threads.hpp"
 
 namespace nscdd {
@@ -146,7 +145,9 @@ Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const Sp
   return done(again) ? again : ends;
 }
 
-SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, const SpectralOptions& options) {
+// `uncertain`: how far S may be off, in units of X_infinity.
+SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, double uncertain,
+                      const SpectralOptions& options) {
   SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert", unit_multiplicity);
   result.solver = "shift-invert";
   result.applications = ends.smallest.solves + ends.largest.solves;
@@ -160,10 +161,12 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   for (const PencilEnd* end : {&ends.smallest, &ends.largest})
     result.residual =
         std::max(result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])));
+  const double off = uncertain * std::max(1.0, ends.largest.values[0]);
+  result.residual += off;
   result.converged = ends.converged() && accurate(result, options.tolerance);
   result.certified = ends.certified();
-  result.interval_min = {1.0 - ends.largest.outside, 1.0 - ends.largest.inside};
-  result.interval_max = {1.0 - ends.smallest.inside, 1.0 - ends.smallest.outside};
+  result.interval_min = {1.0 - ends.largest.outside - off, 1.0 - ends.largest.inside + off};
+  result.interval_max = {1.0 - ends.smallest.inside - off, 1.0 - ends.smallest.outside + off};
   result.within_min = ends.largest.within;
   result.within_max = ends.smallest.within;
   return result;
@@ -220,8 +223,9 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->confirmed = b.system.nullity_is_clear() && confirms(family, point, *limit->kernel, factorisations);
   if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
   point.kernel = *limit->kernel;
-  if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert");
-  SpectralRadius result = report(b, find_ends(b, point, options, memory.rigid, held), point.kernel, options);
+  if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert", true);
+  SpectralRadius result =
+      report(b, find_ends(b, point, options, memory.rigid, held), point.kernel, limit->system->tilt, options);
   result.factorisations += factorisations;
   return result;
 }
@@ -268,7 +272,7 @@ SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& 
   if (&b.system.parts() == &b.preconditioner.parts() && epsilon == b.preconditioner.eta())
     return no_error_left(b.rows(), options.eigenvalues);
   if (epsilon == 0) return rigid_radius(b, options, memory);
-  return report(b, find_flexible_ends(b, known_bounds(b), options, memory.flexible), 0, options);
+  return report(b, find_flexible_ends(b, known_bounds(b), options, memory.flexible), 0, 0.0, options);
 }
 
 }  // namespace nscdd

@@ -50,7 +50,8 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
-  if (unit_multiplicity == n) return all_unit(n, "dense");
+  const double uncertain = b.system.uncertainty();
+  if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(uncertain));
   const auto ends_of = [&](Index wanted) {
     look();
     return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
@@ -62,9 +63,9 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
     const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
     return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) +
-           lost_to_rounding(b) * (1 + largest);  // of S and P as they were assembled
+           (lost_to_rounding(b) + uncertain) * (1 + largest);  // of S and P as they were assembled
   };
-  if (options.certify)  // until the list has all copies of both ends
+  if (options.certify && std::isfinite(uncertain))  // until the list has all copies of both ends
     while (ends.definite && wanted < most &&
            (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
       ends = ends_of(wanted = std::min(2 * wanted, most));
@@ -76,8 +77,8 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.high.assign(ends.high.begin(), ends.high.begin() + listed);
   result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
   result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
-  result.residual = ends.residual;
-  result.converged = b.system.nullity_is_clear() && accurate(result, options.tolerance);
+  result.residual = ends.residual + uncertain * std::max(1.0, 1 - ends.low[0]);
+  result.converged = accurate(result, options.tolerance);
   if (options.certify && result.converged) {  // the values come from Sturm counts, which miss no eigenvalue
     result.certified = true;
     result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
@@ -112,7 +113,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const LinearMap p_solve = counting([&](const Vector& x) { return b.preconditioner.solve(x); });
   LinearMap s_apply = counting([&](const Vector& x) { return b.system.apply(x); });
 
-  if (unit_multiplicity == n) return all_unit(n, "arpack");
+  const double uncertain = b.system.uncertainty();
+  if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(uncertain));
   if (unit_multiplicity > 0) {
     // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma. This is a Rayleigh quotient
     // of the complement, so it lies between its ends.
@@ -151,9 +153,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   result.high = {result.subdominant_max};
   result.mode_min = high.vector;
   result.mode_max = low.vector;
-  result.residual = std::max(high_residual, low_residual);
-  result.converged =
-      b.system.nullity_is_clear() && high.converged && low.converged && accurate(result, options.tolerance);
+  result.residual = std::max(high_residual, low_residual) + uncertain * std::max(1.0, largest);
+  result.converged = high.converged && low.converged && accurate(result, options.tolerance);
   return result;
 }
 
@@ -191,8 +192,9 @@ SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity) {
   return failed;
 }
 
-SpectralRadius all_unit(Index size, std::string_view solver) {
+SpectralRadius all_unit(Index size, std::string_view solver, bool converged) {
   SpectralRadius result;
+  result.converged = converged;
   result.solver = solver;
   result.value = result.eigenvalue_min = result.eigenvalue_max = 1.0;
   result.unit_multiplicity = size;

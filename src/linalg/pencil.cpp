@@ -102,6 +102,27 @@ SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
+// A wide matrix is as good as the L of its L Q, Q orthogonal.
+LeftSingular left_singular(Matrix a) {
+  const auto rows = static_cast<lapack_int>(a.rows()), all = static_cast<lapack_int>(a.cols());
+  const lapack_int columns = std::min(rows, all);
+  LeftSingular result{Vector::Zero(rows), Matrix::Identity(rows, rows)};
+  if (columns == 0) return result;
+  if (all > rows) {
+    Vector scale(rows);
+    LAPACKE_dgelqf(LAPACK_COL_MAJOR, rows, all, a.data(), rows, scale.data());
+    a = Matrix(a.leftCols(rows).triangularView<Eigen::Lower>());
+  }
+  Vector descending(columns);
+  Matrix u(rows, rows), v(columns, columns);
+  if (LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'A', rows, columns, a.data(), rows, descending.data(), u.data(), rows, v.data(),
+                     columns) != 0)
+    return {};
+  result.values.tail(columns) = descending.reverse();
+  result.vectors = u.rowwise().reverse();
+  return result;
+}
+
 GeneralEigen general_eigen(Matrix a, Eigenvectors vectors) {
   const auto n = static_cast<lapack_int>(a.rows());
   Vector real(n), imaginary(n), scale(n);

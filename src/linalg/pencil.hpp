@@ -36,6 +36,15 @@ SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvect
 /// The same of a tridiagonal matrix, given by its diagonal and the line below it.
 SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
+/// The singular values of an n x c matrix, n of them, ascending, with n - c zeros where it is narrower than high, and
+/// the orthonormal vectors on the left as columns (LAPACK dgesdd). In contrast to eigenvalues of A A^T, small values
+/// and the spaces that belong to them keep their digits. There are no values if the iteration of LAPACK fails.
+struct LeftSingular {
+  Vector values;
+  Matrix vectors;
+};
+LeftSingular left_singular(Matrix a);
+
 /// All eigenvalues of a square matrix that need not be symmetric, n >= 1, and its eigenvectors or none (LAPACK). There
 /// are no values if the iteration of LAPACK fails.
 struct GeneralEigen {

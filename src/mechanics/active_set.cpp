@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/active_set.hpp"
 
-#include "linalg/range_projector.hpp"
+#include "linalg/least_squares.hpp"
+#include "linalg/sparse_rank.hpp"
 #include "linalg/sparse_cholesky.hpp"
 
 namespace nscdd {

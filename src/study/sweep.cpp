@@ -2,7 +2,7 @@
 #include "core/fail.hpp"
 #include "ddm/continuation.hpp"
 #include "ddm/two_stage.hpp"
-#include "linalg/range_projector.hpp"
+#include "linalg/sparse_rank.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "mechanics/active_set.hpp"
 #include "study/sweep_points.hpp"

@@ -2,6 +2,7 @@
 #include "../support/dense.hpp"
 #include "../support/matrices.hpp"
 #include "linalg/krylov.hpp"
+#include "linalg/least_squares.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/random.hpp"
 #include "linalg/range_projector.hpp"
@@ -186,6 +187,27 @@ TEST_CASE("sparse Cholesky: solves, reuses a pattern, tells a matrix that is not
   CHECK_FALSE(SparseCholesky(analysis, SparseMatrix(-a)).positive_definite());
 }
 
+TEST_CASE("left singular vectors: tall, wide, square and without columns, small values to their last digits") {
+  for (const auto& [rows, columns] : {std::pair<Index, Index>{9, 4}, {4, 9}, {6, 6}, {3, 0}}) {
+    CAPTURE(rows);
+    CAPTURE(columns);
+    const Matrix a = random_matrix(rows, columns, 8);
+    const LeftSingular found = left_singular(a);
+    REQUIRE(found.values.size() == rows);
+    const Matrix& u = found.vectors;
+    CHECK((u.transpose() * u - Matrix::Identity(rows, rows)).norm() < 1e-13);
+    CHECK((a * a.transpose() * u - u * found.values.cwiseAbs2().asDiagonal()).norm() < 1e-12);
+    CHECK(found.values.minCoeff() >= 0);
+    CHECK(std::is_sorted(found.values.begin(), found.values.end()));
+    CHECK((found.values.array() == 0).count() == std::max<Index>(rows - columns, 0));
+  }
+  const Matrix q = orthogonal_factor(random_matrix(5, 5, 1)), w = orthogonal_factor(random_matrix(7, 5, 2));
+  const Vector values = (Vector(5) << 1e-13, 1e-9, 1e-5, 1e-2, 1).finished();
+  const LeftSingular small = left_singular(q * values.asDiagonal() * w.leftCols(5).transpose());
+  CHECK((small.values - values).norm() < 1e-15);
+  CHECK(std::abs(std::abs(small.vectors.col(1).dot(q.col(1))) - 1) < 1e-12);
+}
+
 TEST_CASE("range projector: full_rank, rank_deficient, tall, wide, zero and no columns") {
   const auto check = [](const Dense& dense, Index rank) {
     const SparseMatrix a = dense.entries().sparseView();
@@ -208,6 +230,34 @@ TEST_CASE("range projector: full_rank, rank_deficient, tall, wide, zero and no c
   Matrix repeated = random_matrix(8, 6, 5);
   repeated.col(4) = repeated.col(1);
   check(repeated, 5);
+}
+
+TEST_CASE("range projector: what counts as zero without being zero tilts projector and basis by as much as is said") {
+  for (const double near : {0.0, 1e-13, 1e-11, 1e-9, 1e-8, 1e-7}) {
+    CAPTURE(near);
+    Matrix a = random_matrix(30, 20, 5);
+    a.rightCols(8) = a.leftCols(12) * Matrix(random_matrix(12, 8, 6));
+    for (Index j = 12; j < 20; ++j) a.col(j) += near * a.col(j).norm() * Matrix(random_matrix(30, 1, at(j))).col(0);
+    for (Index j = 0; j < 20; ++j) a.col(j).normalize();
+    const SparseMatrix sparse = a.sparseView();
+    const RangeProjector projector(sparse);
+    const RangeBasis basis = range_basis(sparse);
+    REQUIRE(projector.rank() == 12);
+    REQUIRE(basis.size() == 12);
+    const Matrix leading = symmetric_eigen(a * a.transpose()).vectors.rightCols(12);  // of the larger singular values
+    const auto outside = [&](const Matrix& x) { return (x - leading * (leading.transpose() * x)).norm(); };
+    Matrix image(30, 30);
+    for (Index k = 0; k < 30; ++k) image.col(k) = projector.apply(Matrix::Identity(30, 30).col(k));
+    Matrix chosen(30, 12);
+    for (Index j = 0; j < count(basis.columns); ++j) chosen.col(j) = a.col(basis.columns[at(j)]);
+    chosen.rightCols(basis.others.cols()) = basis.others;
+    const Matrix orthonormal = orthogonal_factor(Dense(chosen));
+    for (const double tilt : {outside(image), outside(orthonormal.leftCols(12))}) {
+      CHECK(tilt <= 3 * basis.tilt + 1e-13);
+      CHECK(basis.tilt <= 1e3 * tilt + 1e-12);
+    }
+    CHECK(projector.tilt() == basis.tilt);
+  }
 }
 
 TEST_CASE("ranks: a column counts from the tolerance on, not from a few times the tolerance") {

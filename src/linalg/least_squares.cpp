@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "linalg/least_squares.hpp"
+
+#include "linalg/saddle_point.hpp"
+#include "linalg/threads.hpp"
+
+#include <lapacke.h>
+
+namespace nscdd {
+namespace {
+
+constexpr double damping = 1e-6;  // tau^2 over the largest squared length of a column
+constexpr int most_iterations = 500;
+constexpr int patience = 50;  // iterations without a smaller residual
+constexpr double least_squares_tolerance = 1e-13;
+
+// x -> (A^T A + tau^2 I)^-1 x by [I A; A^T -tau^2 I] [v; y] = [0; -x].
+class DampedInverse {
+ public:
+  explicit DampedInverse(const SparseMatrix& a) : rows_(a.rows()) {
+    double longest = 0;
+    for (Index j = 0; j < a.cols(); ++j) longest = std::max(longest, a.col(j).squaredNorm());
+    const SparseMatrix matrix = saddle_point(a, -damping * longest);
+    factor_.emplace(saddle_point_analysis(matrix, a), matrix);
+  }
+  Vector operator()(const Vector& x) const {
+    Vector right = Vector::Zero(rows_ + x.size());
+    right.tail(x.size()) = -x;
+    return factor_->solve(right).tail(x.size());
+  }
+  bool regular() const { return factor_->regular(); }
+
+ private:
+  Index rows_ = 0;
+  std::optional<SymmetricFactor> factor_;
+};
+
+}  // namespace
+
+LeastSquares minimum_norm_least_squares(Matrix a, const Vector& b, double tolerance) {
+  const OneBlasThread serial_blas;
+  const auto rows = static_cast<lapack_int>(a.rows()), columns = static_cast<lapack_int>(a.cols());
+  LeastSquares result{Vector::Zero(a.cols()), 0};
+  if (rows == 0 || columns == 0) return result;
+  Vector x = Vector::Zero(std::max(a.rows(), a.cols()));  // right-hand side in, solution out
+  x.head(a.rows()) = b;
+  std::vector<lapack_int> pivots(at(a.cols()), 0);
+  lapack_int rank = 0;
+  LAPACKE_dgelsy(LAPACK_COL_MAJOR, rows, columns, 1, a.data(), rows, x.data(), std::max(rows, columns), pivots.data(),
+                 tolerance, &rank);
+  return {x.head(a.cols()), rank};
+}
+
+// Conjugate gradients on A^T A x = A^T b. Once A^T (b - A x) is rounding, further steps only grow what lies in the
+// kernel of A: the x with the smallest of these residuals is kept, and the steps end where it is not beaten any more.
+Vector minimum_norm_least_squares(const SparseMatrix& a, const Vector& b) {
+  Vector x = Vector::Zero(a.cols()), best = x;
+  const DampedInverse damped(a);
+  Vector s = a.transpose() * b;
+  const double first = s.norm();
+  if (!damped.regular() || !(first > 0)) return best;
+  Vector direction = damped(s);
+  double product = s.dot(direction), smallest = first;
+  for (int k = 0, beaten = 0; k < most_iterations && k - beaten < patience; ++k) {
+    const double curvature = (a * direction).squaredNorm();
+    if (!(curvature > 0)) break;
+    x += product / curvature * direction;
+    s = a.transpose() * (b - a * x);
+    const double size = s.norm();
+    if (size < smallest) {
+      smallest = size;
+      best = x;
+      beaten = k;
+    }
+    if (size <= least_squares_tolerance * first) break;
+    const Vector z = damped(s);
+    const double last = product;
+    product = s.dot(z);
+    direction = z + product / last * direction;
+  }
+  return best;
+}
+
+}  // namespace nscdd
