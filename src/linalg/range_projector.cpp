@@ -93,7 +93,9 @@ ChosenBasis choose_basis(const CountedRank& rank) {
   ChosenBasis result{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = rank.conclusive && rank.clear}, {}};
   RangeBasis& basis = result.basis;
   if (rank.value == 0) return result;
-  const auto inconclusive = [&] { return ChosenBasis{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = false}, {}}; };
+  const auto inconclusive = [&] {
+    return ChosenBasis{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = false}, {}};
+  };
   if (!rank.factor->regular()) return inconclusive();
   const SymmetricFactor blurred_factor(*rank.analysis, saddle_point(b, -blurred * blurred));
   if (!blurred_factor.regular()) return inconclusive();
