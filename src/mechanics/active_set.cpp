@@ -2,8 +2,8 @@
 #include "mechanics/active_set.hpp"
 
 #include "linalg/least_squares.hpp"
-#include "linalg/sparse_rank.hpp"
 #include "linalg/sparse_cholesky.hpp"
+#include "linalg/sparse_rank.hpp"
 
 namespace nscdd {
 namespace {

@@ -2,8 +2,8 @@
 #include "core/fail.hpp"
 #include "ddm/continuation.hpp"
 #include "ddm/two_stage.hpp"
-#include "linalg/sparse_rank.hpp"
 #include "linalg/sparse_entries.hpp"
+#include "linalg/sparse_rank.hpp"
 #include "mechanics/active_set.hpp"
 #include "study/sweep_points.hpp"
 #include <nscdd/study/sweep.hpp>
