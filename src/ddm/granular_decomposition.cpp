@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/granular_decomposition.hpp"
 
+#include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
 
 namespace nscdd {
@@ -78,10 +79,9 @@ const GrainVelocity<D>& copy_of(const GranularDecomposition<D>& parts, const Gra
   return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
 }
 
-// Component k of the velocities of copies.
 template <int D>
-auto components(const GranularDecomposition<D>& parts) {
-  return [&](Index e, Index grain, Index k) { return unknowns(copy_of(parts, {e, grain}))[at(k)]; };
+auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
+  return [&](Index e, Index grain) { return unknowns(copy_of(parts, {e, grain})); };
 }
 
 }  // namespace
@@ -122,12 +122,12 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
 
 template <int D>
 Vector interface_jumps(const GranularDecomposition<D>& parts) {
-  return parts.interface.exchange_with_neighbours(components(parts));
+  return parts.interface.exchange_with_neighbours(unknowns_of_copies(parts));
 }
 
 template <int D>
 Vector all_interface_jumps(const GranularDecomposition<D>& parts) {
-  return parts.interface.exchange(components(parts));
+  return parts.interface.exchange(unknowns_of_copies(parts));
 }
 
 template <int D>
@@ -162,13 +162,14 @@ Vector generic_interface_solve(const GranularDecomposition<D>& parts, const Vect
 
 template <int D>
 void apply_interface_impulses(GranularDecomposition<D>& parts, const Vector& change) {
-  for (Index e = 0; e < count(parts.subdomains); ++e)
+  for_each_in_parallel(count(parts.subdomains), [&](Index e) {
     for (const Tie& tie : parts.interface.ties(e)) {
       GrainUnknowns<D> impulse;
       for (Index k = 0; k < unknowns_of_grain<D>; ++k)
         impulse[at(k)] = -tie.sign * change[unknowns_of_grain<D> * tie.row + k];
       push(parts.subdomains[at(e)].velocities[at(tie.grain)], impulse);
     }
+  });
 }
 
 template <int D>

@@ -178,10 +178,10 @@ void GranularTwoStage<D>::iterate() {
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
     const Vector g = enriched_now() ? all_interface_jumps(parts_) : interface_jumps(parts_);
-    for (Index e = 0; e < subdomains; ++e) {
+    for_each_in_parallel(subdomains, [&](Index e) {
       parts(jumps, e) = interface.part_of_dot(e, g, g);
       parts(speeds, e) = nscdd::glued_speed_squared(parts_, e);
-    }
+    });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
       if (solver_.interface_method == InterfaceMethod::conjugate_gradient) {
@@ -191,11 +191,11 @@ void GranularTwoStage<D>::iterate() {
         correct(change);
       }
       const Vector second = change - last_change_;
-      for (Index e = 0; e < subdomains; ++e) {
+      for_each_in_parallel(subdomains, [&](Index e) {
         parts(interface_changes, e) = interface.part_of_dot(e, change, change);
         parts(interface_second_changes, e) = interface.part_of_dot(e, second, second);
         parts(interface_squares, e) = interface.part_of_dot(e, interface_impulses_, interface_impulses_);
-      }
+      });
       last_change_ = std::move(change);
     }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "linalg/sparse_entries.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/interface.hpp>
 
 #include <map>
@@ -95,7 +96,7 @@ bool Interface::same_rows(const Interface& other) const {
 }
 
 Vector Interface::exchange(const std::vector<Vector>& velocities) const {
-  return exchange([&](Index e, Index grain, Index k) { return velocities[at(e)][dofs_ * grain + k]; });
+  return exchange([&](Index e, Index grain) { return std::span(velocities[at(e)].data() + dofs_ * grain, at(dofs_)); });
 }
 
 Vector Interface::distribute(Index subdomain, const Vector& f) const {
@@ -110,6 +111,18 @@ double Interface::part_of_dot(Index subdomain, const Vector& f, const Vector& g)
   for (const Tie& tie : ties(subdomain))
     if (tie.sign > 0) sum += f.segment(dofs_ * tie.row, dofs_).dot(g.segment(dofs_ * tie.row, dofs_));
   return sum;
+}
+
+void Interface::for_blocks_of_rows(const std::function<void(Index, Index)>& work) const {
+  constexpr Index rows_of_block = 500;
+  const Index rows = count(gluing_), blocks = rows / rows_of_block + 1;
+  const auto begin_of = [&](Index block) {
+    Index row = block * rows / blocks;
+    while (row > 0 && row < rows && gluing_[at(row)].grain == gluing_[at(row - 1)].grain) ++row;
+    return row;
+  };
+  if (blocks == 1) return work(0, rows);
+  for_each_in_parallel(blocks, [&](Index block) { work(begin_of(block), begin_of(block + 1)); });
 }
 
 std::vector<Vector> Interface::copies_apart(const Vector& g) const {

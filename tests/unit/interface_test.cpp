@@ -2,6 +2,7 @@
 // The interface alone: copies, rows, neighbours, and what it exchanges, against A_E as matrices.
 #include "../support/problems.hpp"
 #include "linalg/random.hpp"
+#include "linalg/threads.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
 #include <doctest/doctest.h>
@@ -85,6 +86,47 @@ TEST_CASE("interface: exchange and distribute are A_E and A_E^T; copies apart ha
       for (Index e = 0; e < 3; ++e) impulses.push_back(interface.distribute(e, f));
       CHECK((interface.collect(impulses) - f).norm() < 1e-13);
     }
+}
+
+TEST_CASE("interface: thousands of rows are exchanged and solved in blocks, with the bits of one thread") {
+  // Grains of two to five copies: no block may cut one.
+  const Index grains = 1500;
+  std::vector<std::vector<Index>> lists(5);
+  for (Index grain = 0; grain < grains; ++grain)
+    for (Index e = 0; e < 2 + grain % 4; ++e) lists[at((grain + e) % 5)].push_back(grain);
+  std::vector<std::span<const Index>> held(lists.begin(), lists.end());
+  for (const GluingShape shape : {GluingShape::chain, GluingShape::star}) {
+    const Interface interface(3, grains, held, {}, shape);
+    REQUIRE(interface.size() / 3 > 3000);
+    const std::vector<Vector> v = random_copies(interface, lists);
+    Vector jumps = Vector::Zero(interface.size());
+    for (Index e = 0; e < 5; ++e) jumps += interface.matrix(e) * v[at(e)];
+    const auto inertia = [](Index row, Index k) { return 1 + 0.5 * std::cos(static_cast<double>(row + k)); };
+    const auto inertia_of_grain = [&](Index row, Index k) {
+      while (row > 0 && interface.gluing()[at(row - 1)].grain == interface.gluing()[at(row)].grain) --row;
+      return inertia(row, k);
+    };
+    Vector solved;
+    for (const Index threads : {1, 2, 4}) {
+      CAPTURE(threads);
+      const ThreadLimit limit(threads);
+      CHECK(interface.exchange(v) == jumps);
+      const Vector f = interface.solve_generic(inertia_of_grain, jumps);
+      if (threads == 1) solved = f;
+      CHECK(f == solved);
+    }
+    // X_inf F = jumps
+    Vector again = Vector::Zero(interface.size());
+    for (Index e = 0; e < 5; ++e) {
+      const Vector impulses = interface.distribute(e, solved);
+      Vector velocities = Vector::Zero(impulses.size());
+      for (const Tie& tie : interface.ties(e))
+        for (Index k = 0; k < 3; ++k)
+          velocities[3 * tie.grain + k] = impulses[3 * tie.grain + k] / inertia_of_grain(tie.row, k);
+      again += interface.matrix(e) * velocities;
+    }
+    CHECK((again - jumps).norm() < 1e-12 * jumps.norm());
+  }
 }
 
 TEST_CASE("interface: X_infinity^-1 in closed form, for chains and stars, unequal masses, grains of many copies") {

@@ -74,7 +74,8 @@ class Interface {
   /// Whether both glue the same grains in the same subdomains, whatever the local numbers.
   bool same_rows(const Interface& other) const;
 
-  /// The jumps sum_E A_E V_E. `velocity(e, i, k)`: unknown k of the grain with local number i of subdomain e.
+  /// The jumps sum_E A_E V_E. `velocity(e, i)`: the d unknowns of the grain with local number i of subdomain e, with
+  /// []. It is called by several threads at once.
   template <class Velocity>
   Vector exchange(const Velocity& velocity) const {
     Vector jumps = own_jumps(velocity);
@@ -111,10 +112,12 @@ class Interface {
   template <class Inertia>
   Vector solve_generic(const Inertia& inertia, const Vector& g) const {
     Vector f(g.size());
-    for (Index first = 0, last = 0; first < count(gluing_); first = last) {
-      while (last < count(gluing_) && gluing_[at(last)].grain == gluing_[at(first)].grain) ++last;
-      for (Index k = 0; k < dofs_; ++k) balance(first, last, k, inertia(first, k), g, f);
-    }
+    for_blocks_of_rows([&](Index begin, Index end) {
+      for (Index first = begin, last = begin; first < end; first = last) {
+        while (last < end && gluing_[at(last)].grain == gluing_[at(first)].grain) ++last;
+        for (Index k = 0; k < dofs_; ++k) balance(first, last, k, inertia(first, k), g, f);
+      }
+    });
     return f;
   }
 
@@ -122,12 +125,21 @@ class Interface {
   template <class Velocity>
   Vector own_jumps(const Velocity& velocity) const {
     Vector jumps = Vector::Zero(size());
-    for (std::size_t e = 0; e < ties_.size(); ++e)
-      for (const Tie& tie : ties_[e])
-        for (Index k = 0; k < dofs_; ++k)
-          jumps[dofs_ * tie.row + k] += tie.sign * velocity(static_cast<Index>(e), tie.grain, k);
+    const auto add = [&](Index row, const GrainCopy& copy, double sign) {
+      if (process_of(copy.subdomain) != processes_.rank) return;
+      const auto& v = velocity(copy.subdomain, copy.grain);
+      for (Index k = 0; k < dofs_; ++k) jumps[dofs_ * row + k] += sign * v[at(k)];
+    };
+    for_blocks_of_rows([&](Index begin, Index end) {
+      for (Index row = begin; row < end; ++row) {
+        add(row, gluing_[at(row)].first, 1);
+        add(row, gluing_[at(row)].second, -1);
+      }
+    });
     return jumps;
   }
+  /// Calls work(begin, end) for blocks of rows, in parallel if there are many. Rows of a grain are in one block.
+  void for_blocks_of_rows(const std::function<void(Index, Index)>& work) const;
   std::vector<SharedEntries> shared_entries() const;
   void balance(Index first, Index last, Index k, double inertia, const Vector& g, Vector& f) const;
 
