@@ -3,6 +3,8 @@
 
 #include "study/case.hpp"
 
+#include <optional>
+
 /// Input files of LMGC90 for rigid bodies in the plane or in space, a folder DATBOX: BODIES.DAT, BULK_BEHAV.DAT,
 /// TACT_BEHAV.DAT, DRV_DOF.DAT and DOF.INI. Numbers stand in fixed columns with seven or eight digits. Errors name file
 /// and line.
@@ -77,8 +79,8 @@ struct Datbox {
   std::string folder;
   Index dimension = 2;  ///< that of the first body: 2 for RBDY2, 3 for RBDY3
   std::vector<DatboxBody> bodies;
-  std::map<std::string, double> density;  ///< kg/m^2 or kg/m^3, by bulk law
-  std::array<double, 3> gravity{};        ///< m/s^2
+  std::map<std::string, double> density;         ///< kg/m^2 or kg/m^3, by bulk law
+  std::optional<std::array<double, 3>> gravity;  ///< m/s^2
   std::map<std::string, DatboxLaw> laws;
   std::vector<DatboxSight> sights;
   double start = 0;  ///< s, time of DOF.INI, which drives count from

@@ -300,9 +300,9 @@ Dynamics datbox_dynamics(const Datbox& datbox) {
   dynamics.boundaries = boundaries_of(datbox);
   const DatboxContactLaw contact = contact_law_of(datbox);
   dynamics.interaction = contact.interaction;
-  dynamics.time.gravity = datbox.dimension == 3
-                              ? Components<double>{datbox.gravity[0], datbox.gravity[1], datbox.gravity[2]}
-                              : Components<double>{datbox.gravity[0], datbox.gravity[1]};
+  if (!datbox.gravity) fail("{}/BULK_BEHAV.DAT: expected a section $gravy, met none", datbox.folder);
+  const auto [x, y, z] = *datbox.gravity;
+  dynamics.time.gravity = datbox.dimension == 3 ? Components<double>{x, y, z} : Components<double>{x, y};
   dynamics.time.alert = std::min(10.0, contact.alert / smallest_radius(packing));
   if (dynamics.interaction.restitution == 0) dynamics.time.penetration_correction = 0;  // as IQS_CLB has it
   return dynamics;

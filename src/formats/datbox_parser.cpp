@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <numbers>
+#include <set>
 
 namespace nscdd {
 namespace {
@@ -154,7 +155,7 @@ void read_line(FixedColumns& lines, const std::string& section, Index dimension,
     lines.refuse(fmt::format("section {}: expected one line", section), "another");
 }
 
-// The first body says the dimension.
+// The first body says the dimension. LMGC90 does not read the number of a body here: it counts.
 DatboxBody read_body(FixedColumns& lines, Index& dimension, bool first) {
   lines.require_next("a body");
   DatboxBody body;
@@ -187,8 +188,9 @@ DatboxBody read_body(FixedColumns& lines, Index& dimension, bool first) {
   return body;
 }
 
-// The body that a record of DRV_DOF.DAT or DOF.INI is about, by its number from 1.
-DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox) {
+// The body that a record of DRV_DOF.DAT or DOF.INI is about, by its number from 1. `met`: the numbers of the file so
+// far.
+DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox, std::set<Index>& met) {
   std::vector<DatboxBody>& bodies = datbox.bodies;
   const char* kind = body_kind(datbox.dimension);
   lines.require_next("a body");
@@ -196,6 +198,7 @@ DatboxBody& numbered_body(FixedColumns& lines, Datbox& datbox) {
   const Index number = lines.integer(9, 15, "number of the body");
   if (number < 1 || number > count(bodies))
     lines.refuse(fmt::format("expected one of the {} bodies of BODIES.DAT", bodies.size()), std::to_string(number));
+  if (!met.insert(number).second) lines.refuse("expected each body once", fmt::format("body {} again", number));
   return bodies[at(number - 1)];
 }
 
@@ -226,8 +229,9 @@ void read_table(const FixedColumns& lines, const DatboxTexts& texts, const std::
 
 void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, const std::string& folder) {
   const Index most = datbox.dimension == 2 ? 3 : 6;
+  std::set<Index> met;
   while (lines.find("$bdyty")) {
-    DatboxBody& body = numbered_body(lines, datbox);
+    DatboxBody& body = numbered_body(lines, datbox, met);
     while (lines.next() && lines.key() != "$$$$$$") {
       if (lines.section() || lines.text(2, 3) == "NO") continue;
       const std::string_view kind = lines.text(2, 6);
@@ -258,12 +262,15 @@ void read_drives(FixedColumns lines, Datbox& datbox, const DatboxTexts& texts, c
 }
 
 void read_initial(FixedColumns lines, Datbox& datbox) {
+  std::set<Index> met;
   while (lines.next()) {
     if (lines.key() == "$steps") datbox.start = lines.number(35, "time");
     if (lines.key() != "$bdyty") continue;
-    DatboxBody& body = numbered_body(lines, datbox);
+    DatboxBody& body = numbered_body(lines, datbox, met);
     const bool space = datbox.dimension == 3;
-    if (!lines.find("$nodty")) fail("{}: expected a section $nodty, met none", lines.place().file);
+    while (lines.next() && lines.key() != "$nodty")
+      if (lines.key() == "$bdyty" || lines.key() == "$$$$$$") break;
+    if (lines.key() != "$nodty") lines.refuse("expected a section $nodty of the body", "none");
     lines.require_next("displacements X");
     const std::array<double, 3> moved{lines.number(35, "X(1)"), lines.number(56, "X(2)"), lines.number(77, "X(3)")};
     for (std::size_t k = 0; k < 3; ++k) body.position[k] += moved[k];
@@ -289,8 +296,8 @@ void read_bulk(FixedColumns lines, Datbox& datbox) {
     const std::string section(lines.key());
     if (section == "$gravy") {
       lines.require_next("the acceleration of gravity");
-      datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2"), 0};
-      if (datbox.dimension == 3) datbox.gravity[2] = lines.number(67, "grv3");
+      datbox.gravity = {lines.number(25, "grv1"), lines.number(46, "grv2"),
+                        datbox.dimension == 3 ? lines.number(67, "grv3") : 0};
     } else if (section == "$behav") {
       lines.require_next("a bulk law");
       if (lines.text(9, 38) == "RIGID") datbox.density[std::string(lines.text(2, 6))] = positive(lines, 46, "Umas");
@@ -317,7 +324,8 @@ void read_tact(FixedColumns lines, Datbox& datbox) {
     if (section == "$behav") {
       lines.require_next("a contact law");
       const std::string name(lines.text(2, 6));
-      datbox.laws.insert_or_assign(name, read_law(lines));
+      if (datbox.laws.contains(name)) lines.refuse("expected each law once", fmt::format("'{}' again", name));
+      datbox.laws.emplace(name, read_law(lines));
     } else if (section == "$seety") {
       lines.require_next("the names of columns");
       lines.require_next("two contactors and their law");

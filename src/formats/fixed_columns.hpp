@@ -36,7 +36,7 @@ class FixedColumns {
     return false;
   }
   void require_next(std::string_view what) {
-    if (!next()) fail("{}: expected {}, met the end of the file", name_, what);
+    if (!next()) fail("{}:{}: expected {}, met the end of the file", name_, number_, what);
   }
 
   std::string_view text(std::size_t first, std::size_t last) const {

@@ -459,6 +459,12 @@ TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and
   refused(with(driven, "RBDY2        3", "RBDY2        7"), "DRV_DOF.DAT:11: expected one of the 3 bodies");
   refused(with(bulk, "Umas= 0.1000000D+04", "Umas= 0.0000000D+04"), "BULK_BEHAV.DAT:5: Umas");
   refused(with(initial, "V(2)=-0.8000000D+01", "V(2)=-0.8      D+01"), "DOF.INI:9: V(2)");
+  refused(with(driven, "RBDY2        3", "RBDY2        2"),
+          "DRV_DOF.DAT:11: expected each body once, met body 2 again");
+  refused(with(initial, "$nodty", "!nodty"), "DOF.INI:10: expected a section $nodty of the body, met none");
+  refused(with(bulk, "$gravy", "!gravy"), "box/BULK_BEHAV.DAT: expected a section $gravy, met none");
+  refused(with(tact, " other  MAC_CZM", " iqsc0  MAC_CZM"),
+          "TACT_BEHAV.DAT:5: expected each law once, met 'iqsc0' again");
   DatboxTexts texts = with(driven, " vlocy      3  0.0000000D+00", " force      3  0.1000000D+01");
   CHECK(datbox_packing(read(texts), DatboxDisks::all).size() ==
         3);  // what drives planks is of no account for the packing
