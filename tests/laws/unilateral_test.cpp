@@ -230,8 +230,10 @@ TEST_CASE("unilateral: velocities are the same from any start, by any method and
     // nonlinear Gauss-Seidel
     const ContactSystem contacts = prepare_contacts(problem.inertia, problem.h);
     Vector r = Vector::Zero(b.size()), v = problem.arriving_velocity;
-    for (int sweep = 0; sweep < 20000; ++sweep) gauss_seidel_sweep(contacts, Signorini{}, r, v);
-    CHECK((v - interior.velocities).cwiseAbs().maxCoeff() < 1e-5 * speed);
+    const auto off = [&] { return (v - interior.velocities).cwiseAbs().maxCoeff(); };
+    for (int sweep = 0; sweep < 20000 && !(sweep % 100 == 0 && off() < 1e-5 * speed); ++sweep)
+      gauss_seidel_sweep(contacts, Signorini{}, r, v);
+    CHECK(off() < 1e-5 * speed);
     // twice the same, bit for bit
     CHECK(unilateral_impulses(problem).impulses == interior.impulses);
   }

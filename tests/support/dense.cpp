@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dense.hpp"
 
+#include <cblas.h>
 #include <lapacke.h>
 
 #include <algorithm>
@@ -65,7 +66,15 @@ Dense& Dense::operator+=(const Dense& other) {
   return *this;
 }
 
-Vector Dense::apply(const Vector& x) const { return entries_ * x; }
+// Products are those of BLAS: the linker may take Eigen's from a test that is compiled without optimisation.
+Vector Dense::apply(const Vector& x) const {
+  if (x.size() != cols()) throw std::runtime_error("product: expected a vector with a number for each column");
+  Vector y = Vector::Zero(rows());
+  if (rows() > 0 && cols() > 0)
+    cblas_dgemv(CblasColMajor, CblasNoTrans, integer(rows()), integer(cols()), 1, entries_.data(), stride(entries_),
+                x.data(), 1, 0, y.data(), 1);
+  return y;
+}
 
 Dense zero(Index rows, Index columns) { return Matrix(Matrix::Zero(rows, columns)); }
 Dense identity(Index n) { return Matrix(Matrix::Identity(n, n)); }
@@ -74,7 +83,15 @@ Dense diagonal(const Vector& entries) { return Matrix(entries.asDiagonal()); }
 Dense operator-(const Dense& a) { return -1 * a; }
 Dense operator+(const Dense& a, const Dense& b) { return Matrix(a.entries() + b.entries()); }
 Dense operator-(const Dense& a, const Dense& b) { return Matrix(a.entries() - b.entries()); }
-Dense operator*(const Dense& a, const Dense& b) { return Matrix(a.entries() * b.entries()); }
+Dense operator*(const Dense& a, const Dense& b) {
+  if (a.cols() != b.rows()) throw std::runtime_error("product: expected as many rows as the factor before has columns");
+  Matrix c = Matrix::Zero(a.rows(), b.cols());
+  if (c.size() > 0 && a.cols() > 0)
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, integer(a.rows()), integer(b.cols()), integer(a.cols()), 1,
+                a.entries().data(), stride(a.entries()), b.entries().data(), stride(b.entries()), 0, c.data(),
+                stride(c));
+  return c;
+}
 Dense operator*(double factor, const Dense& a) { return Matrix(factor * a.entries()); }
 Dense operator*(const Dense& a, double factor) { return factor * a; }
 Dense operator/(const Dense& a, double divisor) { return Matrix(a.entries() / divisor); }
