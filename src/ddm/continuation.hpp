@@ -62,6 +62,12 @@ inline double lost_to_rounding(const Contraction& b) {
   return 4e-16 * (1 + (epsilon > 0 ? lightest / epsilon : 0) + lightest / b.preconditioner.eta());
 }
 
+/// By how much an eigenvalue lambda of (S, P) may be off where S is the rigid limit and uncertain by t, in units of
+/// X_infinity (InterfaceOperator::uncertainty): |sqrt(lambda') - sqrt(lambda)| <= t sqrt(x), because f^T S f is a
+/// squared length that changes by t^2 f^T X_infinity f at most, and x = 1 + L / eta bounds X_infinity over P = X_eta, L
+/// the largest eigenvalue of all M_E^-1 K_E.
+double moved_by(double t, double lambda, const InterfaceOperator& p);
+
 inline bool accurate(const SpectralRadius& radius, double tolerance) {
   return radius.residual <= tolerance * std::max(1.0, radius.value);
 }

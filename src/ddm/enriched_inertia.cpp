@@ -45,11 +45,15 @@ EnrichedInertiaFamily::Modes EnrichedInertiaFamily::diagonalised() const {
   if (inertia_.size() == 0) return {Matrix(0, 0), Vector(0), Matrix(0, 0), 0};  // Eigen takes no empty matrix
   const Vector root = inertia_.cwiseSqrt().cwiseInverse();                      // M^-1/2
   auto [values, vectors] = left_singular(root.asDiagonal() * Matrix(h_));       // of M^-1/2 H
-  if (values.size() == 0) values.setConstant(inertia_.size(), not_a_number);
+  if (values.size() == 0) {                                                     // LAPACK has failed
+    values.setConstant(inertia_.size(), not_a_number);
+    vectors.setConstant(inertia_.size(), inertia_.size(), not_a_number);
+  }
   // There are as many zeros as H has dependent rows. This rank does not depend on masses.
   const Index zeros = h_.rows() - rigid_rank({dofs_per_grain_, centres_, inertia_, h_}).value;
   Modes modes;
   modes.tilt = zeros > 0 && zeros < values.size() ? values[zeros - 1] / values[zeros] : 0;
+  if (!std::isfinite(modes.tilt)) modes.tilt = infinity;
   values.head(zeros).setZero();
   modes.eigenvalues = values.array().square();
   modes.vectors = root.asDiagonal() * vectors;
@@ -115,7 +119,7 @@ Matrix EnrichedInertia::apply(const Matrix& r) const {
 const EnrichedInertia::RigidInverse& EnrichedInertia::rigid() const {
   return rigid_.get([this] {
     RigidMotions found = rigid_motions({family_.dofs_per_grain_, family_.centres_, family_.inertia_, family_.h_});
-    RangeProjector projector(scaled_connectivity(found.inertia, found.h));
+    RangeProjector projector(scaled_connectivity(found.inertia, found.h), rank_tolerance, Tilt::measured);
     return RigidInverse{std::move(found), std::move(projector)};
   });
 }

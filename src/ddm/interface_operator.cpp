@@ -228,9 +228,11 @@ bool InterfaceOperator::nullity_is_clear() const { return eta() > 0 || implement
 double InterfaceOperator::uncertainty() const {
   if (eta() > 0) return 0;
   if (!nullity_is_clear()) return infinity;
-  double largest = 0;
-  for (const auto& local : implementation_->locals) largest = std::max(largest, local->uncertainty());
-  return parts().interface.processes().maximum(largest);
+  const auto& locals = implementation_->locals;
+  std::vector<double> own(locals.size());
+  for_each_in_parallel(count(locals), [&](Index e) { own[at(e)] = locals[at(e)]->uncertainty(); });
+  return parts().interface.processes().maximum(
+      std::accumulate(own.begin(), own.end(), 0.0, [](double a, double b) { return std::max(a, b); }));
 }
 
 Vector InterfaceOperator::solve_generic(const Vector& g) const {

@@ -197,11 +197,11 @@ RigidMotions rigid_motions(const RigidNetwork& network) {
   return motions;
 }
 
-RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded) {
+RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded, Tilt tilt) {
   const SparseMatrix h = grounded.empty() ? motions.h : without_rows(motions, grounded);
-  if (!motions.searched) return range_basis(h);
+  if (!motions.searched) return range_basis(h, tilt);
   const Peeled peeled = peel(motions.bodies, grounded, h);
-  RangeBasis result = range_basis(selected_columns(h, peeled.left));
+  RangeBasis result = range_basis(selected_columns(h, peeled.left), tilt);
   for (Index& c : result.columns) c = peeled.left[at(c)];
   result.columns.insert(result.columns.end(), peeled.set_aside.begin(), peeled.set_aside.end());
   std::sort(result.columns.begin(), result.columns.end());

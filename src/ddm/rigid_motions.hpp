@@ -42,7 +42,7 @@ RigidMotions rigid_motions(const RigidNetwork& network);
 /// of it when they do not move. A body whose few columns are clearly independent is set aside with them, again and
 /// again: the rest has nothing to do with them. A sparse factorisation chooses among the columns of the bodies that are
 /// left.
-RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {});
+RangeBasis range_basis(const RigidMotions& motions, const std::vector<char>& grounded = {}, Tilt tilt = Tilt::measured);
 
 /// Rows and columns of what a rank or a choice of columns takes a factorisation for: what is left of Z^T H once bodies
 /// are set aside.

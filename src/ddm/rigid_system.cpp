@@ -28,14 +28,16 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   const RangeBasis basis = range_basis(motions);
   result.h = columns_of(basis, motions.h);
   result.conclusive = basis.conclusive;
-  result.tilt = basis.tilt;
+  // The basis is one whatever the masses. Seen through M^-1/2 an angle may be larger.
+  if (motions.inertia.size() > 0)
+    result.tilt = basis.tilt * std::sqrt(motions.inertia.maxCoeff() / motions.inertia.minCoeff());
   std::vector<char> early(at(result.h.cols()), 0);
   std::fill_n(early.begin(), basis.columns.size(), char{1});
   if (std::ranges::count(result.hub, 1) > 0) {
     RigidMotions chosen = motions;
     chosen.h = result.h.leftCols(count(basis.columns));
     std::fill(early.begin(), early.end(), char{0});
-    for (const Index c : range_basis(chosen, result.hub).columns) early[at(c)] = 1;
+    for (const Index c : range_basis(chosen, result.hub, Tilt::not_measured).columns) early[at(c)] = 1;
   }
   for (std::size_t c = 0; c < early.size(); ++c)
     (early[c] ? result.early : result.late).push_back(static_cast<Index>(c));

@@ -145,8 +145,8 @@ Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const Sp
   return done(again) ? again : ends;
 }
 
-// `uncertain`: how far S may be off, in units of X_infinity.
-SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, double uncertain,
+// `tilt`: how far S may be off, in units of X_infinity.
+SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, double tilt,
                       const SpectralOptions& options) {
   SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert", unit_multiplicity);
   result.solver = "shift-invert";
@@ -158,15 +158,15 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   for (const double lambda : ends.smallest.values) result.high.push_back(1.0 - lambda);
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
+  const auto off = [&](const PencilEnd& end) { return moved_by(tilt, end.values[0], b.preconditioner); };
   for (const PencilEnd* end : {&ends.smallest, &ends.largest})
-    result.residual =
-        std::max(result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])));
-  const double off = uncertain * std::max(1.0, ends.largest.values[0]);
-  result.residual += off;
+    result.residual = std::max(
+        result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])) + off(*end));
   result.converged = ends.converged() && accurate(result, options.tolerance);
   result.certified = ends.certified();
-  result.interval_min = {1.0 - ends.largest.outside - off, 1.0 - ends.largest.inside + off};
-  result.interval_max = {1.0 - ends.smallest.inside - off, 1.0 - ends.smallest.outside + off};
+  const double off_min = off(ends.largest), off_max = off(ends.smallest);
+  result.interval_min = {1.0 - ends.largest.outside - off_min, 1.0 - ends.largest.inside + off_min};
+  result.interval_max = {1.0 - ends.smallest.inside - off_max, 1.0 - ends.smallest.outside + off_max};
   result.within_min = ends.largest.within;
   result.within_max = ends.smallest.within;
   return result;

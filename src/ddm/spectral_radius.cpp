@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/continuation.hpp"
+#include "ddm/stiffest.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
@@ -50,8 +51,8 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
   const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
-  const double uncertain = b.system.uncertainty();
-  if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(uncertain));
+  const double tilt = b.system.uncertainty();
+  if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(tilt));
   const auto ends_of = [&](Index wanted) {
     look();
     return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
@@ -60,12 +61,14 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   const Index most = n - unit_multiplicity, listed = std::min(options.eigenvalues, most);
   Index wanted = listed;
   PencilEnds ends = ends_of(wanted);
+  const auto uncertain = [&] { return moved_by(tilt, 1 - ends.low[0], b.preconditioner); };
   const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
     const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
-    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) +
-           (lost_to_rounding(b) + uncertain) * (1 + largest);  // of S and P as they were assembled
+    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) + lost_to_rounding(b) * (1 + largest) +
+           uncertain();  // of S and P as they were assembled
   };
-  if (options.certify && std::isfinite(uncertain))  // until the list has all copies of both ends
+  if (options.certify && ends.definite &&
+      uncertain() <= options.tolerance)  // until the list has all copies of both ends
     while (ends.definite && wanted < most &&
            (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
       ends = ends_of(wanted = std::min(2 * wanted, most));
@@ -77,7 +80,7 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
   result.high.assign(ends.high.begin(), ends.high.begin() + listed);
   result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
   result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
-  result.residual = ends.residual + uncertain * std::max(1.0, 1 - ends.low[0]);
+  result.residual = ends.residual + uncertain();
   result.converged = accurate(result, options.tolerance);
   if (options.certify && result.converged) {  // the values come from Sturm counts, which miss no eigenvalue
     result.certified = true;
@@ -113,8 +116,8 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const LinearMap p_solve = counting([&](const Vector& x) { return b.preconditioner.solve(x); });
   LinearMap s_apply = counting([&](const Vector& x) { return b.system.apply(x); });
 
-  const double uncertain = b.system.uncertainty();
-  if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(uncertain));
+  const double tilt = b.system.uncertainty();
+  if (unit_multiplicity == n) return all_unit(n, "arpack", std::isfinite(tilt));
   if (unit_multiplicity > 0) {
     // Deflation: S + sigma P Z (Z^T P Z)^-1 Z^T P moves ker S = span Z to sigma. This is a Rayleigh quotient
     // of the complement, so it lies between its ends.
@@ -153,7 +156,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   result.high = {result.subdominant_max};
   result.mode_min = high.vector;
   result.mode_max = low.vector;
-  result.residual = std::max(high_residual, low_residual) + uncertain * std::max(1.0, largest);
+  result.residual = std::max(high_residual, low_residual) + moved_by(tilt, largest, b.preconditioner);
   result.converged = high.converged && low.converged && accurate(result, options.tolerance);
   return result;
 }
@@ -183,6 +186,12 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
   result.value = std::max(std::abs(result.eigenvalue_min), std::abs(result.eigenvalue_max));
 }
 
+double moved_by(double t, double lambda, const InterfaceOperator& p) {
+  if (t == 0) return 0;
+  const double side = t * std::sqrt(1 + stiffest(p.parts()) / p.eta());
+  return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
+}
+
 SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity) {
   SpectralRadius failed;
   failed.unit_multiplicity = unit_multiplicity;
@@ -195,6 +204,7 @@ SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity) {
 SpectralRadius all_unit(Index size, std::string_view solver, bool converged) {
   SpectralRadius result;
   result.converged = converged;
+  if (!converged) result.residual = infinity;
   result.solver = solver;
   result.value = result.eigenvalue_min = result.eigenvalue_max = 1.0;
   result.unit_multiplicity = size;

@@ -86,9 +86,10 @@ struct ChosenBasis {
 //    before it (short of directions that these have by less than tau). All columns that are clearly apart are taken.
 // 2. Of the others those that add most, as long as they add something clear.
 // 3. What is still missing is in the range by little: the parts of columns outside the span of all that are taken.
-// With all columns as the rows of [B_1 B_2], B_1 independent, the space of the singular values that count is tilted
-// against the span of B_1 by no more than what B_2 has outside it, over the smallest singular value of B_1.
-ChosenBasis choose_basis(const CountedRank& rank) {
+// With the columns of B in the order [B_1 B_2], B_1 independent, the space of the singular values that count is tilted
+// against the span of B_1 by no more than the norm of what B_2 has outside it, over the smallest singular value of B_1.
+// Where parts of columns are taken, the smallest of their lengths stands beside the latter.
+ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   const SparseMatrix& b = rank.b;
   ChosenBasis result{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = rank.conclusive && rank.clear}, {}};
   RangeBasis& basis = result.basis;
@@ -97,9 +98,11 @@ ChosenBasis choose_basis(const CountedRank& rank) {
     return ChosenBasis{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = false}, {}};
   };
   if (!rank.factor->regular()) return inconclusive();
-  const SymmetricFactor blurred_factor(*rank.analysis, saddle_point(b, -blurred * blurred));
-  if (!blurred_factor.regular()) return inconclusive();
-  const Vector apart = (-blurred_factor.pivots().tail(b.cols())).cwiseMax(0.0).cwiseSqrt();
+  rank.factor.emplace(*rank.analysis, saddle_point(b, -blurred * blurred));
+  if (!rank.factor->regular()) return inconclusive();
+  const Vector apart = (-rank.factor->pivots().tail(b.cols())).cwiseMax(0.0).cwiseSqrt();
+  rank.factor.reset();
+  rank.analysis.reset();
   std::vector<Index> order(at(b.cols()));
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(), [&](Index i, Index j) { return apart[i] > apart[j]; });
@@ -114,6 +117,9 @@ ChosenBasis choose_basis(const CountedRank& rank) {
       (more.distance[k] > barely_apart || missing - k > most_full ? taken : weak)
           .push_back(others[at(more.order[at(k)])]);
   }
+  for (const Index j : taken) basis.columns.push_back(rank.filled[at(j)]);
+  std::sort(basis.columns.begin(), basis.columns.end());
+  if (weak.empty() && rank.value == b.cols()) return result;
   Complement& complement = result.complement.emplace(selected_columns(b, taken));
   if (!complement.regular()) return inconclusive();
   double least = 1;
@@ -125,18 +131,18 @@ ChosenBasis choose_basis(const CountedRank& rank) {
   }
   basis.conclusive &= least > least_outside;  // else it would be rounding, and no part of the range
   basis.others = complement.others();
-  if (rank.value < b.cols())
+  if (tilt == Tilt::measured) {
     basis.tilt = std::max(complement.pseudo_inverse_norm(), 1 / least) *
                  norm_of([&](const Vector& y) { return complement.apply(b * y); },
                          [&](const Vector& x) -> Vector { return b.transpose() * x; }, b.cols());
-  for (const Index j : taken) basis.columns.push_back(rank.filled[at(j)]);
-  std::sort(basis.columns.begin(), basis.columns.end());
+    if (!std::isfinite(basis.tilt)) basis.tilt = infinity;
+  }
   return result;
 }
 
 }  // namespace
 
-RangeBasis range_basis(const SparseMatrix& a) { return choose_basis(CountedRank(a)).basis; }
+RangeBasis range_basis(const SparseMatrix& a, Tilt tilt) { return choose_basis(CountedRank(a), tilt).basis; }
 
 Complement::Complement(SparseMatrix b, std::optional<SymmetricFactor> factor)
     : b_(std::move(b)), factor_(std::move(factor)), others_(b_.rows(), 0) {
@@ -169,7 +175,7 @@ Vector Complement::apply(const Vector& x) const {
   return outside - others_ * (others_.transpose() * outside);
 }
 
-// [I B; B^T -t I] [v; r] = [x; y] has the r of B^+ x for y = 0, and -v of the transposed for x = 0, short of t.
+// [I B; B^T t I] [v; r] = [x; y] has r = B^+ x for y = 0, and v = (B^+)^T y for x = 0, short of t.
 double Complement::pseudo_inverse_norm() const {
   const Index rows = b_.rows();
   const auto solve = [&](const Vector& x, const Vector& y) {
@@ -181,16 +187,17 @@ double Complement::pseudo_inverse_norm() const {
                  [&](const Vector& y) -> Vector { return solve(Vector::Zero(rows), y).head(rows); }, rows);
 }
 
-RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance) {
+RangeProjector::RangeProjector(const SparseMatrix& a, double tolerance, Tilt tilt) {
   CountedRank rank(a, tolerance);
   rank_ = rank.value;
   conclusive_ = rank.conclusive;
+  if (!rank.conclusive || !rank.clear) tilt_ = infinity;
   if (rank_ == 0 || !conclusive_) return;
   if (rank_ == rank.b.cols()) {
     complement_.emplace(std::move(rank.b), std::move(rank.factor));
     return;
   }
-  ChosenBasis chosen = choose_basis(rank);
+  ChosenBasis chosen = choose_basis(std::move(rank), tilt);
   conclusive_ = chosen.complement.has_value();
   tilt_ = chosen.basis.conclusive ? chosen.basis.tilt : infinity;
   complement_ = std::move(chosen.complement);

@@ -10,14 +10,17 @@ struct RangeBasis {
   std::vector<Index> columns;  ///< of the matrix, ascending
   Matrix others;               ///< rows x k, orthonormal: what the range has that these columns have next to nothing of
   bool conclusive = true;      ///< false if the range is not sure, or its rank not clear (CountedRank)
-  /// Sine of the angle between the span of the basis and the space that belongs to the singular values that count,
-  /// estimated from above: rounding, unless other singular values count as zero that are not.
+  /// Sine of the angle between the span of the basis and the space that belongs to the singular values that count, an
+  /// estimate: rounding over the smallest of these, unless other singular values count as zero that are not. 0 if it
+  /// was not measured.
   double tilt = 0;
 
   Index size() const { return count(columns) + others.cols(); }
 };
 
-RangeBasis range_basis(const SparseMatrix& a);
+enum class Tilt { measured, not_measured };
+
+RangeBasis range_basis(const SparseMatrix& a, Tilt tilt = Tilt::measured);
 
 /// The orthogonal complement of what sparse columns of unit length and orthonormal others span, all of them independent
 /// of each other.
@@ -43,11 +46,13 @@ class Complement {
 /// it where its columns depend on each other.
 class RangeProjector {
  public:
-  explicit RangeProjector(const SparseMatrix& a, double tolerance = rank_tolerance);
+  explicit RangeProjector(const SparseMatrix& a, double tolerance = rank_tolerance, Tilt tilt = Tilt::not_measured);
   Index rank() const { return rank_; }
-  bool conclusive() const { return conclusive_; }  ///< of the rank (CountedRank); if it is not, `apply` gives NaN
-  double tilt() const { return tilt_; }            ///< of what it projects onto, see RangeBasis
-  Vector apply(const Vector& x) const;             ///< Pi x, as many rows as A
+  /// False if the rank is not (CountedRank), or no basis could be chosen; `apply` then gives NaN.
+  bool conclusive() const { return conclusive_; }
+  /// Of what it projects onto, see RangeBasis; infinity if the rank is not clear.
+  double tilt() const { return tilt_; }
+  Vector apply(const Vector& x) const;  ///< Pi x, as many rows as A
 
  private:
   Index rank_ = 0;

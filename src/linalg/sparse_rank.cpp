@@ -60,7 +60,7 @@ bool CountedRank::exact_enough(const SparseMatrix& matrix) const {
 MatrixRank sparse_rank(const SparseMatrix& a, double tolerance) {
   const OneBlasThread serial_blas;
   const CountedRank sparse(a, tolerance);
-  if (sparse.conclusive || sparse.b.cols() > dense_limit) return {sparse.value, sparse.clear};
+  if (sparse.conclusive || sparse.b.cols() > dense_limit) return {sparse.value, sparse.conclusive && sparse.clear};
   const Matrix gram = Matrix(sparse.b.transpose() * sparse.b);
   const Vector squares = symmetric_eigen(gram, Eigenvectors::not_wanted).values;
   const auto above = [&](double bound) { return (squares.array() > bound * bound).count(); };

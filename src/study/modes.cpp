@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/modes.hpp"
 
+#include "ddm/continuation.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "linalg/threads.hpp"
 #include "study/dimension_columns.hpp"
@@ -20,8 +21,10 @@ void derive(Mode& mode, const Contraction& b) {
   const Decomposition& parts = b.system.parts();
   mode.velocities = StageOneAnswers(parts).velocities(b.system.eta(), mode.impulses);
   mode.jumps = parts.interface.exchange(mode.velocities);
-  const Vector r = mode.jumps + (1.0 - mode.eigenvalue) / b.relaxation * pf;  // - S F + lambda P F
-  mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
+  const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
+  const Vector r = mode.jumps + lambda * pf;  // - S F + lambda P F
+  mode.residual = b.relaxation * (std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r)))) +
+                                  moved_by(b.system.uncertainty(), lambda, b.preconditioner));
   const Index d = parts.dofs_per_grain();
   for (Index k = 0; k < count(parts.interface.gluing()); ++k)
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));

@@ -145,15 +145,25 @@ TEST_CASE("rigid limit where small singular values count as zero: the residual s
 
 TEST_CASE("rigid limit of contacts given twice, slightly turned: two solvers that converge agree, others do not") {
   Index proved = 0, doubtful = 0;
-  for (const Case& one : {hexagons(12, 12, {3, 2}), hexagons(60, 8, {3, 1}), deposit(100, {2, 2}),
-                          random_fcc(31, 5, 5, 4, GridPartitioner{{2, 1, 1}})})
-    for (const double turn : {1e-14, 1e-10, 1e-9, 1e-8, 3e-8, 1e-7, 2e-7}) {
+  for (const Case& one :
+       {hexagons(12, 12, {3, 2}), hexagons(60, 8, {3, 1}), deposit(100, {2, 2}),
+        with_unequal_masses(hexagons(12, 12, {3, 2}), 4), random_fcc(31, 5, 5, 4, GridPartitioner{{2, 1, 1}})})
+    for (const auto& [turn, eta] : {std::pair{1e-14, infinity},
+                                    {1e-10, infinity},
+                                    {1e-9, 0.3},
+                                    {1e-9, infinity},
+                                    {1e-8, infinity},
+                                    {3e-8, 0.3},
+                                    {1e-7, infinity},
+                                    {2e-7, infinity}}) {
       CAPTURE(one.spec.name);
       CAPTURE(turn);
+      CAPTURE(eta);
       const InterfaceFamily family(with_contacts_given_twice(build(one).parts, turn));
-      const Contraction b{family.at(infinity), family.at(0)};
-      const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::shift_invert});
+      const Contraction b{family.at(eta), family.at(0)};
+      const SpectralRadius found = spectral_radius(b, {.solver = SpectralSolver::shift_invert, .certify = true});
       const SpectralRadius dense = spectral_radius(b, {.solver = SpectralSolver::dense});
+      const SpectralRadius lanczos = spectral_radius(b, {.solver = SpectralSolver::arpack});
       if (turn < 1e-13) CHECK((found.converged && dense.converged));
       if (turn > 5e-8) CHECK_FALSE((found.converged || dense.converged));
       proved += found.converged && dense.converged;
@@ -162,6 +172,14 @@ TEST_CASE("rigid limit of contacts given twice, slightly turned: two solvers tha
       const double difference = std::max(std::abs(found.subdominant_max - dense.subdominant_max),
                                          std::abs(found.subdominant_min - dense.subdominant_min));
       CHECK(difference <= found.residual + dense.residual + 1e-12);
+      const auto holds = [&](const std::array<double, 2>& interval, double value) {
+        return interval[0] - dense.residual <= value && value <= interval[1] + dense.residual;
+      };
+      CHECK((!found.certified || holds(found.interval_min, dense.subdominant_min)));
+      CHECK((!found.certified || holds(found.interval_max, dense.subdominant_max)));
+      if (turn > 5e-8) CHECK_FALSE(lanczos.converged);
+      CHECK((!lanczos.converged ||
+             std::abs(lanczos.subdominant_max - dense.subdominant_max) <= lanczos.residual + dense.residual + 1e-12));
     }
   CHECK(proved > 5);
   CHECK(doubtful > 8);

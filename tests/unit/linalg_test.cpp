@@ -240,7 +240,7 @@ TEST_CASE("range projector: what counts as zero without being zero tilts project
     for (Index j = 12; j < 20; ++j) a.col(j) += near * a.col(j).norm() * Matrix(random_matrix(30, 1, at(j))).col(0);
     for (Index j = 0; j < 20; ++j) a.col(j).normalize();
     const SparseMatrix sparse = a.sparseView();
-    const RangeProjector projector(sparse);
+    const RangeProjector projector(sparse, rank_tolerance, Tilt::measured);
     const RangeBasis basis = range_basis(sparse);
     REQUIRE(projector.rank() == 12);
     REQUIRE(basis.size() == 12);

@@ -33,8 +33,8 @@ class InterfaceOperator {
   /// and do not count as converged.
   bool nullity_is_clear() const;
   /// In the rigid limit, how far X_0 may be off, in units of X_infinity: singular values of contacts that count as zero
-  /// without being zero tilt what contacts span. An estimate, rounding where contacts depend on each other exactly;
-  /// infinity where `nullity_is_clear` is false. 0 for eta > 0.
+  /// without being zero tilt what contacts span. An estimate, rounding over the smallest singular value that counts
+  /// where contacts depend on each other exactly; infinity where `nullity_is_clear` is false. 0 for eta > 0.
   double uncertainty() const;
 
   /// Orthonormal bases of the kernel of D^-1/2 X_eta D^-1/2 and of its complement, D = diag(scale()). Computed once.

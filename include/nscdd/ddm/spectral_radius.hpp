@@ -74,7 +74,8 @@ struct SpectralRadius {
   Index applications = 0;            ///< products with interface operators or solves; 0 where they were assembled
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
   /// this distance of each end given. For shift-invert the distance of the end from a shift with no
-  /// eigenvalue beyond it, times omega: the end itself lies within it.
+  /// eigenvalue beyond it, times omega: the end itself lies within it. In the rigid limit, by how much S may be off is
+  /// added (InterfaceOperator::uncertainty).
   double residual = 0;
   bool converged = true;  ///< the solver says so and residual <= tolerance x max(1, rho)
 
@@ -82,9 +83,10 @@ struct SpectralRadius {
   bool certified = false;         ///< inertia counts leave no eigenvalue outside the intervals given
   std::array<double, 2> interval_min{not_a_number, not_a_number};  ///< that hold subdominant_min ...
   std::array<double, 2> interval_max{not_a_number, not_a_number};  ///< ... and subdominant_max
-  Index within_min = 0, within_max = 0;  ///< eigenvalues in these intervals, with multiplicity
-  Index factorisations = 0;              ///< of the shifted pencil
-  Vector mode_min, mode_max;             ///< interface impulses of the two ends (empty where unknown)
+  /// Eigenvalues in these intervals, with multiplicity, but for what S may be off in the rigid limit.
+  Index within_min = 0, within_max = 0;
+  Index factorisations = 0;   ///< of the shifted pencil
+  Vector mode_min, mode_max;  ///< interface impulses of the two ends (empty where unknown)
 };
 
 struct Continuation;  // what one point of a sweep leaves to the next; beside its source
