@@ -53,8 +53,8 @@ class Study:
 IN_PLANE = Study("disorder", ("-1k", "", "-16k", "-100k", "-100k-large", "-1m-large"), (0, 0.1, 0.25),
                  (0.1, 0.2, 0.8), 4, (3.7, 6.2), (1, 2, 4, 8), (500, 2e5), "4 096 grains, rigid", (1e-6, 1e-5),
                  (1, "upper right"))
-IN_SPACE = Study("disorder-in-space", ("-500", "", "-8k"), (0, 0.1, 0.3), (0.1, 0.2, 0.4), 6, (4.5, 11), (1, 2, 4),
-                 (300, 2e4), "2 000 spheres, rigid", (1e-5, 3e-6), (2, "lower left"))
+IN_SPACE = Study("disorder-in-space", ("-500", "", "-8k", "-27k"), (0, 0.1, 0.3), (0.1, 0.2, 0.4), 6, (4.5, 11), (1, 2, 4),
+                 (300, 5e4), "2 000 spheres, rigid", (1e-5, 3e-6), (2, "lower left"))
 GENERIC_LINE, ENRICHED_LINE = "-", (0, (4, 2))
 
 
