@@ -28,7 +28,8 @@ RigidSubdomain rigid_subdomain(const Subdomain& subdomain, Index dofs_per_grain)
   const RangeBasis basis = range_basis(motions);
   result.h = columns_of(basis, motions.h);
   result.conclusive = basis.conclusive;
-  // The basis is one whatever the masses. Seen through M^-1/2 an angle may be larger.
+  // The basis is one whatever the masses. Seen through M^-1/2 an angle may be larger. It was measured on the contacts
+  // that no body was set aside with; these are clearly apart from all others.
   if (motions.inertia.size() > 0)
     result.tilt = basis.tilt * std::sqrt(motions.inertia.maxCoeff() / motions.inertia.minCoeff());
   std::vector<char> early(at(result.h.cols()), 0);

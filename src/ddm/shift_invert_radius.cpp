@@ -158,7 +158,9 @@ SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multipl
   for (const double lambda : ends.smallest.values) result.high.push_back(1.0 - lambda);
   result.mode_min = ends.largest.vectors.col(0);
   result.mode_max = ends.smallest.vectors.col(0);
-  const auto off = [&](const PencilEnd& end) { return moved_by(tilt, end.values[0], b.preconditioner); };
+  const auto off = [&](const PencilEnd& end) {
+    return moved_by(tilt, std::max(end.values[0], end.outside), b.preconditioner);
+  };
   for (const PencilEnd* end : {&ends.smallest, &ends.largest})
     result.residual = std::max(
         result.residual, end->residual + lost_to_rounding(b) * std::max(1.0, std::abs(end->values[0])) + off(*end));
@@ -223,7 +225,7 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->confirmed = b.system.nullity_is_clear() && confirms(family, point, *limit->kernel, factorisations);
   if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
   point.kernel = *limit->kernel;
-  if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert", true);
+  if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert", std::isfinite(limit->system->tilt));
   SpectralRadius result =
       report(b, find_ends(b, point, options, memory.rigid, held), point.kernel, limit->system->tilt, options);
   result.factorisations += factorisations;

@@ -67,8 +67,10 @@ SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options
     return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) + lost_to_rounding(b) * (1 + largest) +
            uncertain();  // of S and P as they were assembled
   };
-  if (options.certify && ends.definite &&
-      uncertain() <= options.tolerance)  // until the list has all copies of both ends
+  const auto may_converge = [&] {
+    return uncertain() <= options.tolerance * std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
+  };
+  if (options.certify && ends.definite && may_converge())  // until the list has all copies of both ends
     while (ends.definite && wanted < most &&
            (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
       ends = ends_of(wanted = std::min(2 * wanted, most));
@@ -188,7 +190,7 @@ void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_m
 
 double moved_by(double t, double lambda, const InterfaceOperator& p) {
   if (t == 0) return 0;
-  const double side = t * std::sqrt(1 + stiffest(p.parts()) / p.eta());
+  const double side = t * (std::isinf(p.eta()) ? 1 : std::sqrt(1 + stiffest(p.parts()) / p.eta()));
   return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
 }
 

@@ -37,6 +37,7 @@ double norm_of(const LinearMap& map, const LinearMap& transposed, Index columns)
   double norm = 0;
   for (int k = 0; k < power_iterations; ++k) {
     const Vector image = map(y);
+    if (!image.allFinite()) return infinity;
     norm = std::max(norm, image.norm());
     y = transposed(image);
     const double size = y.norm();
@@ -88,7 +89,7 @@ struct ChosenBasis {
 // 3. What is still missing is in the range by little: the parts of columns outside the span of all that are taken.
 // With the columns of B in the order [B_1 B_2], B_1 independent, the space of the singular values that count is tilted
 // against the span of B_1 by no more than the norm of what B_2 has outside it, over the smallest singular value of B_1.
-// Where parts of columns are taken, the smallest of their lengths stands beside the latter.
+// With parts of columns that is at least about the product of their smallest length and the one of whole columns.
 ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
   const SparseMatrix& b = rank.b;
   ChosenBasis result{{.columns = {}, .others = Matrix(b.rows(), 0), .conclusive = rank.conclusive && rank.clear}, {}};
@@ -129,10 +130,11 @@ ChosenBasis choose_basis(CountedRank rank, Tilt tilt) {
     own = complement.apply(own.normalized());
     complement.leave_out(own.normalized());
   }
-  basis.conclusive &= least > least_outside;  // else it would be rounding, and no part of the range
   basis.others = complement.others();
+  // Below that it would be rounding, and no part of the range.
+  basis.conclusive &= basis.others.allFinite() && least > least_outside;
   if (tilt == Tilt::measured) {
-    basis.tilt = std::max(complement.pseudo_inverse_norm(), 1 / least) *
+    basis.tilt = complement.pseudo_inverse_norm() / least *
                  norm_of([&](const Vector& y) { return complement.apply(b * y); },
                          [&](const Vector& x) -> Vector { return b.transpose() * x; }, b.cols());
     if (!std::isfinite(basis.tilt)) basis.tilt = infinity;

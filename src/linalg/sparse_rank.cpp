@@ -64,7 +64,8 @@ MatrixRank sparse_rank(const SparseMatrix& a, double tolerance) {
   const Matrix gram = Matrix(sparse.b.transpose() * sparse.b);
   const Vector squares = symmetric_eigen(gram, Eigenvectors::not_wanted).values;
   const auto above = [&](double bound) { return (squares.array() > bound * bound).count(); };
-  return {above(tolerance), above(std::sqrt(margin) * tolerance) == above(tolerance / std::sqrt(margin))};
+  return {above(tolerance),
+          squares.allFinite() && above(std::sqrt(margin) * tolerance) == above(tolerance / std::sqrt(margin))};
 }
 
 }  // namespace nscdd

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/modes.hpp"
 
-#include "ddm/continuation.hpp"
 #include "ddm/enriched_inertia.hpp"
 #include "linalg/threads.hpp"
 #include "study/dimension_columns.hpp"
@@ -23,8 +22,9 @@ void derive(Mode& mode, const Contraction& b) {
   mode.jumps = parts.interface.exchange(mode.velocities);
   const double lambda = (1.0 - mode.eigenvalue) / b.relaxation;
   const Vector r = mode.jumps + lambda * pf;  // - S F + lambda P F
-  mode.residual = b.relaxation * (std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r)))) +
-                                  moved_by(b.system.uncertainty(), lambda, b.preconditioner));
+  mode.residual = b.relaxation * std::sqrt(std::max(0.0, r.dot(b.preconditioner.solve(r))));
+  // That of the spectrum knows how far S may be off.
+  if (b.system.eta() == 0) mode.residual = std::max(mode.residual, mode.spectrum.residual);
   const Index d = parts.dofs_per_grain();
   for (Index k = 0; k < count(parts.interface.gluing()); ++k)
     mode.shares.push_back(mode.impulses.segment(d * k, d).dot(pf.segment(d * k, d)));
