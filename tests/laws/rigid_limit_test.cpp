@@ -148,14 +148,15 @@ TEST_CASE("rigid limit of contacts given twice, slightly turned: two solvers tha
   for (const Case& one :
        {hexagons(12, 12, {3, 2}), hexagons(60, 8, {3, 1}), deposit(100, {2, 2}),
         with_unequal_masses(hexagons(12, 12, {3, 2}), 4), random_fcc(31, 5, 5, 4, GridPartitioner{{2, 1, 1}})})
-    for (const auto& [turn, eta] : {std::pair{1e-14, infinity},
-                                    {1e-10, infinity},
-                                    {1e-9, 0.3},
-                                    {1e-9, infinity},
-                                    {1e-8, infinity},
-                                    {3e-8, 0.3},
-                                    {1e-7, infinity},
-                                    {2e-7, infinity}}) {
+    for (const auto& turned : {std::pair{1e-14, infinity},
+                               {1e-10, infinity},
+                               {1e-9, 0.3},
+                               {1e-9, infinity},
+                               {1e-8, infinity},
+                               {3e-8, 0.3},
+                               {1e-7, infinity},
+                               {2e-7, infinity}}) {
+      const double turn = turned.first, eta = turned.second;
       CAPTURE(one.spec.name);
       CAPTURE(turn);
       CAPTURE(eta);

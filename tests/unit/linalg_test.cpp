@@ -188,7 +188,8 @@ TEST_CASE("sparse Cholesky: solves, reuses a pattern, tells a matrix that is not
 }
 
 TEST_CASE("left singular vectors: tall, wide, square and without columns, small values to their last digits") {
-  for (const auto& [rows, columns] : {std::pair<Index, Index>{9, 4}, {4, 9}, {6, 6}, {3, 0}}) {
+  for (const auto& shape : {std::array<Index, 2>{9, 4}, {4, 9}, {6, 6}, {3, 0}}) {
+    const Index rows = shape[0], columns = shape[1];
     CAPTURE(rows);
     CAPTURE(columns);
     const Matrix a = random_matrix(rows, columns, 8);
