@@ -234,18 +234,38 @@ IterationSink RunOutput::iterations() {
   return {write, files_.convergence_every.value_or(0)};
 }
 
+// The first process gathers the contacts of the newest step, and passes it on to the trajectory.
+void RunOutput::hand_over(bool keep) {
+  if (!newest_) return;
+  newest_->contacts = contacts_at_first(std::move(newest_->contacts), processes_);
+  if (trajectory_) trajectory_->append(*std::move(newest_), rows_, keep);
+  newest_.reset();
+  rows_.clear();
+}
+
 void RunOutput::add(const Simulation& after, const AnySolvedStep& solved, const StepReport& report) {
+  const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
+  newest_.emplace();
+  if (processes_.first()) newest_->state = after.state;
+  newest_->contacts = std::visit(
+      [&](const auto& step) {
+        const bool shared = !step.share.process_of_subdomain.empty();  // otherwise all processes have all contacts
+        return shared || processes_.first() ? trajectory_contacts(step) : std::vector<TrajectoryContact>{};
+      },
+      solved);
+  rows_.push_back(row(step_columns(), report));
+  // Of several processes the first one asks the others for contacts only when it is about to write them.
+  const bool due = processes_.any(trajectory_ && trajectory_->due());
+  if (keep || due || processes_.alone()) hand_over(keep);
   first([&] {
-    const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
-    TrajectoryStep kept = std::visit([&](const auto& step) { return trajectory_step(after, step); }, solved);
-    trajectory_->append(std::move(kept), row(step_columns(), report), keep);
-    if (!trajectory_->due()) return;
+    if (!due) return;
     if (table_) table_->flush();  // first: a restart needs the rows of all the steps that the trajectory has
     trajectory_->commit();
   });
 }
 
 void RunOutput::end(const RunOutcome& outcome) {
+  hand_over(false);
   first([&] {
     if (table_) table_->flush();
     trajectory_->end(outcome.reason.empty() ? std::string(to_string(outcome.end))

@@ -55,12 +55,17 @@ class RunOutput {
 
  private:
   void first(const std::function<void()>& work);
+  void hand_over(bool keep);
 
   const RunFiles& files_;
   const Processes& processes_;
   std::optional<TrajectoryWriter> trajectory_;
   std::unique_ptr<CsvWriter> table_;
   std::optional<Error> failure_;  // of the table, in the middle of a step
+  // The newest step with the contacts of this process, until the first one gathers them, and rows of steps since it
+  // did.
+  std::optional<TrajectoryStep> newest_;
+  std::vector<Row> rows_;
 };
 
 /// The lines at the end of a run, among them warnings that a reader of the numbers must know.

@@ -3,6 +3,8 @@
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/ddm/partitioner.hpp>
 
+#include <numeric>
+
 namespace nscdd {
 namespace {
 
@@ -46,33 +48,75 @@ Partitioner parse_partitioner(std::string_view text, std::string_view what) {
   return *found;
 }
 
-Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
+namespace {
+
+// The contacts of every subdomain, and the grains that these touch, ascending.
+std::vector<Subdomain> with_contacts(const ReferenceProblem& problem, const Partition& partition) {
   check(partition, problem.contacts());
-  const Index d = problem.dofs_per_grain;
-  Decomposition parts;
-  parts.contacts = problem.contacts();
-  parts.subdomains.resize(at(partition.subdomains));
+  std::vector<Subdomain> subdomains(at(partition.subdomains));
   for (Index c = 0; c < problem.contacts(); ++c) {
-    Subdomain& subdomain = parts.subdomains[at(partition.subdomain_of_contact[at(c)])];
+    Subdomain& subdomain = subdomains[at(partition.subdomain_of_contact[at(c)])];
     subdomain.contacts.push_back(c);
     for (const Index grain : grains_of_contact(problem, c)) subdomain.grains.push_back(grain);
   }
-  std::vector<std::span<const Index>> held;
-  for (Subdomain& subdomain : parts.subdomains) {
+  for (Subdomain& subdomain : subdomains) {
     auto& grains = subdomain.grains;
     std::sort(grains.begin(), grains.end());
     grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
     grains.shrink_to_fit();
-    held.emplace_back(grains);
   }
-  parts.interface = Interface(d, problem.grains(), held, {}, shape);
+  return subdomains;
+}
+
+// M_E of every subdomain. `number`: what the interface calls a grain.
+template <class Number>
+void share_inertia(Decomposition& parts, const ReferenceProblem& problem, Number number) {
+  const Index d = problem.dofs_per_grain;
   for (Subdomain& subdomain : parts.subdomains) {
     subdomain.inertia.resize(d * count(subdomain.grains));
     for (Index i = 0; i < count(subdomain.grains); ++i) {
       const Index grain = subdomain.grains[at(i)];
       subdomain.inertia.segment(d * i, d) =
-          problem.inertia.segment(d * grain, d) / static_cast<double>(parts.interface.multiplicity(grain));
+          problem.inertia.segment(d * grain, d) / static_cast<double>(parts.interface.multiplicity(number(grain)));
     }
+  }
+}
+
+}  // namespace
+
+Decomposition cut(const ReferenceProblem& problem, const Partition& partition, GluingShape shape) {
+  Decomposition parts;
+  parts.contacts = problem.contacts();
+  parts.subdomains = with_contacts(problem, partition);
+  std::vector<std::span<const Index>> held;
+  for (const Subdomain& subdomain : parts.subdomains) held.emplace_back(subdomain.grains);
+  parts.interface = Interface(problem.dofs_per_grain, problem.grains(), held, {}, shape);
+  share_inertia(parts, problem, [](Index grain) { return grain; });
+  return parts;
+}
+
+Decomposition decompose_own(const ReferenceProblem& problem, const Partition& partition,
+                            const std::vector<Index>& numbers, const std::vector<Index>& process_of_subdomain,
+                            const Processes& processes) {
+  const auto number = [&](Index grain) { return numbers[at(grain)]; };
+  Decomposition parts;
+  parts.subdomains = with_contacts(problem, partition);
+  std::vector<std::vector<Index>> held;
+  for (const Subdomain& subdomain : parts.subdomains) {
+    held.emplace_back();
+    std::ranges::transform(subdomain.grains, std::back_inserter(held.back()), number);
+  }
+  parts.interface = shared_interface(problem.dofs_per_grain, numbers.empty() ? 0 : numbers.back() + 1, held, {},
+                                     process_of_subdomain, processes);
+  share_inertia(parts, problem, number);
+  parts = with_matrices(std::move(parts), problem);
+  const auto own = static_cast<double>(problem.contacts());
+  const std::vector<double> contacts = processes.gather({&own, 1});
+  const auto first = std::accumulate(contacts.begin(), contacts.begin() + processes.rank, 0.0);
+  parts.contacts = static_cast<Index>(std::accumulate(contacts.begin(), contacts.end(), 0.0));
+  for (std::size_t e = 0; e < held.size(); ++e) {
+    parts.subdomains[e].grains = std::move(held[e]);
+    for (Index& contact : parts.subdomains[e].contacts) contact += static_cast<Index>(first);
   }
   return parts;
 }
@@ -103,6 +147,17 @@ Decomposition restrict_contacts(const Decomposition& parts, const std::vector<ch
     std::erase_if(subdomain.contacts, [&](Index c) { return !kept[at(c)]; });
   }
   return restricted;
+}
+
+Decomposition restrict_own(const Decomposition& parts, const std::vector<char>& kept) {
+  Index first = parts.contacts;  // number of the first contact of this process
+  for (const Subdomain& subdomain : parts.subdomains)
+    if (!subdomain.contacts.empty()) first = std::min(first, subdomain.contacts.front());
+  std::vector<char> of_all(at(parts.contacts), 0);
+  if (first + count(kept) > parts.contacts)
+    fail("contact selection: expected {} flags at most, met {}", parts.contacts - first, kept.size());
+  std::ranges::copy(kept, of_all.begin() + first);
+  return restrict_contacts(parts, of_all);
 }
 
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,

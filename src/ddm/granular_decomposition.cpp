@@ -51,27 +51,24 @@ void fill(GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, Choice
   }
 }
 
-// The bodies that contacts touch, in the order in which they are met. `local`: -1 of every body.
+// The grains of the subdomains by their numbers, and which of these are free.
 template <int D>
-std::vector<Index> bodies_of(const std::vector<Index>& contacts, const StepProblem<D>& problem,
-                             std::vector<std::int32_t>& local) {
-  std::vector<Index> bodies;
-  for (const Index c : contacts) {
-    const GrainContact<D>& contact = problem.contacts[at(c)];
-    for (const std::int32_t body : {contact.a, contact.b})
-      if (std::exchange(local[at(body)], 0) < 0) bodies.push_back(body);
+Interface interface_of(const GranularDecomposition<D>& parts, const StepProblem<D>& problem,
+                       const std::vector<Index>& process_of, const Processes& processes) {
+  const auto number = [&](Index body) { return static_cast<Index>(problem.numbers[at(body)]); };
+  std::vector<std::vector<Index>> held;
+  for (const GranularSubdomain<D>& subdomain : parts.subdomains) {
+    held.emplace_back();
+    for (const Index body : subdomain.bodies) held.back().push_back(number(body));
   }
-  for (const Index body : bodies) local[at(body)] = -1;  // for the next subdomain
-  return bodies;
-}
-
-template <int D>
-Interface interface_of(const GranularDecomposition<D>& parts, const StepProblem<D>& problem) {
-  std::vector<std::span<const Index>> held;
-  for (const GranularSubdomain<D>& subdomain : parts.subdomains) held.emplace_back(subdomain.bodies);
-  std::vector<char> free;
-  for (const GrainVelocity<D>& v : problem.free) free.push_back(v.inverse_mass > 0);
-  return {unknowns_of_grain<D>, count(problem.free), held, free};
+  const Index grains = problem.numbers.empty() ? 0 : problem.numbers.back() + 1;
+  std::vector<char> free(at(grains), 1);
+  for (Index body = 0; body < count(problem.free); ++body)
+    free[at(number(body))] = problem.free[at(body)].inverse_mass > 0;
+  if (!processes.alone())
+    return shared_interface(unknowns_of_grain<D>, grains, std::move(held), free, process_of, processes);
+  const std::vector<std::span<const Index>> known(held.begin(), held.end());
+  return {unknowns_of_grain<D>, grains, known, free};
 }
 
 template <int D>
@@ -88,7 +85,8 @@ auto unknowns_of_copies(const GranularDecomposition<D>& parts) {
 
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
-                                   Choice<ContactOrder> order, std::uint64_t seed, const Processes& processes) {
+                                   Choice<ContactOrder> order, std::uint64_t seed,
+                                   const std::vector<Index>& process_of_subdomain, const Processes& processes) {
   check(partition, count(problem.contacts));
   GranularDecomposition<D> parts;
   parts.contacts = count(problem.contacts);
@@ -96,27 +94,18 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);
   std::vector<std::int32_t> local(problem.free.size(), -1);
-  std::vector<Index> process_of(parts.subdomains.size(), 0);
-  if (!processes.alone()) {
-    for (GranularSubdomain<D>& one : parts.subdomains) one.bodies = bodies_of(one.numbers, problem, local);
-    process_of = deal_out(interface_of(parts, problem), partition, processes.size);
-  }
-  for (std::size_t e = 0; e < parts.subdomains.size(); ++e)
-    if (process_of[e] == processes.rank) fill(parts.subdomains[e], problem, order, seed, local);
-  parts.interface = interface_of(parts, problem);
+  for (GranularSubdomain<D>& subdomain : parts.subdomains) fill(subdomain, problem, order, seed, local);
+  parts.interface = interface_of(parts, problem, process_of_subdomain, processes);
   // A grain shared by q subdomains weighs 1/q in each.
-  const auto copies = [&](Index body) { return static_cast<double>(parts.interface.multiplicity(body)); };
-  for (std::size_t e = 0; e < parts.subdomains.size(); ++e) {
-    GranularSubdomain<D>& subdomain = parts.subdomains[e];
-    if (process_of[e] != processes.rank) subdomain = GranularSubdomain<D>();
+  const auto copies = [&](Index number) { return static_cast<double>(parts.interface.multiplicity(number)); };
+  for (GranularSubdomain<D>& subdomain : parts.subdomains)
     for (std::size_t i = 0; i < subdomain.bodies.size(); ++i)
-      subdomain.velocities[i].inverse_mass *= copies(subdomain.bodies[i]);
+      subdomain.velocities[i].inverse_mass *= copies(problem.numbers[at(subdomain.bodies[i])]);
+  for (const Gluing& row : parts.interface.gluing()) {
+    const Index body = body_of(problem, row.grain);
+    parts.copy_mass.push_back(body < 0 ? 0 : 1 / (problem.free[at(body)].inverse_mass * copies(row.grain)));
   }
-  for (const Gluing& row : parts.interface.gluing())
-    parts.copy_mass.push_back(1 / (problem.free[at(row.grain)].inverse_mass * copies(row.grain)));
-  if (processes.alone()) return parts;
-  parts.interface = parts.interface.of_process(process_of, processes);
-  parts.interface.meet_neighbours();
+  if (!processes.alone()) parts.interface.meet_neighbours();
   return parts;
 }
 
@@ -209,7 +198,7 @@ Partition partition_of_columns(const Partition& of_contacts, Index dimension) {
 }
 
 template GranularDecomposition<2> decompose(const StepProblem<2>&, const Partition&, Choice<ContactOrder>,
-                                            std::uint64_t, const Processes&);
+                                            std::uint64_t, const std::vector<Index>&, const Processes&);
 template Vector interface_jumps(const GranularDecomposition<2>&);
 template Vector all_interface_jumps(const GranularDecomposition<2>&);
 template Vector free_velocities(const GranularDecomposition<2>&);
@@ -219,7 +208,7 @@ template void apply_interface_impulses(GranularDecomposition<2>&, const Vector&)
 template ReferenceProblem reference_problem(const StepProblem<2>&, Index);
 
 template GranularDecomposition<3> decompose(const StepProblem<3>&, const Partition&, Choice<ContactOrder>,
-                                            std::uint64_t, const Processes&);
+                                            std::uint64_t, const std::vector<Index>&, const Processes&);
 template Vector interface_jumps(const GranularDecomposition<3>&);
 template Vector all_interface_jumps(const GranularDecomposition<3>&);
 template Vector free_velocities(const GranularDecomposition<3>&);

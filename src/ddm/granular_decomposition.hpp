@@ -11,7 +11,7 @@ namespace nscdd {
 /// they touch. A shared grain has its share of mass.
 template <int D>
 struct GranularSubdomain {
-  std::vector<Index> bodies;   ///< numbers in the step problem, in the order the sweep meets them
+  std::vector<Index> bodies;   ///< of the step problem, in the order the sweep meets them
   std::vector<Index> numbers;  ///< of the contacts in the step problem
   ContactRows<D> contacts;
   std::vector<GrainVelocity<D>> velocities;
@@ -21,21 +21,24 @@ struct GranularSubdomain {
 /// chain of equalities. Driven bodies are not glued, because every subdomain knows their motion.
 template <int D>
 struct GranularDecomposition {
-  Index contacts = 0;  ///< of the step, all subdomains together
+  Index contacts = 0;  ///< of the step problem, all its subdomains together
   std::vector<GranularSubdomain<D>> subdomains;
-  Interface interface;            ///< those of a grain, see GrainUnknowns
-  std::vector<double> copy_mass;  ///< kg, for each row of the gluing that of either copy, the share of its grain
+  Interface interface;  ///< of StepProblem::numbers; unknowns are those of a grain, see GrainUnknowns
+  /// kg, for each row of the gluing that of either copy, the share of its grain; 0 of grains of other processes
+  std::vector<double> copy_mass;
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 };
 
 /// Splits a step along a partition of its contacts; velocities start at V_free, impulses as the step has
-/// them. `order`, `seed`: see contact_order. Where several processes share the step, each has its own subdomains and
-/// the gluing of all, and the subdomains of others are empty; they are dealt out by their contacts. Throws Error if the
-/// partition does not fit, and for more processes than subdomains.
+/// them. `order`, `seed`: see contact_order. Where several processes share the step, each has the problem of the
+/// contacts of its own subdomains, and gets these and the gluing of all; the subdomains of others are empty.
+/// `process_of_subdomain`: as `deal_out` has them. Throws Error if the partition does not fit.
 template <int D>
 GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partition& partition,
-                                   Choice<ContactOrder> order, std::uint64_t seed, const Processes& processes = {});
+                                   Choice<ContactOrder> order, std::uint64_t seed,
+                                   const std::vector<Index>& process_of_subdomain = {},
+                                   const Processes& processes = {});
 
 /// Jumps sum_E A_E V_E of the copies of shared grains, n_Gamma, where this process has a copy; its neighbours take
 /// part.

@@ -29,6 +29,32 @@ double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt
 
 }  // namespace
 
+Vector sum_of_subdomains(Eigen::MatrixXd parts, const Processes& processes) {
+  processes.add_up({parts.data(), at(parts.size())});
+  Vector sum = Vector::Zero(parts.rows());
+  for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
+  return sum;
+}
+
+ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes) {
+  Eigen::MatrixXd numbers(9, count(of_subdomains));
+  for (Index e = 0; e < numbers.cols(); ++e) {
+    const ContactResidual& one = of_subdomains[at(e)];
+    numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
+        static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
+  }
+  const Vector sum = sum_of_subdomains(std::move(numbers), processes);
+  return {.natural_map = sum[0],
+          .impulses = sum[1],
+          .violation = sum[2],
+          .work = sum[3],
+          .scale_work = sum[4],
+          .scale_velocity = sum[5],
+          .active = static_cast<Index>(sum[6]),
+          .stick = static_cast<Index>(sum[7]),
+          .slide = static_cast<Index>(sum[8])};
+}
+
 template <int D>
 GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const ContactLaw& law, const StepSolver& solver,
                                       std::optional<InterfaceOperator> enriched)
@@ -100,10 +126,7 @@ Index GranularTwoStage<D>::contact_updates() const {
 
 template <int D>
 Vector GranularTwoStage<D>::summed(Eigen::MatrixXd parts) const {
-  parts_.interface.processes().add_up({parts.data(), at(parts.size())});
-  Vector sum = Vector::Zero(parts.rows());
-  for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
-  return sum;
+  return sum_of_subdomains(std::move(parts), parts_.interface.processes());
 }
 
 template <int D>
@@ -225,22 +248,9 @@ ContactResidual GranularTwoStage<D>::residual() const {
   for_each_in_parallel(count(parts_.subdomains), [&](Index e) {
     parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
   });
-  Eigen::MatrixXd numbers(9, count(parts));
-  for (Index e = 0; e < numbers.cols(); ++e) {
-    const ContactResidual& one = parts[at(e)];
-    numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
-        static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
-  }
-  const Vector sum = summed(std::move(numbers));
-  return {.natural_map = sum[0],
-          .impulses = at_least(impulse_floor_squared_, sum[1]),
-          .violation = sum[2],
-          .work = sum[3],
-          .scale_work = sum[4],
-          .scale_velocity = sum[5],
-          .active = static_cast<Index>(sum[6]),
-          .stick = static_cast<Index>(sum[7]),
-          .slide = static_cast<Index>(sum[8])};
+  ContactResidual sum = added_up(parts, parts_.interface.processes());
+  sum.impulses = at_least(impulse_floor_squared_, sum.impulses);
+  return sum;
 }
 
 template <int D>

@@ -17,6 +17,13 @@ struct IterationRecord {
   double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
+/// Sums over subdomains, of which `parts` has a column each, in their order, whoever has them: no bit depends on the
+/// processes. Columns of subdomains of other processes are 0.
+Vector sum_of_subdomains(Eigen::MatrixXd parts, const Processes& processes);
+
+/// The residual of all subdomains from that of each, added up in their order; those of other processes are empty.
+ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes);
+
 /// Algorithm 1 of [ADI12] on the contact problem of one step; without an interface nonlinear Gauss-Seidel, bit by bit.
 ///   Stage 1  n_GS sweeps in every subdomain, in threads, F_Gamma frozen
 ///   Stage 2  F <- F + omega P^-1 sum_E A_E V_E,  V_E <- V_E - M_E^-1 A_E^T (change of F)
@@ -67,17 +74,17 @@ class GranularTwoStage {
   /// Of single contacts, in all sweeps so far of the subdomains of this process.
   Index contact_updates() const;
 
-  /// Status of every contact, in the numbers of the step problem.
+  /// Status of every contact of the step problem, in its numbers.
   std::vector<ContactStatus> statuses() const;
 
-  /// Contacts with their impulses and velocities of the bodies, in the numbers of the step problem. The velocity of a
-  /// shared grain is the mean of its copies.
+  /// Contacts of the step problem with their impulses, and velocities of its bodies. The velocity of a shared grain is
+  /// the mean of its copies.
   struct Solution {
     std::vector<GrainContact<D>> contacts;
     std::vector<GrainVelocity<D>> velocities;
   };
-  /// Brings what all subdomains have found together, in every process that shares them. Gluing and interface impulses,
-  /// too, are those of all from then on, until the next iteration.
+  /// What the subdomains have found; processes that share the step tell each other the copies of shared grains. Gluing
+  /// and interface impulses, too, are those of all from then on, until the next iteration.
   Solution gather(const StepProblem<D>& problem);
 
   std::vector<RememberedGluing> gluing() const;

@@ -6,84 +6,37 @@
 namespace nscdd {
 namespace {
 
-// A subdomain as processes send it: its number, how many contacts and bodies it has, the number and the impulse of each
-// contact, the number and the velocity of each body.
-constexpr Index header = 3;
-template <int D>
-constexpr Index numbers_per_contact = D == 2 ? 3 : 5;
-template <int D>
-constexpr Index numbers_per_body = 1 + unknowns_of_grain<D>;
 constexpr auto other_steps =
     "processes: expected the same step in all of them, met others: their processors may differ";
 
+// The copy of a shared grain as processes send it: its subdomain, the number of the grain, and its velocity.
 template <int D>
-void pack(Index number, const GranularSubdomain<D>& subdomain, std::vector<double>& numbers) {
-  const auto whole = [](auto n) { return static_cast<double>(n); };
-  numbers.insert(numbers.end(), {whole(number), whole(subdomain.numbers.size()), whole(subdomain.bodies.size())});
-  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-    const SweptVector<D> r = subdomain.contacts.impulses[k];
-    if constexpr (D == 2)
-      numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t});
-    else
-      numbers.insert(numbers.end(), {whole(subdomain.numbers[k]), r.n, r.t.x, r.t.y, r.t.z});
-  }
+constexpr Index numbers_per_copy = 2 + unknowns_of_grain<D>;
+
+template <int D>
+void pack_copies(Index e, const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem,
+                 const Interface& interface, std::vector<double>& packed) {
   for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+    const std::size_t body = at(subdomain.bodies[i]);
+    const Index number = problem.numbers[body];
+    if (problem.free[body].inverse_mass == 0 || interface.multiplicity(number) == 1) continue;
     const GrainUnknowns<D> v = unknowns(subdomain.velocities[i]);
-    numbers.push_back(whole(subdomain.bodies[i]));
-    numbers.insert(numbers.end(), v.begin(), v.end());
+    packed.insert(packed.end(), {static_cast<double>(e), static_cast<double>(number)});
+    packed.insert(packed.end(), v.begin(), v.end());
   }
 }
 
+// Adds to the velocity of a shared grain, at first V_free, its part of what one of its copies has gained.
 template <int D>
-Index packed_size(const double* packed) {
-  return header + numbers_per_contact<D> * static_cast<Index>(packed[1]) +
-         numbers_per_body<D> * static_cast<Index>(packed[2]);
-}
-
-// Impulses and velocities alone, without rows and masses.
-template <int D>
-GranularSubdomain<D> unpacked(const double* packed) {
-  const auto contacts = static_cast<Index>(packed[1]), bodies = static_cast<Index>(packed[2]);
-  GranularSubdomain<D> subdomain;
-  const double* next = packed + header;
-  for (Index k = 0; k < contacts; ++k, next += numbers_per_contact<D>) {
-    subdomain.numbers.push_back(static_cast<Index>(next[0]));
-    if constexpr (D == 2)
-      subdomain.contacts.impulses.push_back({next[1], next[2]});
-    else
-      subdomain.contacts.impulses.push_back({next[1], {next[2], next[3], next[4]}});
-  }
-  for (Index i = 0; i < bodies; ++i, next += numbers_per_body<D>) {
-    subdomain.bodies.push_back(static_cast<Index>(next[0]));
-    GrainUnknowns<D> v;
-    std::copy_n(next + 1, v.size(), v.begin());
-    subdomain.velocities.push_back(with_unknowns(v, 0));
-  }
-  return subdomain;
-}
-
-// Adds what a subdomain has found to the solution of the step.
-template <int D>
-void take_in(const GranularSubdomain<D>& subdomain, const StepProblem<D>& problem, const Interface& interface,
-             typename GranularTwoStage<D>::Solution& solution) {
-  for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
-    GrainContact<D>& contact = solution.contacts[at(subdomain.numbers[k])];
-    contact.impulse = in_frame(contact.normal, subdomain.contacts.impulses[k]);
-  }
-  for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
-    const Index g = subdomain.bodies[i];
-    const double inverse_mass = problem.free[at(g)].inverse_mass;
-    if (inverse_mass == 0) continue;
-    const GrainUnknowns<D> start = unknowns(problem.free[at(g)]), found = unknowns(subdomain.velocities[i]);
-    GrainUnknowns<D> v = unknowns(solution.velocities[at(g)]);
-    if (const Index q = interface.multiplicity(g); q == 1) {
-      v = found;
-    } else {  // V_free + mean of what the copies gained
-      const double part = 1 / static_cast<double>(q);
-      for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (found[k] - start[k]);
-    }
-    solution.velocities[at(g)] = with_unknowns(v, inverse_mass);
-  }
+void take_in_copy(const double* copy, const StepProblem<D>& problem, const Interface& interface,
+                  std::vector<GrainVelocity<D>>& velocities) {
+  const auto number = static_cast<Index>(copy[1]), body = body_of(problem, number);
+  if (body < 0) return;  // a grain of other processes
+  const double part = 1 / static_cast<double>(interface.multiplicity(number));
+  const GrainUnknowns<D> start = unknowns(problem.free[at(body)]);
+  GrainUnknowns<D> v = unknowns(velocities[at(body)]);
+  for (std::size_t k = 0; k < v.size(); ++k) v[k] += part * (copy[2 + k] - start[k]);
+  velocities[at(body)] = with_unknowns(v, velocities[at(body)].inverse_mass);
 }
 
 }  // namespace
@@ -144,14 +97,10 @@ void GranularTwoStage<D>::restart(const Vector& z) {
 
 template <int D>
 std::vector<ContactStatus> GranularTwoStage<D>::statuses() const {
-  std::vector<double> numbers(at(parts_.contacts), 0);
+  std::vector<ContactStatus> result(at(parts_.contacts), ContactStatus::open);
   for (const GranularSubdomain<D>& subdomain : parts_.subdomains)
     for (std::size_t k = 0; k < subdomain.contacts.size(); ++k)
-      numbers[at(subdomain.numbers[k])] =
-          static_cast<double>(status_of(law_, subdomain.contacts.contact(k, subdomain.velocities)));
-  parts_.interface.processes().add_up(numbers);
-  std::vector<ContactStatus> result;
-  for (const double number : numbers) result.push_back(static_cast<ContactStatus>(static_cast<int>(number)));
+      result[at(subdomain.numbers[k])] = status_of(law_, subdomain.contacts.contact(k, subdomain.velocities));
   return result;
 }
 
@@ -178,25 +127,28 @@ template <int D>
 typename GranularTwoStage<D>::Solution GranularTwoStage<D>::gather(const StepProblem<D>& problem) {
   const Interface& interface = parts_.interface;
   const Processes& all = interface.processes();
-  std::vector<double> sent, received;
-  std::vector<const double*> place(parts_.subdomains.size(), nullptr);  // of the subdomains of other processes
-  if (!all.alone()) {
-    gather_interface_impulses();
-    for (Index e = 0; e < count(parts_.subdomains); ++e)
-      if (interface.process_of(e) == all.rank) pack<D>(e, parts_.subdomains[at(e)], sent);
-    received = all.gather(sent);
-    for (const double *next = received.data(), *end = next + received.size(); next != end; next += packed_size<D>(next))
-      place[at(static_cast<Index>(next[0]))] = next;
-    for (Index e = 0; e < count(place); ++e)
-      if (place[at(e)] == nullptr) throw Error(other_steps);
-  }
+  if (!all.alone()) gather_interface_impulses();
   Solution result{problem.contacts, problem.free};
-  for (Index e = 0; e < count(parts_.subdomains); ++e) {  // means of copies add up in this order, whoever has them
-    if (all.alone() || interface.process_of(e) == all.rank)
-      take_in<D>(parts_.subdomains[at(e)], problem, interface, result);
-    else
-      take_in<D>(unpacked<D>(place[at(e)]), problem, interface, result);
+  std::vector<double> packed;
+  for (Index e = 0; e < count(parts_.subdomains); ++e) {
+    const GranularSubdomain<D>& subdomain = parts_.subdomains[at(e)];
+    for (std::size_t k = 0; k < subdomain.numbers.size(); ++k) {
+      GrainContact<D>& contact = result.contacts[at(subdomain.numbers[k])];
+      contact.impulse = in_frame(contact.normal, subdomain.contacts.impulses[k]);
+    }
+    for (std::size_t i = 0; i < subdomain.bodies.size(); ++i) {
+      GrainVelocity<D>& v = result.velocities[at(subdomain.bodies[i])];
+      if (v.inverse_mass > 0 && interface.multiplicity(problem.numbers[at(subdomain.bodies[i])]) == 1)
+        v = with_unknowns(unknowns(subdomain.velocities[i]), v.inverse_mass);
+    }
+    pack_copies(e, subdomain, problem, interface, packed);
   }
+  packed = all.gather(packed);
+  std::vector<const double*> copies;
+  for (Index k = 0; k < count(packed); k += numbers_per_copy<D>) copies.push_back(packed.data() + k);
+  // What copies gained adds up in the order of their subdomains, whoever has them.
+  std::stable_sort(copies.begin(), copies.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
+  for (const double* copy : copies) take_in_copy(copy, problem, interface, result.velocities);
   return result;
 }
 

@@ -46,6 +46,13 @@ struct TrajectoryStep {
   std::vector<TrajectoryContact> contacts;  ///< ascending by (a, b), those without an impulse included
 };
 
+/// The contacts of a solved step; of one that processes share those that this process has.
+template <int D>
+std::vector<TrajectoryContact> trajectory_contacts(const SolvedStep<D>& solved);
+
+/// The contacts of all processes in the first of them, ascending by (a, b), and none in the others. All take part.
+std::vector<TrajectoryContact> contacts_at_first(std::vector<TrajectoryContact> own, const Processes& processes);
+
 /// The step that led from `solved` to the state of `after`.
 template <int D>
 TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved);
@@ -71,8 +78,9 @@ class TrajectoryWriter {
   /// steps. The line `restart` is added to those of earlier restarts in provenance/restarts.
   void go_on(const std::string& case_text, const std::string& restart);
 
-  /// Adds a step to /last and /summary, and to /steps if `keep`. It is in the file from the next `commit` on.
-  void append(TrajectoryStep step, const Row& summary, bool keep);
+  /// Adds a step to /last, and to /steps if `keep`, and the rows of it and of steps before it to /summary. It is in the
+  /// file from the next `commit` on.
+  void append(TrajectoryStep step, const std::vector<Row>& summary, bool keep);
 
   /// Whether a second has passed since the last commit. Steps should not stay out of the file for longer.
   bool due() const;

@@ -112,19 +112,57 @@ AlternatingFile::Change changing(Change change) {
 }  // namespace
 
 template <int D>
-TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved) {
-  TrajectoryStep step;
-  step.state = after.state;
-  step.contacts.reserve(solved.contacts.size());
+std::vector<TrajectoryContact> trajectory_contacts(const SolvedStep<D>& solved) {
+  std::vector<TrajectoryContact> contacts;
+  contacts.reserve(solved.contacts.size());
   for (std::size_t k = 0; k < solved.contacts.size(); ++k) {
     const GrainContact<D>& c = solved.contacts[k];
-    step.contacts.push_back(
+    contacts.push_back(
         {solved.problem.geometry[k], {}, status_of(solved.problem.law, c), solved.partition.subdomain_of_contact[k]});
-    step.contacts.back().set(c.impulse);
+    contacts.back().set(c.impulse);
   }
-  return step;
+  return contacts;
 }
 
+std::vector<TrajectoryContact> contacts_at_first(std::vector<TrajectoryContact> own, const Processes& processes) {
+  if (processes.alone()) return own;
+  std::vector<double> numbers;
+  const auto put = [&](auto number) { numbers.push_back(static_cast<double>(number)); };
+  for (const TrajectoryContact& c : own) {
+    put(c.geometry.a);
+    put(c.geometry.b);
+    numbers.insert(numbers.end(), c.geometry.normal.begin(), c.geometry.normal.end());
+    numbers.insert(numbers.end(), c.geometry.point.begin(), c.geometry.point.end());
+    numbers.insert(numbers.end(), {c.geometry.gap, c.impulse.n, c.impulse.t, c.second_tangential});
+    put(c.status);
+    put(c.subdomain);
+  }
+  const double all = processes.sum(static_cast<double>(own.size()));
+  own = {};
+  if (processes.first()) own.reserve(static_cast<std::size_t>(all));
+  processes.take_turns(numbers, [&](std::span<const double> given) {
+    for (const double* next = given.data(); processes.first() && next != given.data() + given.size();) {
+      TrajectoryContact& c = own.emplace_back();
+      c.geometry.a = static_cast<Index>(*next++);
+      c.geometry.b = static_cast<Index>(*next++);
+      for (double& one : c.geometry.normal) one = *next++;
+      for (double& one : c.geometry.point) one = *next++;
+      for (double* one : {&c.geometry.gap, &c.impulse.n, &c.impulse.t, &c.second_tangential}) *one = *next++;
+      c.status = static_cast<ContactStatus>(static_cast<int>(*next++));
+      c.subdomain = static_cast<Index>(*next++);
+    }
+  });
+  std::ranges::sort(own, {}, [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); });
+  return own;
+}
+
+template <int D>
+TrajectoryStep trajectory_step(const Simulation& after, const SolvedStep<D>& solved) {
+  return {after.state, trajectory_contacts(solved)};
+}
+
+template std::vector<TrajectoryContact> trajectory_contacts(const SolvedStep<2>&);
+template std::vector<TrajectoryContact> trajectory_contacts(const SolvedStep<3>&);
 template TrajectoryStep trajectory_step(const Simulation&, const SolvedStep<2>&);
 template TrajectoryStep trajectory_step(const Simulation&, const SolvedStep<3>&);
 
@@ -164,11 +202,13 @@ void TrajectoryWriter::go_on(const std::string& case_text, const std::string& re
   }));
 }
 
-void TrajectoryWriter::append(TrajectoryStep step, const Row& summary, bool keep) {
+void TrajectoryWriter::append(TrajectoryStep step, const std::vector<Row>& summary, bool keep) {
+  step.state.impulses = {};  // contacts say what they carried, and where
+  step.state.subdomains = {};
   if (!pending_.newest_kept) pending_.steps.pop_back();
   pending_.steps.push_back(std::move(step));
   pending_.newest_kept = keep;
-  pending_.summary.rows.push_back(summary);
+  pending_.summary.rows.insert(pending_.summary.rows.end(), summary.begin(), summary.end());
 }
 
 bool TrajectoryWriter::due() const { return std::chrono::steady_clock::now() - committed_ >= commit_interval; }

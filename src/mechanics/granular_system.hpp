@@ -146,7 +146,8 @@ struct RememberedModel {
   double impulse_distance = 0;   ///< relative to the interface impulses
 };
 
-/// Everything that changes in a run. A run that goes on from it repeats every bit.
+/// Everything that changes in a run. A run that goes on from it repeats every bit. Where several processes share steps,
+/// each has the impulses of the contacts of its own subdomains alone, see StepShare; the rest is the same in all.
 struct GranularState {
   Index step = 0;                              ///< steps done
   double time = 0;                             ///< s
@@ -162,8 +163,10 @@ struct GranularState {
   std::vector<RememberedGluing> gluing;         ///< of the last step, ascending by (grain, subdomain)
   std::vector<RememberedSubdomain> subdomains;  ///< of the contacts of the last step, ascending by (a, b)
   std::vector<RememberedModel> models;          ///< of the subdomains, in their order; empty unless they are switched
-  Index decomposed_at = -1;                     ///< step whose contacts were partitioned afresh last
-  double eta = 0;                               ///< best flexibility found at that step, 1/kg; 0 if none was asked for
+  /// Where several processes share steps, who has which subdomain; empty at the beginning of a run.
+  std::vector<Index> process_of_subdomain;
+  Index decomposed_at = -1;  ///< step whose contacts were partitioned afresh last
+  double eta = 0;            ///< best flexibility found at that step, 1/kg; 0 if none was asked for
 };
 
 /// "disk" or "sphere".

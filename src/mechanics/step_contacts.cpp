@@ -14,6 +14,14 @@ double dot(const Direction<D>& a, const Direction<D>& b) {
   return sum;
 }
 
+template <int D>
+double length(const Direction<D>& a) {
+  if constexpr (D == 2)
+    return std::hypot(a[0], a[1]);
+  else
+    return std::hypot(a[0], a[1], a[2]);
+}
+
 // a + factor b
 template <int D>
 Direction<D> moved_along(Direction<D> a, double factor, const Direction<D>& b) {
@@ -75,21 +83,19 @@ Configuration<D> middle(const GranularSystem& system, const GranularState& state
 }
 
 template <int D>
-std::vector<StepContact> find_contacts(const GranularSystem& system, const Configuration<D>& where,
-                                       const std::vector<GrainVelocity<D>>& free, const TimeStepping& scheme,
-                                       double least_alert) {
+void for_each_contact(const GranularSystem& system, const Configuration<D>& where,
+                      const std::function<Direction<D>(Index)>& velocity, const TimeStepping& scheme,
+                      double least_alert, const std::function<void(const StepContact&)>& visit) {
   double fastest = 0;
-  for (Index i = 0; i < system.disks(); ++i) fastest = std::max(fastest, speed_of<D>(free[at(i)]));
+  for (Index i = 0; i < system.disks(); ++i) fastest = std::max(fastest, length<D>(velocity(i)));
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
   const double alert = std::max(scheme.alert * smallest, least_alert);
   const double range = std::max(alert, 2 * fastest * scheme.step);  // the fastest pair may close so much
-  std::vector<StepContact> found;
-  found.reserve(at(3 * system.disks()));
-  const auto add_if_near = [&](Index a, Index b, const Direction<D>& normal, const Direction<D>& point, double gap,
-                               const Direction<D>& v) {  // of b
-    const double closing = dot<D>(normal, moved_along<D>(v, -1, velocity_of<D>(free[at(a)])));
-    const bool far = gap > alert && gap + scheme.step * closing > alert;
-    if (!far) found.push_back({a, b, widened<D>(normal), widened<D>(point), gap});
+  const auto visit_if_near = [&](Index a, Index b, const Direction<D>& normal, const Direction<D>& point, double gap,
+                                 const std::function<Direction<D>()>& velocity_of_b) {
+    const auto closing = [&] { return dot<D>(normal, moved_along<D>(velocity_of_b(), -1, velocity(a))); };
+    const bool far = gap > alert && gap + scheme.step * closing() > alert;
+    if (!far) visit({a, b, widened<D>(normal), widened<D>(point), gap});
   };
   const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, range);
   grid.for_each_pair([&](Index a, Index b) {
@@ -107,29 +113,32 @@ std::vector<StepContact> find_contacts(const GranularSystem& system, const Confi
       apart[k] /= distance;
       half[k] = (from[k] + to[k]) / 2;
     }
-    add_if_near(a, b, apart, half, distance - touch, velocity_of<D>(free[at(b)]));
+    visit_if_near(a, b, apart, half, distance - touch, [&] { return velocity(b); });
   });
   for (Index w = 0; w < count(where.walls); ++w) {
     const Wall& wall = where.walls[at(w)];
     for (Index i = 0; i < system.disks(); ++i) {
       if (!system.free(i)) continue;
       const auto [foot, normal, height] = nearest_point<D>(wall, where.centre(at(i)));
-      const Direction<D> v = velocity_of_point(where.motions[at(wall.boundary)], where.poses[at(wall.boundary)], foot);
+      const auto v = [&, at_foot = foot] {
+        return velocity_of_point(where.motions[at(wall.boundary)], where.poses[at(wall.boundary)], at_foot);
+      };
       Direction<D> down = normal;
       for (double& one : down) one = -one;
-      add_if_near(i, system.disks() + w, down, foot, height - system.radius[at(i)], v);
+      visit_if_near(i, system.disks() + w, down, foot, height - system.radius[at(i)], v);
     }
   }
-  return sorted_by_bodies(found, system.disks());
 }
 
 template Configuration<2> middle(const GranularSystem&, const GranularState&, const std::vector<RigidVelocity>&,
                                  double);
 template Configuration<3> middle(const GranularSystem&, const GranularState&, const std::vector<RigidVelocity>&,
                                  double);
-template std::vector<StepContact> find_contacts(const GranularSystem&, const Configuration<2>&,
-                                                const std::vector<GrainVelocity<2>>&, const TimeStepping&, double);
-template std::vector<StepContact> find_contacts(const GranularSystem&, const Configuration<3>&,
-                                                const std::vector<GrainVelocity<3>>&, const TimeStepping&, double);
+template void for_each_contact<2>(const GranularSystem&, const Configuration<2>&,
+                                  const std::function<Direction<2>(Index)>&, const TimeStepping&, double,
+                                  const std::function<void(const StepContact&)>&);
+template void for_each_contact<3>(const GranularSystem&, const Configuration<3>&,
+                                  const std::function<Direction<3>(Index)>&, const TimeStepping&, double,
+                                  const std::function<void(const StepContact&)>&);
 
 }  // namespace nscdd

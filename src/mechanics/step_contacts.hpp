@@ -59,12 +59,13 @@ template <int D>
 Configuration<D> middle(const GranularSystem& system, const GranularState& state,
                         const std::vector<RigidVelocity>& motions, double time);
 
-/// Pairs of a free grain and a grain or wall, ascending by (a, b), whose gap is within the alert distance, or would be
-/// after the step at the velocities `free`, V^- + h g, and those of the boundaries. `least_alert`, m, replaces an alert
-/// distance of the scheme that is smaller. Throws Error naming both grains if two have the same centre.
+/// Calls visit(contact) for the pairs of a free grain and a grain or wall whose gap is within the alert distance, or
+/// would be after the step at the velocities `velocity(grain)`, V^- + h g, and those of the boundaries. `least_alert`,
+/// m, replaces an alert distance of the scheme that is smaller. Throws Error naming both grains if two have the same
+/// centre.
 template <int D>
-std::vector<StepContact> find_contacts(const GranularSystem& system, const Configuration<D>& where,
-                                       const std::vector<GrainVelocity<D>>& free, const TimeStepping& scheme,
-                                       double least_alert);
+void for_each_contact(const GranularSystem& system, const Configuration<D>& where,
+                      const std::function<Direction<D>(Index)>& velocity, const TimeStepping& scheme,
+                      double least_alert, const std::function<void(const StepContact&)>& visit);
 
 }  // namespace nscdd

@@ -60,16 +60,43 @@ StepEnergy energy_of(const GranularSystem& system, const GranularState& state, c
 }
 
 template <int D>
-StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem<D>& problem,
-                       const TimeStepping& scheme, const std::vector<GrainContact<D>>& contacts,
-                       const std::vector<GrainVelocity<D>>& velocities) {
-  const double h = problem.h, theta = scheme.theta;
+ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& c,
+                    const std::vector<GrainVelocity<D>>& velocities) {
+  ContactWork work;
+  if (!carries(c.impulse)) return work;
+  work.dissipation = -dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
+  // Work of the impulses -r on a, r on b at the velocities of those that are driven.
+  for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
+    const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
+    if (v.inverse_mass > 0) continue;
+    const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
+    work.boundary -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
+  }
+  return work;
+}
+
+template <int D>
+std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& problem,
+                                                    const std::vector<GrainContact<D>>& contacts) {
+  std::vector<RememberedImpulse> impulses;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const GrainContact<D>& c = contacts[k];
+    const StepContact& g = problem.geometry[k];
+    if (carries(c.impulse)) impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal)});
+  }
+  return impulses;
+}
+
+template <int D>
+StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
+                       const std::vector<GrainUnknowns<D>>& velocities, const ContactWork& work) {
+  const double h = scheme.step, theta = scheme.theta;
   const StepEnergy before = energy_of(system, state, scheme);
-  const auto motions = boundary_velocities(system, state.time + h / 2);
+  const auto motions = step_motions(system, state, scheme);
   const std::vector<Pose> poses = state.poses;
   for (std::size_t k = 0; k < poses.size(); ++k) state.poses[k] = advanced<D>(poses[k], motions[k], h);
   for (std::size_t i = 0; i < at(system.disks()); ++i) {
-    const GrainUnknowns<D> v = unknowns(velocities[i]);
+    const GrainUnknowns<D>& v = velocities[i];
     const double radius = system.radius[i];
     Direction<D> move;
     if (system.driven_by[i] < 0) {
@@ -84,29 +111,13 @@ StepEnergy finish_step(const GranularSystem& system, GranularState& state, const
     }
     set_velocity<D>(state, i, v, radius);
   }
-  state.impulses.clear();
-  double boundary_work = 0, dissipation = 0;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const GrainContact<D>& c = contacts[k];
-    if (!carries(c.impulse)) continue;
-    const StepContact& g = problem.geometry[k];
-    state.impulses.push_back({g.a, g.b, to_remember<D>(c.impulse, c.normal)});
-    dissipation -= dot(c.impulse, relative_velocity(c, problem.start) + relative_velocity(c, velocities)) / 2;
-    // Work of the impulses -r on a, r on b at the velocities of those that are driven.
-    for (const auto& [body, sign] : {std::pair(c.a, -1.0), std::pair(c.b, 1.0)}) {
-      const GrainVelocity<D>& v = velocities[static_cast<std::size_t>(body)];
-      if (v.inverse_mass > 0) continue;
-      const GrainUnknowns<D> impulse = impulse_on_grain(c.normal, sign, c.impulse), u = unknowns(v);
-      boundary_work -= std::inner_product(impulse.begin(), impulse.end(), u.begin(), 0.0);
-    }
-  }
   ++state.step;
   state.time = static_cast<double>(state.step) * h;
   StepEnergy energy = energy_of(system, state, scheme);
-  energy.boundary_work = boundary_work;
-  energy.dissipation = dissipation;
+  energy.boundary_work = work.boundary;
+  energy.dissipation = work.dissipation;
   energy.numerical =
-      energy.kinetic + energy.potential - before.kinetic - before.potential - boundary_work + dissipation;
+      energy.kinetic + energy.potential - before.kinetic - before.potential - work.boundary + work.dissipation;
   return energy;
 }
 
@@ -149,10 +160,16 @@ GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<D>>& bodi
 
 template std::vector<GrainVelocity<2>> velocities_of(const StepProblem<2>&, const std::vector<GrainContact<2>>&);
 template std::vector<GrainVelocity<3>> velocities_of(const StepProblem<3>&, const std::vector<GrainContact<3>>&);
-template StepEnergy finish_step(const GranularSystem&, GranularState&, const StepProblem<2>&, const TimeStepping&,
-                                const std::vector<GrainContact<2>>&, const std::vector<GrainVelocity<2>>&);
-template StepEnergy finish_step(const GranularSystem&, GranularState&, const StepProblem<3>&, const TimeStepping&,
-                                const std::vector<GrainContact<3>>&, const std::vector<GrainVelocity<3>>&);
+template ContactWork work_of(const StepProblem<2>&, const GrainContact<2>&, const std::vector<GrainVelocity<2>>&);
+template ContactWork work_of(const StepProblem<3>&, const GrainContact<3>&, const std::vector<GrainVelocity<3>>&);
+template std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<2>&,
+                                                             const std::vector<GrainContact<2>>&);
+template std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<3>&,
+                                                             const std::vector<GrainContact<3>>&);
+template StepEnergy finish_step<2>(const GranularSystem&, GranularState&, const TimeStepping&,
+                                   const std::vector<GrainUnknowns<2>>&, const ContactWork&);
+template StepEnergy finish_step<3>(const GranularSystem&, GranularState&, const TimeStepping&,
+                                   const std::vector<GrainUnknowns<3>>&, const ContactWork&);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<2>>&,
                                                 const std::vector<GrainContact<2>>&, std::span<const double>);
 template GlobalFrictionProblem friction_problem(const std::vector<GrainVelocity<3>>&,

@@ -5,6 +5,8 @@
 #include <nscdd/core/components.hpp>
 #include <nscdd/core/fields.hpp>
 
+#include <functional>
+
 namespace nscdd {
 
 struct GlobalFrictionProblem;
@@ -80,7 +82,8 @@ struct StepContact {
   double gap = 0;                  ///< m, at q_m
 };
 
-/// The contact problem of one step. Bodies are the grains, then one per wall contact, which moves as the wall there.
+/// The contact problem of one step. Bodies are grains, then one per wall contact, which moves as the wall there. The
+/// part of a step that one of several processes has holds the grains of its own contacts alone.
 template <int D>
 struct StepProblem {
   ContactLaw law;                              ///< of all contacts
@@ -93,7 +96,19 @@ struct StepProblem {
   std::vector<GrainContact<D>> contacts;       ///< the same contacts for the solver, impulses to start from
   std::vector<GrainVelocity<D>> start;         ///< V^- of the bodies (of driven ones: in this step)
   std::vector<GrainVelocity<D>> free;          ///< V^- + h M^-1 F
+  /// What each body is: a grain by its number, ascending, or disks + k for the k-th body of a wall. Of a whole step
+  /// these are 0, 1, 2, ...
+  std::vector<std::int32_t> numbers;
 };
+
+/// The body that a grain is in a step, -1 if none of the contacts of this part of a step touches it.
+template <int D>
+Index body_of(const StepProblem<D>& problem, Index grain) {
+  const auto number = static_cast<std::int32_t>(grain);
+  if (grain < count(problem.numbers) && problem.numbers[at(grain)] == number) return grain;
+  const auto found = std::lower_bound(problem.numbers.begin(), problem.numbers.end(), number);
+  return found != problem.numbers.end() && *found == number ? found - problem.numbers.begin() : -1;
+}
 
 /// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`, otherwise from
 /// zero. Throws Error naming the disk if one would move by more than ten of its radii in the step or has a velocity
@@ -101,6 +116,38 @@ struct StepProblem {
 template <int D>
 StepProblem<D> prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                             const TimeStepping& scheme, bool warm_start);
+
+/// What a step considers.
+struct ConsideredContacts {
+  Index number = 0;
+  double boundary_speed = 0;  ///< of the fastest driven grain, or wall at one of its contacts, m/s
+};
+
+/// The two halves of prepare_step, for a process that keeps some of the contacts. The first calls visit(contact) for
+/// every contact that the step considers, in no order, and throws as prepare_step does.
+template <int D>
+ConsideredContacts for_each_step_contact(const GranularSystem& system, const GranularState& state,
+                                         const Interaction& interaction, const TimeStepping& scheme,
+                                         const std::function<void(const StepContact&)>& visit);
+/// The second sets up the problem of the contacts in `geometry`, ascending by (a, b), with the grains `grains`,
+/// ascending, which must be those of these contacts at least. Impulses start from those in `last`, ascending by (a, b).
+template <int D>
+StepProblem<D> step_of_contacts(const GranularSystem& system, const GranularState& state,
+                                const Interaction& interaction, const TimeStepping& scheme,
+                                std::vector<StepContact> geometry, double boundary_speed,
+                                std::vector<std::int32_t> grains, const std::vector<RememberedImpulse>& last);
+
+/// Gives a problem the scale W, 1/kg, and the law that goes with it; by itself it has that of its own contacts.
+template <int D>
+void set_scale(StepProblem<D>& problem, const Interaction& interaction, double scale);
+
+/// V^- + h M^-1 F of a free grain, or the velocity of a driven one in this step; of every grain, also of those that
+/// touch nothing. `motions`: those of the boundaries in the step, see step_motions.
+template <int D>
+GrainVelocity<D> free_velocity(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                               const std::vector<RigidVelocity>& motions, Index grain);
+std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
+                                        const TimeStepping& scheme);
 
 /// What was remembered of each contact, or null. Both lists ascend by (a, b).
 template <class Remembered>
@@ -128,6 +175,9 @@ inline constexpr double natural_push_speed = 0.02;
 /// Overlap that ends a run, as bodies would pass each other, and one that deserves attention, times the smaller radius.
 inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
 
+/// Whether the bodies of a contact overlap by more than `largest` times the smaller radius.
+bool overlaps(const GranularSystem& system, const StepContact& contact, double largest);
+
 /// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
 void check_overlaps(const GranularSystem& system, const std::vector<StepContact>& contacts, double largest);
 
@@ -145,11 +195,24 @@ struct StepEnergy {
   double numerical = 0;               ///< what is left; at theta = 1/2 only rounding
 };
 
-/// Ends a step with the impulses and velocities found: moves disks and boundaries, keeps the impulses.
+/// What the impulse of a contact did in a step, J.
+struct ContactWork {
+  double boundary = 0;     ///< done by the bodies of it that are driven
+  double dissipation = 0;  ///< - r . (v + v^-)/2
+};
 template <int D>
-StepEnergy finish_step(const GranularSystem& system, GranularState& state, const StepProblem<D>& problem,
-                       const TimeStepping& scheme, const std::vector<GrainContact<D>>& contacts,
-                       const std::vector<GrainVelocity<D>>& velocities);
+ContactWork work_of(const StepProblem<D>& problem, const GrainContact<D>& contact,
+                    const std::vector<GrainVelocity<D>>& velocities);
+
+/// The impulses that are not zero, to be kept for the next step; `contacts` are those of the problem.
+template <int D>
+std::vector<RememberedImpulse> impulses_to_remember(const StepProblem<D>& problem,
+                                                    const std::vector<GrainContact<D>>& contacts);
+
+/// Ends a step: moves all grains, whose velocities at its end are given, and boundaries. `work`: of all contacts.
+template <int D>
+StepEnergy finish_step(const GranularSystem& system, GranularState& state, const TimeStepping& scheme,
+                       const std::vector<GrainUnknowns<D>>& velocities, const ContactWork& work);
 
 /// Kinetic and potential energy of the free disks.
 StepEnergy energy_of(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);

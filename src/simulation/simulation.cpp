@@ -21,31 +21,34 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // these went wrong, even after few iterations.
 constexpr double energy_explosion = 10;
 
-template <int D>
-double kinetic_energy(const std::vector<GrainVelocity<D>>& velocities) {
-  double sum = 0;
-  for (const GrainVelocity<D>& v : velocities)
-    if (v.inverse_mass > 0) sum += kinetic_energy(v);
-  return sum;
+// The processes that share a step; where each has all of it, this one alone.
+Processes sharing(const Simulation& simulation, const ShareOfStep& share) {
+  return share.process_of_subdomain.empty() ? Processes() : simulation.processes;
 }
 
-// `contacts`: with their impulses.
+// `pushes`: the work that pushes may do, J.
 template <int D>
-bool energy_exploded(const StepProblem<D>& problem, const std::vector<GrainContact<D>>& contacts,
-                     const std::vector<GrainVelocity<D>>& velocities) {
-  double mass = 0, speed_squared = 0;  // of all free grains; of the fastest driven body or push
-  for (const GrainVelocity<D>& v : problem.start) {
-    if (v.inverse_mass > 0) mass += 1 / v.inverse_mass;
+bool energy_exploded(const Simulation& before, const SolvedStep<D>& step, double pushes, const Processes& all) {
+  const auto motions = step_motions(before.system, before.state, before.dynamics.time);
+  double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;  // of all free grains
+  double speed_squared = 0;                                        // of the fastest driven body or push
+  for (Index i = 0; i < before.system.disks(); ++i) {
+    const GrainVelocity<D> free = free_velocity<D>(before.system, before.state, before.dynamics.time, motions, i);
+    if (free.inverse_mass == 0) {
+      speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));
+      continue;
+    }
+    const auto kinetic = [&](const GrainUnknowns<D>& v) { return kinetic_energy(with_unknowns(v, free.inverse_mass)); };
+    mass += 1 / free.inverse_mass;
+    at_first += kinetic(unknowns_of<D>(before.state, at(i), before.system.radius[at(i)]));
+    free_flight += kinetic(unknowns(free));
+    in_the_end += kinetic(step.all_grains[at(i)]);
+  }
+  for (const GrainVelocity<D>& v : step.problem.start)
     if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
-  }
-  double pushes = 0;
-  for (const GrainContact<D>& c : contacts) {
-    speed_squared = std::max(speed_squared, squared(c.bias));
-    pushes += c.impulse.n * std::max(0.0, -c.bias.n);
-  }
-  const double reference =
-      kinetic_energy(problem.start) + kinetic_energy(problem.free) + mass * speed_squared / 2 + pushes;
-  return reference > 0 && kinetic_energy(velocities) > energy_explosion * reference;
+  for (const GrainContact<D>& c : step.contacts) speed_squared = std::max(speed_squared, squared(c.bias));
+  const double reference = at_first + free_flight + mass * all.maximum(speed_squared) / 2 + pushes;
+  return reference > 0 && in_the_end > energy_explosion * reference;
 }
 
 // The next step; if there is none, `reason` says why.
@@ -82,19 +85,36 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
   const StepSolver& solver = dynamics.solver;
   if (!simulation.processes.alone() && (!decomposes(solver.algorithm) || switches_models(simulation)))
     throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
-  auto [problem, partition, parts] = simulation.processes.together([&] {
-    StepProblem<D> whole = checked_problem<D>(simulation);
-    Partition of_contacts = partition_step(simulation, whole);
+  StepReport report;
+  auto [own, parts] = simulation.processes.together([&] {
+    StepShare<D> share;
+    if (shares_steps(simulation)) {
+      share = share_step<D>(simulation);
+    } else {
+      share.problem = checked_problem<D>(simulation);
+      share.partition = partition_step(simulation, share.problem);
+    }
+    StepProblem<D>& problem = share.problem;
+    const Processes all = sharing(simulation, share.of_step);
+    const Vector sums = sums_over_contacts(share.partition, 2, all, [&](std::size_t k, auto&& sum) {
+      sum[0] += 1;
+      sum[1] += 1 / problem.contacts[k].inverse_w.inverse_n;
+    });
+    set_scale(problem, dynamics.interaction, sums[1] / std::max(1.0, sums[0]));
+    report.contacts = static_cast<Index>(sums[0]);
     const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-    GranularDecomposition<D> own = decompose(whole, of_contacts, solver.order, seed, simulation.processes);
-    return std::tuple(std::move(whole), std::move(of_contacts), std::move(own));
+    GranularDecomposition<D> cut =
+        decompose(problem, share.partition, solver.order, seed, share.of_step.process_of_subdomain, all);
+    return std::pair(std::move(share), std::move(cut));
   });
-  StepReport report{.interface_size = parts.interface_size(), .scale = problem.scale};
+  StepProblem<D>& problem = own.problem;
+  report.interface_size = parts.interface_size();
+  report.scale = problem.scale;
   std::optional<InterfaceOperator> enriched;
   if (solver.algorithm == StepAlgorithm::enriched && parts.interface_size() > 0) {
-    report.eta =
-        solver.eta.optimal ? best_eta(simulation, problem, partition) : solver.eta.value.at_scale(problem.scale);
-    enriched = enriched_operator(simulation, problem, partition, report.eta);
+    report.eta = solver.eta.optimal ? best_eta(simulation, problem, own.partition, own.of_step)
+                                    : solver.eta.value.at_scale(problem.scale);
+    enriched = enriched_operator(simulation, problem, own.partition, report.eta, own.of_step);
   }
   GranularTwoStage<D> iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
@@ -105,10 +125,22 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
     iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{}, problem.scale,
                             grains);
   }
-  return {std::move(problem), std::move(partition), std::move(enriched), report, std::move(iteration)};
+  return {std::move(problem),  std::move(own.partition), std::move(own.of_step), std::move(enriched), report,
+          std::move(iteration)};
 }
 
 namespace {
+
+// How well the contacts obey their law with the velocities that are kept, subdomain by subdomain.
+template <int D>
+ContactResidual residual_of_subdomains(const SolvedStep<D>& step, const Processes& all) {
+  std::vector<std::vector<GrainContact<D>>> contacts(at(step.partition.subdomains));
+  for (std::size_t k = 0; k < step.contacts.size(); ++k)
+    contacts[at(step.partition.subdomain_of_contact[k])].push_back(step.contacts[k]);
+  std::vector<ContactResidual> residuals;
+  for (const auto& own : contacts) residuals.push_back(contact_residual(step.problem.law, own, step.velocities));
+  return added_up(residuals, all);
+}
 
 // The iterations of a prepared step, until they end.
 template <int D>
@@ -136,12 +168,13 @@ void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulati
       look = true;
       report.residual = iteration.residual();
     }
-    if (look)
-      sink.row({.step = simulation.state.step + 1,
-                .record = report.last,
-                .residual = report.residual,
-                .status_changes = changes_of(statuses, iteration.statuses()),
-                .seconds = report.solve_seconds});
+    if (!look) continue;
+    const auto changes = static_cast<double>(changes_of(statuses, iteration.statuses()));
+    sink.row({.step = simulation.state.step + 1,
+              .record = report.last,
+              .residual = report.residual,
+              .status_changes = static_cast<Index>(simulation.processes.sum(changes)),
+              .seconds = report.solve_seconds});
   }
   report.status = *status;
   report.residual = iteration.residual();
@@ -151,7 +184,7 @@ void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulati
   step.velocities = std::move(velocities);
   if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
     const double scale = report.residual.impulses;
-    report.residual = contact_residual(step.problem.law, step.contacts, step.velocities);
+    report.residual = residual_of_subdomains(step, sharing(simulation, step.share));
     report.residual.impulses = scale;
   }
   step.gluing = iteration.gluing();
@@ -168,6 +201,7 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
   SolvedStep<D> step;
   step.problem = std::move(prepared.problem);
   step.partition = std::move(prepared.partition);
+  step.share = std::move(prepared.share);
   StepReport& report = step.report = prepared.report;
   report.setup_seconds = seconds_since(begin);
   if (is_contact_solver(simulation.dynamics.solver.algorithm))
@@ -175,14 +209,31 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
   else
     iterate(step, prepared.iteration, simulation, sink);
   if (report.status == SolverStatus::given_up) return step;
+  const Processes all = sharing(simulation, step.share);
+  step.all_grains = velocities_of_grains(simulation, step.problem, step.velocities, all);
+  const Vector sums = sums_over_contacts(step.partition, 5, all, [&](std::size_t k, auto&& sum) {
+    const GrainContact<D>& c = step.contacts[k];
+    const ContactWork work = work_of(step.problem, c, step.velocities);
+    sum[0] += work.boundary;
+    sum[1] += work.dissipation;
+    sum[2] += c.impulse.n * std::max(0.0, -c.bias.n);
+    sum[3] += std::max(0.0, -step.problem.geometry[k].gap);
+    sum[4] += step.problem.geometry[k].gap < 0;
+  });
+  step.work = {sums[0], sums[1]};
+  report.overlap = interpenetration(simulation.system, step.problem.geometry);
+  report.overlap = {.maximum = all.maximum(report.overlap.maximum),
+                    .mean = sums[3] / std::max(1.0, sums[4]),
+                    .relative = all.maximum(report.overlap.relative)};
   // A law opens a contact whose velocity is not finite. Its impulse is then 0, and the indicators may look well.
-  if (!std::ranges::all_of(step.velocities, is_finite<D>))
+  const auto finite = [](const GrainUnknowns<D>& v) {
+    return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
+  };
+  if (!std::ranges::all_of(step.all_grains, finite))
     report.status = SolverStatus::no_number;
-  else if ((step.energy_exploded = energy_exploded(step.problem, step.contacts, step.velocities)))
+  else if ((step.energy_exploded = energy_exploded(simulation, step, sums[2], all)))
     report.status = SolverStatus::diverged;
   report.step = simulation.state.step + 1;
-  report.contacts = count(step.contacts);
-  report.overlap = interpenetration(simulation.system, step.problem.geometry);
   return step;
 }
 
@@ -194,42 +245,70 @@ StepReport solved_report(const Simulation& simulation, const IterationSink& sink
 template <int D>
 StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   StepReport report = step.report;
-  report.energy = finish_step(simulation.system, simulation.state, step.problem, simulation.dynamics.time,
-                              step.contacts, step.velocities);
   GranularState& state = simulation.state;
+  report.energy = finish_step<D>(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
+  state.impulses = impulses_to_remember(step.problem, step.contacts);
   if (decomposes_afresh(simulation, report.step - 1)) {
     state.decomposed_at = report.step - 1;
     state.eta = std::isnan(report.eta) ? 0 : report.eta;
   }
   state.gluing = step.gluing;
   state.models = step.models;
-  state.subdomains.clear();
-  for (std::size_t k = 0; k < step.problem.geometry.size(); ++k)
-    state.subdomains.push_back(
-        {step.problem.geometry[k].a, step.problem.geometry[k].b, step.partition.subdomain_of_contact[k]});
+  state.process_of_subdomain = step.share.process_of_subdomain;
+  state.subdomains = subdomains_to_remember(step.problem, step.partition, step.gluing, sharing(simulation, step.share));
   report.time = state.time;
   return report;
 }
 
+namespace {
+
+// What the process says that has the largest merit; of several the one with the lowest pair of bodies (a, b). Nothing
+// if none has any. A process without any has the merit -infinity.
+std::optional<std::string> words_of_first(const Processes& all, double merit, const StepContact& contact,
+                                          const std::string& words) {
+  constexpr double none = -std::numeric_limits<double>::infinity();
+  const double largest = all.maximum(merit);
+  const auto lowest = [&](double own, bool counts) { return -all.maximum(counts ? -own : none); };
+  bool speaks = merit == largest && merit > none;
+  const auto a = static_cast<double>(contact.a), b = static_cast<double>(contact.b);
+  speaks = lowest(a, speaks) == a && speaks;
+  speaks = lowest(b, speaks) == b && speaks;
+  const std::vector<double> letters =
+      all.gather(speaks ? std::vector<double>(words.begin(), words.end()) : std::vector<double>());
+  if (largest == none) return std::nullopt;
+  std::string text;
+  for (const double letter : letters) text += static_cast<char>(letter);
+  return text;
+}
+
+}  // namespace
+
 template <int D>
 std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step) {
+  constexpr double none = -std::numeric_limits<double>::infinity();
+  const Processes all = sharing(before, step.share);
   const auto place = [](const auto& point) { return fmt::format("({:.6g}) m", fmt::join(point, ", ")); };
-  const auto name = [&](auto contact) {
-    const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];
+  const auto name = [&](const StepContact& c) {
     return fmt::format("contact of {} and {} at {}", body_name(before.system, c.a), body_name(before.system, c.b),
                        place(std::span(c.point).first(D)));
   };
   const auto impulse = [](const GrainContact<D>& c) { return std::hypot(c.impulse.n, norm(c.impulse.t)); };
+  // The words about a contact of this process, if it has one.
+  const auto said = [&](auto contact, double merit, const std::string& what) {
+    if (contact == step.contacts.end()) return words_of_first(all, none, {}, "");
+    const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];
+    return words_of_first(all, merit, c, name(c) + what);
+  };
   const auto wrong = std::ranges::find_if_not(
       step.contacts, [](double size) { return std::isfinite(size); }, impulse);
-  if (wrong != step.contacts.end()) return name(wrong) + ": the impulse is not finite";
-  for (std::size_t i = 0; i < step.velocities.size(); ++i)
-    if (!is_finite(step.velocities[i]))
-      return fmt::format("{}{}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
-                         i < before.state.x.size() ? " at " + place(centre_of<D>(before.state, i)) : "");
-  if (step.contacts.empty()) return "no contact";
+  if (const auto words = said(wrong, 1, ": the impulse is not finite")) return *words;
+  for (std::size_t i = 0; i < step.all_grains.size(); ++i)
+    if (!std::ranges::all_of(step.all_grains[i], [](double one) { return std::isfinite(one); }))
+      return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
+                         place(centre_of<D>(before.state, i)));
   const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
-  return fmt::format("{}: largest impulse, {:.6g} N s", name(largest), impulse(*largest));
+  const double size = largest == step.contacts.end() ? none : impulse(*largest);
+  return said(largest, size, fmt::format(": largest impulse, {:.6g} N s", size)).value_or("no contact");
 }
 
 double mean_speed(const GranularSystem& system, double kinetic_energy) {

@@ -3,7 +3,7 @@
 
 #include "ddm/granular_two_stage.hpp"
 #include "mechanics/gauss_seidel.hpp"
-#include "simulation/dynamics.hpp"
+#include "simulation/step_share.hpp"
 #include <nscdd/core/table.hpp>
 
 namespace nscdd {
@@ -93,13 +93,17 @@ struct StepReport {
 };
 const ResultColumns<StepReport>& step_columns();  ///< of the group `summary` of a trajectory
 
-/// A step that is prepared, decomposed and solved, but not yet taken.
+/// A step that is prepared, decomposed and solved, but not yet taken. Of several processes that share it each has its
+/// share: problem, partition, contacts and velocities.
 template <int D>
 struct SolvedStep {
   StepProblem<D> problem;
-  Partition partition;                    ///< of its contacts
-  std::vector<GrainContact<D>> contacts;  ///< with their impulses
-  std::vector<GrainVelocity<D>> velocities;
+  Partition partition;                       ///< of its contacts
+  ShareOfStep share;                         ///< empty where this process has all of the step
+  std::vector<GrainContact<D>> contacts;     ///< with their impulses
+  std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
+  std::vector<GrainUnknowns<D>> all_grains;  ///< velocities of all grains
+  ContactWork work;                          ///< of all contacts
   std::vector<RememberedGluing> gluing;
   std::vector<RememberedModel> models;
   Vector interface_impulses;
@@ -107,12 +111,14 @@ struct SolvedStep {
   StepReport report;
 };
 
-/// The next step of a simulation, ready to be iterated. Throws Error as prepare_step does, naming both bodies if two
-/// overlap by more than `largest_overlap`, and for a system of another dimension than D.
+/// The next step of a simulation, or the share that this process has of it, ready to be iterated. Throws Error as
+/// prepare_step does, naming both bodies if two overlap by more than `largest_overlap`, and for a system of another
+/// dimension than D.
 template <int D>
 struct PreparedStep {
   StepProblem<D> problem;
   Partition partition;                        ///< of its contacts
+  ShareOfStep share;                          ///< empty where this process has all of the step
   std::optional<InterfaceOperator> enriched;  ///< X_eta of the enriched algorithm
   StepReport report;                          ///< what is known by now
   GranularTwoStage<D> iteration;

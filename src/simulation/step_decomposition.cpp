@@ -2,6 +2,7 @@
 #include "simulation/step_decomposition.hpp"
 
 #include "ddm/granular_two_stage.hpp"
+#include "simulation/step_share.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
 namespace nscdd {
@@ -21,20 +22,23 @@ std::vector<char> columns_left_by(const std::vector<ContactStatus>& statuses, st
 // The decomposition with the columns that impulses may use: a contact without friction has no tangential one. Others
 // would make Stage 2 too stiff, and the iterations diverge.
 template <int D>
-Decomposition linear_parts(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition) {
-  Decomposition all = linear_decomposition(simulation, problem, partition);
+Decomposition linear_parts(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition,
+                           const ShareOfStep& share) {
+  Decomposition all = linear_decomposition(simulation, problem, partition, share);
   const bool always = !opens(problem.law);
   std::vector<char> usable(D * problem.contacts.size(), 1);
   for (std::size_t k = 0; k < problem.contacts.size(); ++k)
     std::fill_n(usable.begin() + static_cast<Index>(D * k + 1), D - 1, always || problem.contacts[k].friction > 0);
-  return std::ranges::count(usable, 0) == 0 ? all : restrict_contacts(all, usable);
+  return std::ranges::count(usable, 0) == 0 ? all : restrict_own(all, usable);
 }
 
 // Columns of the contacts that carried an impulse in the last step. If there is no step before, all of them.
 template <int D>
-std::vector<char> active_columns(const Simulation& simulation, const StepProblem<D>& problem) {
-  if (simulation.state.impulses.empty()) return std::vector<char>(D * problem.contacts.size(), 1);
-  const auto last = remembered(simulation.state.impulses, problem.geometry);
+std::vector<char> active_columns(const Simulation& simulation, const StepProblem<D>& problem,
+                                 const ShareOfStep& share) {
+  const auto& impulses = share.process_of_subdomain.empty() ? simulation.state.impulses : share.impulses;
+  if (!simulation.processes.any(!impulses.empty())) return std::vector<char>(D * problem.contacts.size(), 1);
+  const auto last = remembered(impulses, problem.geometry);
   std::vector<ContactStatus> statuses(last.size(), ContactStatus::open);
   for (std::size_t k = 0; k < last.size(); ++k) {
     if (last[k] == nullptr) continue;
@@ -46,25 +50,41 @@ std::vector<char> active_columns(const Simulation& simulation, const StepProblem
 }
 
 // The network that some undecomposed sweeps find for this step. It is near enough to the one at its end to
-// choose a flexibility by, and it is known for the first step too.
+// choose a flexibility by, and it is known for the first step too. Every process sweeps all contacts.
 template <int D>
-std::vector<char> expected_columns(const StepProblem<D>& problem) {
-  const Partition whole{.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  GranularTwoStage<D> iteration(decompose(problem, whole, ContactOrder::natural, 0), problem.law,
+std::vector<char> expected_columns(const Simulation& simulation, const StepProblem<D>& problem) {
+  const bool alone = simulation.processes.alone();
+  const StepProblem<D> all = alone ? StepProblem<D>{} : whole_step<D>(simulation);
+  const StepProblem<D>& step = alone ? problem : all;
+  const Partition whole{.subdomain_of_contact = std::vector<Index>(step.contacts.size(), 0)};
+  GranularTwoStage<D> iteration(decompose(step, whole, ContactOrder::natural, 0), step.law,
                                 {.gauss_seidel_sweeps = 100}, {});
   iteration.start({});
   iteration.iterate();
-  return columns_left_by(iteration.statuses(), D);
+  const std::vector<ContactStatus> found = iteration.statuses();
+  if (alone) return columns_left_by(found, D);
+  std::vector<ContactStatus> own;  // both lists of contacts ascend
+  for (std::size_t k = 0; k < step.geometry.size() && own.size() < problem.geometry.size(); ++k)
+    if (const StepContact& c = step.geometry[k], &next = problem.geometry[own.size()]; c.a == next.a && c.b == next.b)
+      own.push_back(found[k]);
+  return columns_left_by(own, D);
 }
 
 }  // namespace
 
 template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
-                                   const Partition& partition) {
-  const ReferenceProblem whole = reference_problem(problem, simulation.system.disks());
-  Decomposition parts = cut(whole, partition_of_columns(partition, D));
+                                   const Partition& partition, const ShareOfStep& share) {
   const Processes& processes = simulation.processes;
+  const Index disks = simulation.system.disks();
+  if (!share.process_of_subdomain.empty()) {
+    const auto behind = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(disks));
+    const std::vector<Index> grains(problem.numbers.begin(), behind);  // bodies of walls are behind these
+    return decompose_own(reference_problem(problem, count(grains)), partition_of_columns(partition, D), grains,
+                         share.process_of_subdomain, processes);
+  }
+  const ReferenceProblem whole = reference_problem(problem, disks);
+  Decomposition parts = cut(whole, partition_of_columns(partition, D));
   if (!processes.alone()) {
     const std::vector<Index> dealt = deal_out(parts.interface, partition, processes.size);
     parts = of_process(std::move(parts), dealt, processes);
@@ -78,18 +98,19 @@ InertiaMethod stage_two_inertia(const Simulation& simulation) {
 
 template <int D>
 InterfaceOperator enriched_operator(const Simulation& simulation, const StepProblem<D>& problem,
-                                    const Partition& partition, double eta) {
-  const Decomposition all = linear_parts(simulation, problem, partition);
+                                    const Partition& partition, double eta, const ShareOfStep& share) {
+  const Decomposition all = linear_parts(simulation, problem, partition, share);
   const StepSolver& solver = simulation.dynamics.solver;
   const bool active = solver.network == StageTwoNetwork::active || solver.enrichment == Enrichment::semi_implicit;
-  return InterfaceFamily(active ? restrict_contacts(all, active_columns(simulation, problem)) : all,
+  return InterfaceFamily(active ? restrict_own(all, active_columns(simulation, problem, share)) : all,
                          InterfaceFamily::default_dense_limit, stage_two_inertia(simulation))
       .at(eta);
 }
 
 template <int D>
-double best_eta(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition) {
-  const Decomposition all = linear_parts(simulation, problem, partition);
+double best_eta(const Simulation& simulation, const StepProblem<D>& problem, const Partition& partition,
+                const ShareOfStep& share) {
+  const Decomposition all = linear_parts(simulation, problem, partition, share);
   const StepSolver& solver = simulation.dynamics.solver;
   const SpectralOptions options{.inertia = stage_two_inertia(simulation)};
   const bool relaxed =
@@ -97,14 +118,18 @@ double best_eta(const Simulation& simulation, const StepProblem<D>& problem, con
   const double stable = stable_eta(all, relaxed ? solver.interface_relaxation : 1.0, options);
   if (!decomposes_afresh(simulation, simulation.state.step) && simulation.state.eta > 0)
     return std::max(simulation.state.eta, stable);  // contacts have come since it was found
-  return std::max(optimal_eta(all, restrict_contacts(all, expected_columns(problem)), options), stable);
+  return std::max(optimal_eta(all, restrict_own(all, expected_columns(simulation, problem)), options), stable);
 }
 
-template Decomposition linear_decomposition(const Simulation&, const StepProblem<2>&, const Partition&);
-template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<2>&, const Partition&, double);
-template double best_eta(const Simulation&, const StepProblem<2>&, const Partition&);
-template Decomposition linear_decomposition(const Simulation&, const StepProblem<3>&, const Partition&);
-template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<3>&, const Partition&, double);
-template double best_eta(const Simulation&, const StepProblem<3>&, const Partition&);
+template Decomposition linear_decomposition(const Simulation&, const StepProblem<2>&, const Partition&,
+                                            const ShareOfStep&);
+template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<2>&, const Partition&, double,
+                                             const ShareOfStep&);
+template double best_eta(const Simulation&, const StepProblem<2>&, const Partition&, const ShareOfStep&);
+template Decomposition linear_decomposition(const Simulation&, const StepProblem<3>&, const Partition&,
+                                            const ShareOfStep&);
+template InterfaceOperator enriched_operator(const Simulation&, const StepProblem<3>&, const Partition&, double,
+                                             const ShareOfStep&);
+template double best_eta(const Simulation&, const StepProblem<3>&, const Partition&, const ShareOfStep&);
 
 }  // namespace nscdd

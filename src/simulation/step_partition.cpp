@@ -7,15 +7,6 @@
 namespace nscdd {
 namespace {
 
-template <int D>
-ContactNetwork network_of(const StepProblem<D>& problem, Index grains) {
-  ContactNetwork network;
-  network.grains = grains;
-  network.dimension = D;
-  for (const StepContact& c : problem.geometry) network.contacts.push_back({c.a, c.b, c.normal, c.point, c.gap});
-  return network;
-}
-
 // Free grains where contacts are found. The grid is laid over the box of their centres.
 Packing free_grains(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
   const double time = (1 - scheme.theta) * scheme.step;
@@ -40,70 +31,110 @@ ReferenceProblem normal_problem(const StepProblem<D>& problem, Index grains) {
   return result;
 }
 
-template <int D>
-Partition fresh_partition(const Simulation& simulation, const StepProblem<D>& problem) {
-  const Index disks = simulation.system.disks();
-  return distribute(
-      simulation.partitioner,
-      [&] {
-        return std::pair(free_grains(simulation.system, simulation.state, simulation.dynamics.time),
-                         network_of(problem, disks));
-      },
-      [&] { return normal_problem(problem, disks); });
+// The subdomain of a contact among those that are known, ascending by (a, b); -1 of others.
+Index known_subdomain(const std::vector<RememberedSubdomain>& known, const StepContact& c) {
+  const auto found = std::ranges::lower_bound(known, std::pair(c.a, c.b), {},
+                                              [](const RememberedSubdomain& one) { return std::pair(one.a, one.b); });
+  return found != known.end() && found->a == c.a && found->b == c.b ? found->subdomain : -1;
 }
 
-// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free disk.
 template <int D>
-Partition kept_partition(const Simulation& simulation, const StepProblem<D>& problem) {
-  Partition partition = {.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};
-  const auto& known = simulation.state.subdomains;
-  std::vector<Index> of_disk(problem.free.size(), -1);
+SubdomainOfContact fresh_subdomains(const Simulation& simulation, const std::function<StepProblem<D>()>& whole) {
+  const GranularSystem& system = simulation.system;
+  if (const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner)) {
+    const auto cell = cell_of_midpoint(*grid, free_grains(system, simulation.state, simulation.dynamics.time));
+    return [cell](const StepContact& c) { return cell(c.point); };
+  }
+  const StepProblem<D> problem = whole();  // METIS looks at the graph of all contacts
+  const Partition of_contacts =
+      partition(std::get<MetisPartitioner>(simulation.partitioner), normal_problem(problem, system.disks()));
+  return [known = subdomains_to_remember(problem.geometry, of_contacts)](const StepContact& c) {
+    return known_subdomain(known, c);
+  };
+}
+
+// Known contacts stay in their subdomain. A new one goes to the subdomain of a known one that shares a free grain.
+SubdomainOfContact kept_subdomains(const Simulation& simulation) {
+  const GranularSystem& system = simulation.system;
+  const std::vector<RememberedSubdomain>& known = simulation.state.subdomains;
+  std::vector<double> of_grain(at(system.disks()), -1);
   for (const RememberedSubdomain& one : known)
     for (const Index i : {one.a, one.b})
-      if (i < simulation.system.disks() && simulation.system.free(i) && of_disk[at(i)] < 0)
-        of_disk[at(i)] = one.subdomain;
-  const auto last = remembered(known, problem.geometry);
-  for (std::size_t k = 0; k < last.size(); ++k) {
-    const StepContact& c = problem.geometry[k];
-    Index subdomain = of_disk[at(c.a)];
-    if (last[k] != nullptr)
-      subdomain = last[k]->subdomain;
-    else if (subdomain < 0 && c.b < simulation.system.disks())
-      subdomain = of_disk[at(c.b)];
-    partition.subdomain_of_contact.push_back(std::max<Index>(subdomain, 0));
-  }
-  return partition;
+      if (i < system.disks() && system.free(i) && of_grain[at(i)] < 0)
+        of_grain[at(i)] = static_cast<double>(one.subdomain);
+  // A process knows all contacts of the grains of its own subdomains, and none of those of other grains.
+  simulation.processes.largest(of_grain);
+  return [&system, &known,
+          of_grain = std::vector<std::int32_t>(of_grain.begin(), of_grain.end())](const StepContact& c) -> Index {
+    if (const Index subdomain = known_subdomain(known, c); subdomain >= 0) return subdomain;
+    if (of_grain[at(c.a)] >= 0) return of_grain[at(c.a)];
+    return c.b < system.disks() ? std::max(of_grain[at(c.b)], 0) : 0;
+  };
 }
 
 }  // namespace
 
+void check_system(const Simulation& simulation, Index dimension) {
+  const GranularSystem& system = simulation.system;
+  if (system.dimension != dimension)
+    fail("simulation: expected {} here, met a system of {}", dimension == 2 ? "disks in the plane" : "spheres in space",
+         system.dimension == 2 ? "disks in the plane" : "spheres in space");
+  if (!is_contact_solver(simulation.dynamics.solver.algorithm)) return;
+  for (Index i = 0; i < system.disks(); ++i)
+    if (const double mass = system.mass[at(i)]; system.free(i) && !std::isfinite(1 / mass))
+      fail("{}: expected a mass whose inverse is finite, met {} kg", body_name(system, i), mass);
+}
+
 template <int D>
 StepProblem<D> checked_problem(const Simulation& simulation) {
-  if (simulation.system.dimension != D)
-    fail("simulation: expected {} here, met a system of {}", D == 2 ? "disks in the plane" : "spheres in space",
-         simulation.system.dimension == 2 ? "disks in the plane" : "spheres in space");
   const Dynamics& dynamics = simulation.dynamics;
+  check_system(simulation, D);
   StepProblem<D> problem = prepare_step<D>(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
                                            dynamics.solver.warm_start);
   check_overlaps(simulation.system, problem.geometry, largest_overlap);
-  for (std::size_t i = 0; is_contact_solver(dynamics.solver.algorithm) && i < problem.free.size(); ++i)
-    if (!std::isfinite(problem.free[i].inverse_mass))
-      fail("{}: expected a mass whose inverse is finite, met {} kg",
-           body_name(simulation.system, static_cast<Index>(i)), simulation.system.mass[i]);
   return problem;
 }
 
 void check_next_step(const Simulation& simulation) {
-  in_dimension(simulation.system,
-               [&](auto dimension) { partition_step(simulation, checked_problem<dimension()>(simulation)); });
+  const GranularSystem& system = simulation.system;
+  const Dynamics& dynamics = simulation.dynamics;
+  check_system(simulation, system.dimension);
+  std::vector<StepContact> deep;
+  in_dimension(system, [&](auto dimension) {
+    for_each_step_contact<dimension()>(system, simulation.state, dynamics.interaction, dynamics.time,
+                                       [&](const StepContact& c) {
+                                         if (overlaps(system, c, largest_overlap)) deep.push_back(c);
+                                       });
+  });
+  std::ranges::sort(deep, {}, [](const StepContact& c) { return std::pair(c.a, c.b); });
+  check_overlaps(system, deep, largest_overlap);
+  const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner);
+  if (grid != nullptr && decomposes(dynamics.solver.algorithm) && decomposes_afresh(simulation, simulation.state.step))
+    cell_of_midpoint(*grid, free_grains(system, simulation.state, dynamics.time));
+}
+
+std::vector<RememberedSubdomain> subdomains_to_remember(const std::vector<StepContact>& contacts,
+                                                        const Partition& partition) {
+  std::vector<RememberedSubdomain> result;
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    result.push_back({contacts[k].a, contacts[k].b, partition.subdomain_of_contact[k]});
+  return result;
+}
+
+template <int D>
+SubdomainOfContact subdomain_of_contact(const Simulation& simulation, const std::function<StepProblem<D>()>& whole) {
+  return decomposes_afresh(simulation, simulation.state.step) ? fresh_subdomains<D>(simulation, whole)
+                                                              : kept_subdomains(simulation);
 }
 
 template <int D>
 Partition partition_step(const Simulation& simulation, const StepProblem<D>& problem) {
   const StepSolver& solver = simulation.dynamics.solver;
   if (!decomposes(solver.algorithm)) return {.subdomain_of_contact = std::vector<Index>(problem.contacts.size(), 0)};
-  return decomposes_afresh(simulation, simulation.state.step) ? fresh_partition(simulation, problem)
-                                                              : kept_partition(simulation, problem);
+  const SubdomainOfContact subdomain = subdomain_of_contact<D>(simulation, [&] { return problem; });
+  Partition partition{.subdomains = subdomains(simulation.partitioner), .subdomain_of_contact = {}};
+  for (const StepContact& c : problem.geometry) partition.subdomain_of_contact.push_back(subdomain(c));
+  return partition;
 }
 
 bool decomposes_afresh(const Simulation& simulation, Index step) {
@@ -112,8 +143,10 @@ bool decomposes_afresh(const Simulation& simulation, Index step) {
 }
 
 template StepProblem<2> checked_problem(const Simulation&);
+template SubdomainOfContact subdomain_of_contact(const Simulation&, const std::function<StepProblem<2>()>&);
 template Partition partition_step(const Simulation&, const StepProblem<2>&);
 template StepProblem<3> checked_problem(const Simulation&);
+template SubdomainOfContact subdomain_of_contact(const Simulation&, const std::function<StepProblem<3>()>&);
 template Partition partition_step(const Simulation&, const StepProblem<3>&);
 
 }  // namespace nscdd

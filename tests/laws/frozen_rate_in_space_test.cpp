@@ -77,7 +77,8 @@ StepProblem<3> with_spheres(const StepProblem<2>& disks) {
                         .geometry = disks.geometry,
                         .contacts = {},
                         .start = {},
-                        .free = {}};
+                        .free = {},
+                        .numbers = disks.numbers};
   for (const GrainContact<2>& c : disks.contacts)
     result.contacts.push_back({.a = c.a,
                                .b = c.b,

@@ -341,6 +341,19 @@ def same_runs(folder):
     check(iterations(files("conjugate")[1]) == iterations(files("conjugate-3")[1]), "conjugate gradients: other bits")
     check(pictures(folder, files("conjugate")[0]) == pictures(folder, files("conjugate-3")[0]),
           "conjugate gradients: another trajectory")
+    # A partition that is kept for some steps, during which the run goes on with other processes: contacts come and go,
+    # and every process must know which of them another one has.
+    for name, more in {"kept": ["--subdomains", "4x2"], "metis": ["--subdomains", "metis:7"],
+                       "cold": ["--subdomains", "3x3", "--set", "solver.warm_start=false"]}.items():
+        kept = ["simulate", "shear-1k", "--algorithm", "generic", "--iterations", "40", "--set", "solver.redecompose=5",
+                *more]
+        simulate(0, name, "13", start=kept)
+        simulate(3, f"{name}-3", "8", start=kept)
+        simulate(5, f"{name}-3", "13", "--restart", start=kept)
+        expected = pictures(folder, files(name)[0])
+        check(len(expected) > 13, f"{name}: steps expected")
+        check(pictures(folder, files(f"{name}-3")[0]) == expected, f"{name}: another trajectory")
+        check(iterations(files(f"{name}-3")[1]) == iterations(files(name)[1]), f"{name}: other bits")
     drum = os.path.join(folder, "drum.toml")
     with open(drum, "w") as file:
         file.write(DRUM)
@@ -400,6 +413,55 @@ def close_runs(folder):
     simulate(2, "restarted", "1", *methods["enriched"])
     met = simulate(4, "restarted", "2", *methods["enriched"], "--restart")
     check_close(simulate(0, "whole", "2", *methods["enriched"]), met, "restarted")
+
+
+def broken_runs(folder):
+    """What breaks down does so in the words of one process, which names the contact and where it is."""
+    cases = {"diverges": ["--algorithm", "enriched", "--eta", "0.01W"],
+             "explodes": ["--algorithm", "generic", "--set", "solver.interface_relaxation=3"]}
+    for name, more in cases.items():
+        base = ["simulate", "settle-1k", "--subdomains", "3x2", "--steps", "3", "--iterations", "200", *more, "--force",
+                "-o", os.path.join(folder, name + ".h5")]
+        expected = run(0, *base)
+        check(expected[0] == 1 and "contact of" in expected[2], f"{name}: a breakdown expected, met {expected}")
+        for processes in (2, 5):
+            met = run(processes, *base)
+            check(met[0] == 1 and met[2] == expected[2], f"{name} of {processes}: {expected[2]!r} expected, {met[2]!r}")
+
+
+def overlapping(folder):
+    """Bodies that overlap too far are refused in the words of one process, whoever finds them."""
+    packing, case = os.path.join(folder, "deep.csv"), os.path.join(folder, "deep.toml")
+    with open(packing, "w") as file:
+        file.write("x,y,radius\n" + "".join(f"{k % 10 * 0.99},{k // 10 * 0.99},0.5\n" for k in range(100)))
+        file.write("3.2,5.1,0.5\n7.4,2.1,0.5\n")
+    with open(case, "w") as file:
+        file.write('[packing]\nfile = "deep.csv"\n[masses]\nmodel = "density"\ndensity = 1000\n[partition]\ngrid = [4, 4]\n[dynamics]\n')
+    base = ["simulate", case, "--algorithm", "generic", "--subdomains", "4x4", "-o", os.path.join(folder, "deep.h5")]
+    expected = run(0, *base)
+    check(expected[0] == 2 and "expected an overlap of at most" in expected[2], f"overlap: {expected}")
+    for processes in (2, 6):
+        met = run(processes, *base)
+        check(met == expected, f"overlap, {processes} processes: {expected} expected, {met} met")
+
+
+def shared_memory(folder):
+    """What all processes have of a run is little beside what they share out; the first one also writes."""
+    def memory(processes, case):
+        path = os.path.join(folder, "counts.csv")
+        code, _, err = run(processes, "simulate", case, "--algorithm", "generic", "--subdomains", "8x8", "--steps", "1",
+                           "--iterations", "2", "-o", os.path.join(folder, "run.h5"), "--counts", path, "--force")
+        check(code == 0, f"{case} of {processes} process(es): exit code {code}, {err}")
+        with open(path) as file:
+            return [float(row["memory"]) for row in rows(file.read())]
+
+    program = min(memory(4, "settle-1k"))
+    one = max(memory(1, "settle-100k")) - program
+    check(one > 1e8, f"memory of 10^5 grains: 100 MB expected, met {one}")
+    for processes, most in ((4, 0.45), (16, 0.25)):
+        met = [size - program for size in memory(processes, "settle-100k")]
+        check(max(met[1:]) < most * one, f"memory of {processes} processes: {most} of {one} expected, met {met}")
+        check(met[0] < one, f"memory of the first of {processes} processes: {one} expected, met {met}")
 
 
 def refused_runs(folder):
@@ -486,7 +548,7 @@ def killed_and_resumed(folder):
 
 same_tables()
 for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs,
-             close_runs, refused_runs, killed_and_restarted):
+             close_runs, broken_runs, overlapping, shared_memory, refused_runs, killed_and_restarted):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 print(f"{checks} checks passed")

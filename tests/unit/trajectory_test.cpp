@@ -45,7 +45,7 @@ std::vector<TrajectoryStep> run_into(TrajectoryWriter& writer, Simulation& simul
   sinks.step = [&](const Simulation& after, const AnySolvedStep& any, const StepReport& report) {
     const auto& solved = std::get<SolvedStep<2>>(any);
     steps.push_back(trajectory_step(after, solved));
-    writer.append(steps.back(), row(step_columns(), report), report.step % save_every == 0);
+    writer.append(steps.back(), {row(step_columns(), report)}, report.step % save_every == 0);
   };
   REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
   writer.commit();
@@ -189,7 +189,7 @@ TEST_CASE("trajectory: steps reach the file together, in commits no more than a 
   sinks.step = [&](const Simulation& after, const AnySolvedStep& any, const StepReport& report) {
     const auto& solved = std::get<SolvedStep<2>>(any);
     for (TrajectoryWriter* writer : {&singly, &gathering})
-      writer->append(trajectory_step(after, solved), row(step_columns(), report), report.step == 2);
+      writer->append(trajectory_step(after, solved), {row(step_columns(), report)}, report.step == 2);
     singly.commit();
     CHECK(read_last_step(one).state.step == report.step);
     CHECK(read_last_step(together).state.step == 0);
@@ -220,7 +220,7 @@ TEST_CASE("trajectory: a writer that is given up commits what it has gathered") 
     RunSinks sinks;
     sinks.step = [&](const Simulation& after, const AnySolvedStep& any, const StepReport& report) {
       const auto& solved = std::get<SolvedStep<2>>(any);
-      writer.append(trajectory_step(after, solved), row(step_columns(), report), true);
+      writer.append(trajectory_step(after, solved), {row(step_columns(), report)}, true);
     };
     REQUIRE(run_simulation(simulation, sinks).end == RunEnd::completed);
   }

@@ -59,6 +59,15 @@ struct Processes {
   /// Whether any of them says so.
   bool any(bool own) const { return maximum(own ? 1 : 0) > 0; }
 
+  /// Calls take(numbers) for the numbers of each process in turn, so that none ever holds those of all.
+  template <class Take>
+  void take_turns(std::span<const double> own, Take&& take) const {
+    for (Index process = 0; process < size; ++process) {
+      const std::vector<double> numbers = gather(process == rank ? own : std::span<const double>());
+      take(std::span<const double>(numbers));
+    }
+  }
+
   /// The result of the work. If it throws Error in some of them, the first of these throws that, the others
   /// FailedElsewhere.
   template <class Work>

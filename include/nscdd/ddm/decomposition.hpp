@@ -55,6 +55,17 @@ Decomposition restrict_contacts(const Decomposition& parts, const std::vector<ch
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,
                          const Processes& processes);
 
+/// The same where no process has the whole packing: `problem` and `partition` are of the contacts of the subdomains of
+/// this process alone, and row block i of `problem` is the grain numbers[i] of the packing, ascending. All processes
+/// take part. The contacts of a process have numbers of their own, behind those of the processes before it. Throws
+/// Error if the partition does not fit.
+Decomposition decompose_own(const ReferenceProblem& problem, const Partition& partition,
+                            const std::vector<Index>& numbers, const std::vector<Index>& process_of_subdomain,
+                            const Processes& processes);
+
+/// restrict_contacts of what decompose_own gave: one flag per contact of this process.
+Decomposition restrict_own(const Decomposition& parts, const std::vector<char>& kept);
+
 /// Throws Error for more processes than subdomains.
 void require_subdomains(Index subdomains, Index processes);
 

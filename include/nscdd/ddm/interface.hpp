@@ -155,4 +155,11 @@ class Interface {
   std::function<void(std::span<double>)> between_neighbours_;
 };
 
+/// The interface as each process sees it where each knows the grains of its own subdomains alone: `held` of others is
+/// empty, and `tied` tells of own grains. All processes take part, and tell each other which grains they share; each
+/// knows the copies of these, and of grains of its own. No process needs more than that and a number for each grain.
+Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
+                           const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
+                           const Processes& processes);
+
 }  // namespace nscdd

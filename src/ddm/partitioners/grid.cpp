@@ -42,20 +42,26 @@ Index subdomains(const GridPartitioner& partitioner) {
   return cells;
 }
 
-Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network) {
+std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPartitioner& partitioner,
+                                                                    const Packing& packing) {
+  if (packing.size() == 0) return [](const auto&) { return Index{0}; };
   const Components<Index>& grid = partitioner.grid;
-  Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
-  if (packing.size() == 0) return result;
-  if (result.subdomains > 1) require_components(grid, packing.dimension(), "partition.grid");
+  if (subdomains(partitioner) > 1) require_components(grid, packing.dimension(), "partition.grid");
   std::vector<Direction> directions;
   for (const std::vector<double>* centres : {&packing.x, &packing.y, &packing.z})
     if (!centres->empty()) directions.push_back(direction_over(*centres, grid[directions.size()]));
-  for (const Contact& contact : network.contacts) {
+  return [directions](const std::array<double, 3>& midpoint) {
     Index subdomain = 0;
     for (std::size_t k = directions.size(); k-- > 0;)
-      subdomain = subdomain * directions[k].cells + cell(contact.midpoint[k], directions[k]);
-    result.subdomain_of_contact.push_back(subdomain);
-  }
+      subdomain = subdomain * directions[k].cells + cell(midpoint[k], directions[k]);
+    return subdomain;
+  };
+}
+
+Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network) {
+  Partition result{.subdomains = subdomains(partitioner), .subdomain_of_contact = {}};
+  const auto cell_of = cell_of_midpoint(partitioner, packing);
+  for (const Contact& contact : network.contacts) result.subdomain_of_contact.push_back(cell_of(contact.midpoint));
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <nscdd/packing/packing.hpp>
 
 #include <algorithm>
+#include <functional>
 
 namespace nscdd {
 
@@ -39,5 +40,9 @@ Index subdomains(const GridPartitioner& partitioner);
 /// A midpoint within 1e-9 of a cell size above a line counts as on it. Throws Error for over 10^6 cells, and unless the
 /// grid has a number of cells for each direction of the packing; a grid of a single cell fits any.
 Partition partition(const GridPartitioner& partitioner, const Packing& packing, const ContactNetwork& network);
+
+/// The subdomain of a contact by its midpoint, m, for who does not have all contacts. Throws Error as `partition` does.
+std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPartitioner& partitioner,
+                                                                    const Packing& packing);
 
 }  // namespace nscdd

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "simulation/step_share.hpp"
+
+#include "core/fail.hpp"
+#include <nscdd/ddm/decomposition.hpp>
+
+#include <set>
+
+namespace nscdd {
+namespace {
+
+constexpr auto ends_of = [](const auto& contact) { return std::pair(contact.a, contact.b); };
+
+constexpr std::size_t numbers_per_impulse = 5;
+
+std::vector<double> packed(const std::vector<RememberedImpulse>& impulses) {
+  std::vector<double> numbers;
+  for (const auto& [a, b, impulse] : impulses)
+    numbers.insert(numbers.end(), {static_cast<double>(a), static_cast<double>(b), impulse[0], impulse[1], impulse[2]});
+  return numbers;
+}
+
+// Impulses of the step before for which `wanted` says so, ascending by (a, b). Each process has those of its own
+// subdomains; but at the beginning of a run all of them, of which no process is to be asked.
+template <class Wanted>
+std::vector<RememberedImpulse> impulses_of_all(const Simulation& simulation, const Wanted& wanted) {
+  const GranularState& state = simulation.state;
+  if (state.process_of_subdomain.empty()) return state.impulses;
+  std::vector<RememberedImpulse> found;
+  simulation.processes.take_turns(packed(state.impulses), [&](std::span<const double> numbers) {
+    for (std::size_t k = 0; k < numbers.size(); k += numbers_per_impulse) {
+      const RememberedImpulse one{static_cast<Index>(numbers[k]),
+                                  static_cast<Index>(numbers[k + 1]),
+                                  {numbers[k + 2], numbers[k + 3], numbers[k + 4]}};
+      if (wanted(one)) found.push_back(one);
+    }
+  });
+  std::ranges::sort(found, {}, ends_of);
+  return found;
+}
+
+// Who has which subdomain: these are dealt out by the number of their contacts and by the free grains that they share.
+template <int D>
+std::vector<Index> dealt_out(const Simulation& simulation, const SubdomainOfContact& subdomain) {
+  const GranularSystem& system = simulation.system;
+  std::vector<std::vector<Index>> shared(at(subdomains(simulation.partitioner)));
+  std::vector<Index> weight(shared.size(), 1);
+  std::vector<std::int32_t> first(at(system.disks()), -1);  // subdomain in which a grain was met
+  const auto meet = [&](Index grain, Index e) {
+    if (grain >= system.disks() || !system.free(grain)) return;
+    std::int32_t& known = first[at(grain)];
+    if (known < 0) known = static_cast<std::int32_t>(e);
+    if (known == e) return;
+    shared[at(known)].push_back(grain);
+    shared[at(e)].push_back(grain);
+  };
+  for_each_step_contact<D>(system, simulation.state, simulation.dynamics.interaction, simulation.dynamics.time,
+                           [&](const StepContact& c) {
+                             const Index e = subdomain(c);
+                             ++weight[at(e)];
+                             meet(c.a, e);
+                             meet(c.b, e);
+                           });
+  std::vector<std::span<const Index>> held;
+  for (std::vector<Index>& grains : shared) {
+    std::ranges::sort(grains);
+    grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
+    held.emplace_back(grains);
+  }
+  return deal_out(Interface(unknowns_of_grain<D>, system.disks(), held), weight, simulation.processes.size);
+}
+
+// The grains that contacts touch, ascending.
+std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, Index disks) {
+  std::vector<std::int32_t> grains;
+  for (const StepContact& c : contacts)
+    for (const Index i : {c.a, c.b})
+      if (i < disks) grains.push_back(static_cast<std::int32_t>(i));
+  std::ranges::sort(grains);
+  grains.erase(std::unique(grains.begin(), grains.end()), grains.end());
+  return grains;
+}
+
+}  // namespace
+
+bool shares_steps(const Simulation& simulation) {
+  return !simulation.processes.alone() && !is_contact_solver(simulation.dynamics.solver.algorithm);
+}
+
+template <int D>
+StepShare<D> share_step(const Simulation& simulation) {
+  check_system(simulation, D);
+  const auto& [system, state, dynamics, partitioner, all, inertia] = simulation;
+  require_subdomains(subdomains(partitioner), all.size);
+  const SubdomainOfContact subdomain =
+      subdomain_of_contact<D>(simulation, [&whole = simulation] { return whole_step<D>(whole); });
+  StepShare<D> share;
+  share.partition.subdomains = subdomains(partitioner);
+  share.of_step.process_of_subdomain = state.process_of_subdomain;
+  const bool afresh = decomposes_afresh(simulation, state.step) || state.process_of_subdomain.empty();
+  if (afresh) share.of_step.process_of_subdomain = dealt_out<D>(simulation, subdomain);
+  std::vector<StepContact> own, deep;
+  const auto keep = [&, rank = all.rank, &grains = system](const StepContact& c) {
+    if (overlaps(grains, c, largest_overlap)) deep.push_back(c);
+    if (share.of_step.process_of_subdomain[at(subdomain(c))] == rank) own.push_back(c);
+  };
+  const ConsideredContacts considered =
+      for_each_step_contact<D>(system, state, dynamics.interaction, dynamics.time, keep);
+  std::ranges::sort(deep, {}, ends_of);
+  check_overlaps(system, deep, largest_overlap);
+  std::ranges::sort(own, {}, ends_of);
+  own.shrink_to_fit();
+  if (const auto number = static_cast<double>(considered.number);
+      all.sum(static_cast<double>(own.size())) != number || all.any(all.maximum(number) != number))
+    throw Error("processes: expected the same step in all of them, met others: their processors may differ");
+  for (const StepContact& c : own) share.partition.subdomain_of_contact.push_back(subdomain(c));
+  share.of_step.impulses = state.impulses;
+  if (afresh)
+    share.of_step.impulses = impulses_of_all(simulation, [&](const RememberedImpulse& one) {
+      return std::ranges::binary_search(own, std::pair(one.a, one.b), {}, ends_of);
+    });
+  std::vector<std::int32_t> grains = grains_of(own, system.disks());
+  share.problem = step_of_contacts<D>(
+      system, state, dynamics.interaction, dynamics.time, std::move(own), considered.boundary_speed, std::move(grains),
+      dynamics.solver.warm_start ? share.of_step.impulses : std::vector<RememberedImpulse>{});
+  return share;
+}
+
+template <int D>
+StepProblem<D> whole_step(const Simulation& simulation) {
+  const Dynamics& dynamics = simulation.dynamics;
+  GranularState state = simulation.state;
+  if (dynamics.solver.warm_start) state.impulses = impulses_of_all(simulation, [](const auto&) { return true; });
+  return prepare_step<D>(simulation.system, state, dynamics.interaction, dynamics.time, dynamics.solver.warm_start);
+}
+
+template <int D>
+std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,
+                                                        const std::vector<RememberedGluing>& gluing,
+                                                        const Processes& processes) {
+  std::vector<RememberedSubdomain> known = subdomains_to_remember(problem.geometry, partition);
+  if (processes.alone()) return known;
+  const auto shared = [&](Index grain) {
+    return std::ranges::binary_search(gluing, grain, {}, &RememberedGluing::grain);
+  };
+  std::set<Index> own;
+  std::vector<double> numbers;
+  for (const auto& [a, b, subdomain] : known) {
+    own.insert(subdomain);
+    if (shared(a) || shared(b))
+      numbers.insert(numbers.end(), {static_cast<double>(a), static_cast<double>(b), static_cast<double>(subdomain)});
+  }
+  numbers = processes.gather(numbers);
+  for (std::size_t k = 0; k < numbers.size(); k += 3)
+    if (const auto e = static_cast<Index>(numbers[k + 2]); !own.contains(e))
+      known.push_back({static_cast<Index>(numbers[k]), static_cast<Index>(numbers[k + 1]), e});
+  std::ranges::sort(known, {}, ends_of);
+  return known;
+}
+
+template <int D>
+std::vector<GrainUnknowns<D>> velocities_of_grains(const Simulation& before, const StepProblem<D>& problem,
+                                                   const std::vector<GrainVelocity<D>>& velocities,
+                                                   const Processes& processes) {
+  const GranularSystem& system = before.system;
+  const auto motions = step_motions(system, before.state, before.dynamics.time);
+  std::vector<GrainUnknowns<D>> result;
+  result.reserve(at(system.disks()));
+  for (Index i = 0; i < system.disks(); ++i)
+    result.push_back(unknowns(free_velocity<D>(system, before.state, before.dynamics.time, motions, i)));
+  std::vector<double> own;  // of free grains, by number
+  for (std::size_t body = 0; body < velocities.size(); ++body) {
+    if (velocities[body].inverse_mass == 0) continue;
+    const GrainUnknowns<D> v = result[at(problem.numbers[body])] = unknowns(velocities[body]);
+    if (processes.alone()) continue;
+    own.push_back(problem.numbers[body]);
+    own.insert(own.end(), v.begin(), v.end());
+  }
+  if (processes.alone()) return result;
+  processes.take_turns(own, [&](std::span<const double> numbers) {
+    for (std::size_t k = 0; k < numbers.size(); k += 1 + unknowns_of_grain<D>)
+      std::copy_n(numbers.begin() + static_cast<Index>(k) + 1, unknowns_of_grain<D>,
+                  result[static_cast<std::size_t>(numbers[k])].begin());
+  });
+  return result;
+}
+
+template StepShare<2> share_step(const Simulation&);
+template StepProblem<2> whole_step(const Simulation&);
+template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<2>&, const Partition&,
+                                                                 const std::vector<RememberedGluing>&,
+                                                                 const Processes&);
+template std::vector<GrainUnknowns<2>> velocities_of_grains(const Simulation&, const StepProblem<2>&,
+                                                            const std::vector<GrainVelocity<2>>&, const Processes&);
+template StepShare<3> share_step(const Simulation&);
+template StepProblem<3> whole_step(const Simulation&);
+template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<3>&, const Partition&,
+                                                                 const std::vector<RememberedGluing>&,
+                                                                 const Processes&);
+template std::vector<GrainUnknowns<3>> velocities_of_grains(const Simulation&, const StepProblem<3>&,
+                                                            const std::vector<GrainVelocity<3>>&, const Processes&);
+
+}  // namespace nscdd
