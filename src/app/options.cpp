@@ -202,16 +202,11 @@ void MemoryLimit::require(const MemoryNeed& need) const {
       need.what, need.advice);
 }
 
-namespace {
-
-// What the whole packing took would stay with the process, see keep_freed_memory.
 void give_back_freed_memory() {
 #ifdef __GLIBC__
   malloc_trim(0);
 #endif
 }
-
-}  // namespace
 
 Model shared_model(const Case& one, const Machine& machine, ContactSet contacts,
                    const std::function<void(const Model&)>& check) {

@@ -76,6 +76,10 @@ void declare_threads(Command& command, Index& threads);
 /// Threads at the most: as asked for, or where nothing is said as the machine has it.
 inline Index threads_of(Index asked, const Machine& machine) { return asked > 0 ? asked : machine.threads; }
 
+/// Gives memory that is free again back to the system: what a whole packing took would stay with the process, see
+/// keep_freed_memory.
+void give_back_freed_memory();
+
 /// Work that may leave something in the cache: the first process does it before the others.
 template <class Work>
 auto in_turn(const Processes& processes, Work&& work) {

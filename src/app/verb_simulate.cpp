@@ -187,13 +187,13 @@ int run(const Options& options, const Context& context) {
     if (options.restart && all.first()) check_restart(options.files.output, options.files.convergence, found);
     return found;
   });
-  const Case one = in_turn(all, [&] {
+  std::optional<Case> one = in_turn(all, [&] {
     return resolve_case(spec, {options.files.output, options.files.convergence, options.counts});
   });
   std::optional<RunSoFar> found;
   std::vector<double> speeds;
   Simulation simulation = all.together([&] {
-    Simulation start = simulation_of(one);
+    Simulation start = simulation_of(*one);
     start.processes = all;
     start.inertia = context.machine.inertia;
     if (!options.restart) return start;
@@ -206,8 +206,10 @@ int run(const Options& options, const Context& context) {
   CountsTable counts(options.counts, options.files.force, context.machine);
   Interruption interruption(all);
   RunOutput output(options.files, all);
-  output.open({to_toml(spec), build_fingerprint(), provenance(context, {one}), simulation.system}, simulation, found,
+  output.open({to_toml(spec), build_fingerprint(), provenance(context, {*one}), simulation.system}, simulation, found,
               context.command_line);
+  one.reset();  // a system has been made of its packing
+  give_back_freed_memory();
   RunTotals totals;
   RunSinks sinks;
   sinks.iteration = output.iterations();
