@@ -22,29 +22,16 @@ class SparseEntries {
   void add_block(const SparseMatrix& block, Index row, Index column) {
     for_entries(block, [&](Index i, Index j, double value) { add(row + i, column + j, value); });
   }
-  SparseMatrix matrix(Index rows, Index columns) const {
-    SparseMatrix result(rows, columns);
-    result.setFromTriplets(entries_.begin(), entries_.end());
-    return result;
-  }
+  SparseMatrix matrix(Index rows, Index columns) const;
 
  private:
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
 /// The columns of a matrix with the given numbers, in that order.
-inline SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns) {
-  SparseEntries entries;
-  for (Index j = 0; j < count(columns); ++j)
-    for (SparseMatrix::InnerIterator e(matrix, columns[at(j)]); e; ++e) entries.add(e.row(), j, e.value());
-  return entries.matrix(matrix.rows(), count(columns));
-}
+SparseMatrix selected_columns(const SparseMatrix& matrix, const std::vector<Index>& columns);
 
 /// The matrix with each row divided by its entry of `scale`.
-inline SparseMatrix over_rows(SparseMatrix matrix, const Vector& scale) {
-  for (Index j = 0; j < matrix.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator e(matrix, j); e; ++e) e.valueRef() /= scale[e.row()];
-  return matrix;
-}
+SparseMatrix over_rows(SparseMatrix matrix, const Vector& scale);
 
 }  // namespace nscdd

@@ -22,11 +22,7 @@ struct ContactSystem {
   Vector delassus;        ///< diagonal of W = H^T M^-1 H, c entries
 };
 
-inline ContactSystem prepare_contacts(const Vector& inertia, const SparseMatrix& h) {
-  ContactSystem system{h, inertia.cwiseInverse().asDiagonal() * h, Vector::Zero(h.cols())};
-  for (Index c = 0; c < h.cols(); ++c) system.delassus[c] = h.col(c).dot(system.response.col(c));
-  return system;
-}
+ContactSystem prepare_contacts(const Vector& inertia, const SparseMatrix& h);
 
 /// One NonLinear Gauss-Seidel sweep in the order of the contacts: each takes the impulse its law gives for the present
 /// velocities, and its grains are updated at once: their velocities carry the off-diagonal part of W, which is never

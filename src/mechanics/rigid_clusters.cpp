@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/rigid_clusters.hpp"
 
-#include <Eigen/Dense>
+#include "linalg/pencil.hpp"
+
+#include <Eigen/Geometry>
 
 #include <map>
 #include <numeric>
@@ -11,12 +13,12 @@ namespace {
 
 constexpr double least_hold = 0.05;  // the least singular value that counts as held
 
-// Whether the rows, one for each bar, leave none of the unknowns free.
-bool hold(const Matrix& rows) {
-  if (rows.rows() < rows.cols()) return false;
-  const Matrix gram = rows.transpose() * rows;
-  return Eigen::SelfAdjointEigenSolver<Matrix>(gram, Eigen::EigenvaluesOnly).eigenvalues()[0] > least_hold * least_hold;
+// Whether rows, one for each bar, whose products with each other are these leave none of the unknowns free.
+bool gram_holds(const Matrix& gram) {
+  return symmetric_eigen(gram, Eigenvectors::not_wanted).values[0] > least_hold * least_hold;
 }
+
+bool hold(const Matrix& rows) { return rows.rows() >= rows.cols() && gram_holds(rows.transpose() * rows); }
 
 class ClusterSearch {
  public:
@@ -55,15 +57,13 @@ class ClusterSearch {
   bool held(Index i, Index cluster) const {
     const auto own = [&](Index j) { return cluster_[at(j)] == cluster; };
     if (std::ranges::count_if(neighbours(i), own) < d_) return false;
-    Eigen::Matrix3d gram = Eigen::Matrix3d::Identity();  // beside the directions of the plane a third that is held
-    gram.topLeftCorner(d_, d_).setZero();
+    Matrix gram = Matrix::Zero(d_, d_);
     for (const Index j : neighbours(i))
       if (own(j)) {
         const Vector n = direction(i, j);
-        gram.topLeftCorner(d_, d_) += n * n.transpose();
+        gram += n * n.transpose();
       }
-    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(gram, Eigen::EigenvaluesOnly).eigenvalues()[0] >
-           least_hold * least_hold;
+    return gram_holds(gram);
   }
 
   // All loose simplices that begin with these points, in ascending order. What does not grow beyond it is let go.
