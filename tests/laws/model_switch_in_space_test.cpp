@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Subdomains of spheres that become linear while their statuses stand still: what they answer, that a run comes to the
 // same end with them, and that a contact that slides with friction keeps its subdomain as it is.
+#include "../support/dense.hpp"
 #include "../support/spheres.hpp"
 #include "ddm/model_switch.hpp"
 
-#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -89,7 +89,7 @@ std::vector<GrainVelocity<3>> frozen_by_hand(const GranularSubdomain<3>& subdoma
     system(n + j, n + j) = alpha;
     right[n + j] = -bias[at(j)] - h.dot(start);
   }
-  const Vector change = system.fullPivLu().solve(right);
+  const Vector change = solve(Dense(system), right);
   std::vector<GrainVelocity<3>> moved = subdomain.velocities;
   for (Index i = 0; i < count(moved); ++i) {
     GrainUnknowns<3> own = unknowns(moved[at(i)]);

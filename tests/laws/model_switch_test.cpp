@@ -3,11 +3,10 @@
 // comes to the same end with them.
 #include "ddm/model_switch.hpp"
 
+#include "../support/dense.hpp"
 #include "../support/granular.hpp"
 #include "linalg/threads.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -116,7 +115,7 @@ std::vector<GrainVelocity<2>> frozen_by_hand(const GranularSubdomain<2>& subdoma
   system.bottomRightCorner(columns, columns).diagonal().setConstant(alpha);
   Vector right = Vector::Zero(n + columns);
   right.tail(columns) = -dense.bias - dense.rest.transpose() * dense.velocities;
-  return moved(subdomain.velocities, system.fullPivLu().solve(right).head(n));
+  return moved(subdomain.velocities, solve(system, right).head(n));
 }
 
 // (S^T (M + G N^T / alpha) S) U = -S^T G (N^T V_0 + bias) / alpha, V = V_0 + S U, dense, with the functions S of a mesh
@@ -154,10 +153,11 @@ std::vector<GrainVelocity<2>> homogenised_by_hand(const GranularSubdomain<2>& su
       }
   Matrix s(n, count(shapes));
   for (Index column = 0; column < s.cols(); ++column) s.col(column) = shapes[at(column)];
-  const Matrix whole = Matrix(dense.mass.asDiagonal()) + dense.g * dense.rest.transpose() / alpha;
-  const Vector load = -dense.g * (dense.rest.transpose() * dense.velocities + dense.bias) / alpha;
-  const Matrix small = s.transpose() * whole * s;
-  return moved(subdomain.velocities, s * small.completeOrthogonalDecomposition().solve(s.transpose() * load));
+  const Dense g = dense.g, n_transposed = Dense(dense.rest).transpose(), shape = s;
+  const Dense whole = diagonal(dense.mass) + g * n_transposed / alpha;
+  const Vector load = -(g * Vector(n_transposed * dense.velocities + dense.bias)) / alpha;
+  const Vector amplitudes = least_norm_solution(shape.transpose() * whole * shape, shape.transpose() * load);
+  return moved(subdomain.velocities, shape * amplitudes);
 }
 
 // A disk on a wall and a second beside it, gap 0.1 at a step of 0.005 s, as one subdomain: after some sweeps the first

@@ -119,6 +119,24 @@ LinearMap solver(const Dense& a) {
   };
 }
 
+double determinant(const Dense& a) {
+  Matrix factors = a;
+  std::vector<lapack_int> pivots(static_cast<std::size_t>(a.rows()));
+  const lapack_int status =
+      LAPACKE_dgetrf(by_columns, integer(a.rows()), integer(a.rows()), factors.data(), stride(factors), pivots.data());
+  if (status < 0) require(status, "dgetrf");  // a positive one says that the matrix is singular
+  double product = 1;
+  for (Index k = 0; k < a.rows(); ++k)
+    product *= pivots[static_cast<std::size_t>(k)] == integer(k + 1) ? factors(k, k) : -factors(k, k);
+  return product;
+}
+
+Dense cholesky_factor(const Dense& p) {
+  Matrix lower = Matrix(p).triangularView<Eigen::Lower>();
+  require(LAPACKE_dpotrf(by_columns, 'L', integer(p.rows()), lower.data(), stride(lower)), "dpotrf");
+  return lower;
+}
+
 Index rank(const Dense& a) { return a.entries().size() == 0 ? 0 : Svd(a).rank(rounding(a)); }
 
 Dense pseudo_inverse(const Dense& a, double threshold) { return Svd(a).pseudo_inverse(threshold); }

@@ -51,6 +51,8 @@ Dense solve(const Dense& a, const Dense& b);  ///< A^-1 B by LU
 LinearMap solver(const Dense& a);             ///< x -> A^-1 x by one LU
 Vector solve(const Dense& a, const VectorExpression auto& b) { return solver(a)(b); }
 
+double determinant(const Dense& a);                           ///< by LU
+Dense cholesky_factor(const Dense& p);                        ///< L of P = L L^T
 Index rank(const Dense& a);                                   ///< singular values above rounding
 Dense pseudo_inverse(const Dense& a, double threshold);       ///< A^+; singular values below threshold x largest are 0
 Vector least_norm_solution(const Dense& a, const Vector& b);  ///< A^+ b

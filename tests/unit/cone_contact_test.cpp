@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/cone_contact.hpp"
 
+#include "../support/dense.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/contact_law.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 using namespace nscdd;
+using namespace nscdd::testing;
 
 namespace {
 
@@ -17,7 +19,7 @@ constexpr double rounding = std::numeric_limits<double>::epsilon();
 Eigen::Matrix3d random_block(RandomStream& random, const Eigen::Vector3d& values) {
   Eigen::Matrix3d a;
   for (double& value : a.reshaped()) value = random.normal();
-  const Eigen::Matrix3d q = Eigen::HouseholderQR<Eigen::Matrix3d>(a).householderQ();
+  const Eigen::Matrix3d q = orthogonal_factor(Matrix(a)).entries();
   const Eigen::Matrix3d w = q * values.asDiagonal() * q.transpose();
   return (w + w.transpose()) / 2;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Gauss-Seidel on the contact problem of a step against direct solutions of small complementarity problems:
 // every combination of statuses tried, matrices written down from the geometry alone.
+#include "../support/dense.hpp"
 #include "../support/granular.hpp"
 #include "ddm/granular_two_stage.hpp"
 #include "linalg/random.hpp"
 #include "mechanics/grain_contacts.hpp"
 
-#include <Eigen/LU>
 #include <doctest/doctest.h>
 
 #include <array>
@@ -92,9 +92,8 @@ std::optional<Vector> solution_of(const SmallProblem& p, const std::vector<Statu
       equations(2 * c + 1, 2 * c) = (status == Status::forward ? 1 : -1) * p.friction[at(c)];
     }
   }
-  const Eigen::FullPivLU<Matrix> lu(equations);
-  if (!lu.isInvertible()) return std::nullopt;
-  const Vector r = lu.solve(right);
+  if (rank(equations) < m) return std::nullopt;
+  const Vector r = solve(equations, right);
   const Vector v = w * r + v0;
   constexpr double hair = 1e-11;
   for (Index c = 0; c < count(statuses); ++c) {
