@@ -153,7 +153,8 @@ LAWS = {
         "iterations": {"1": lambda row: 1.0},
     },
     "iteration": {
-        "memory, all": {"1": lambda row: 1.0, "N": lambda row: row["grains"]},
+        "memory": {"1": lambda row: 1.0, "N": lambda row: row["grains"], "N/P": share},
+        "memory_others": {"1": lambda row: 1.0, "N": lambda row: row["grains"], "N/P": share},
         "contact_updates": {"N/P": share},
         "message_bytes": {"1": several, "edge": edge},
         "messages": {"2 processes": lambda row: float(row["processes"] == 2),
@@ -170,14 +171,14 @@ MANY = 16  # processes from which on the memory of a radius no longer falls
 
 def those_with(rows, quantity):
     """Rows of which a quantity speaks: one process sends nothing, and its few sums are those of the beginning."""
-    alone = quantity in ("messages", "message_bytes", "sums", "sum_bytes")
+    alone = quantity in ("messages", "message_bytes", "sums", "sum_bytes", "memory_others")
     return [row for row in rows if row["processes"] > 1 or not alone]
 
 
 def those_of_law(rows, law):
     if law == "memory, share":
         return [row for row in rows if row["processes"] < MANY]
-    if law == "memory, all" and any(row["work"] == "radius" for row in rows):
+    if law == "memory, all":
         return [row for row in rows if row["processes"] >= MANY]
     return those_with(rows, law)
 
@@ -216,7 +217,11 @@ class Model:
 
 
 def read(results, name=TABLE):
-    return style.read_table(results, name, numbers=NUMBERS, texts="series work program subdomains oversubscribed")
+    """The table, and beside its columns the memory of the processes that do not write, on average."""
+    rows = style.read_table(results, name, numbers=NUMBERS, texts="series work program subdomains oversubscribed")
+    for row in rows:
+        row["memory_others"] = (row["memory_all"] - row["memory"]) / max(1, row["processes"] - 1)
+    return rows
 
 
 def rows_of(rows, work):
@@ -283,7 +288,7 @@ def predict_iteration(model, processes, machine):
     """The same of an iteration of Algorithm 1 on a bed of 10^7 grains."""
     row = large(processes)
     found = {quantity: model.value(quantity, row) for quantity in model.quantities}
-    found["per_node"] = per_node(found["memory"], machine)
+    found["per_node"] = per_node(found["memory_others"], machine)
     update = CONTACT_UPDATE * MEASURED_OPERATIONS / machine["operations"]
     if found["contact_updates"] * CONTACT_BYTES > machine["cache"] * machine["cores"] / found["per_node"]:
         bandwidth = machine["memory_bandwidth"] * machine["cores"] / found["per_node"]
@@ -319,7 +324,9 @@ def report(rows):
                     predict_iteration(iteration, processes, ARCHER2)):
             name = "radius" if "path_flops" in one else "iteration"
             least = "at least " if name == "radius" and speeds is None else ""
-            print(f"  {name}, {processes} processes: {one['memory'] / 1e9:.2f} GB each, {one['per_node']} a node"
+            each = one.get("memory_others", one["memory"])
+            print(f"  {name}, {processes} processes: {each / 1e9:.2f} GB each, {one['per_node']} a node"
+                  + ("" if name == "radius" else f", the one that writes {one['memory'] / 1e9:.2f} GB")
                   + (f", {one['path_flops']:.3g} operations, {one['message_bytes']:.3g} B" if name == "radius" else "")
                   + f", {least}{one['seconds']:.4g} s predicted: "
                   + ", ".join(f"{part} {value:.3g}" for part, value in one["parts"].items()))
