@@ -244,6 +244,7 @@ void RunOutput::hand_over(bool keep) {
 }
 
 void RunOutput::add(const Simulation& after, const AnySolvedStep& solved, const StepReport& report) {
+  first([] {});  // a step whose rows the table could not take must not reach the trajectory
   const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
   newest_.emplace();
   if (processes_.first()) newest_->state = after.state;

@@ -136,28 +136,37 @@ Decomposition decompose(const ReferenceProblem& problem, const Partition& partit
   return with_matrices(cut(problem, partition, shape), problem);
 }
 
-Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept) {
-  if (count(kept) != parts.contacts) fail("contact selection: expected {} flags, met {}", parts.contacts, kept.size());
-  Decomposition restricted = parts;
-  for (Subdomain& subdomain : restricted.subdomains) {
+namespace {
+
+// `kept`: one flag per contact from number `first` on.
+Decomposition restricted(Decomposition parts, const std::vector<char>& kept, Index first) {
+  const auto stays = [&](Index contact) { return kept[at(contact - first)] != 0; };
+  for (Subdomain& subdomain : parts.subdomains) {
     std::vector<Index> columns;
     for (Index c = 0; c < count(subdomain.contacts); ++c)
-      if (kept[at(subdomain.contacts[at(c)])]) columns.push_back(c);
+      if (stays(subdomain.contacts[at(c)])) columns.push_back(c);
     subdomain.h = selected_columns(subdomain.h, columns);
-    std::erase_if(subdomain.contacts, [&](Index c) { return !kept[at(c)]; });
+    std::erase_if(subdomain.contacts, [&](Index contact) { return !stays(contact); });
   }
-  return restricted;
+  return parts;
+}
+
+}  // namespace
+
+Decomposition restrict_contacts(const Decomposition& parts, const std::vector<char>& kept) {
+  if (count(kept) != parts.contacts) fail("contact selection: expected {} flags, met {}", parts.contacts, kept.size());
+  return restricted(parts, kept, 0);
 }
 
 Decomposition restrict_own(const Decomposition& parts, const std::vector<char>& kept) {
-  Index first = parts.contacts;  // number of the first contact of this process
+  Index first = parts.contacts, end = 0;  // the contacts of this process, of which some may be left out already
   for (const Subdomain& subdomain : parts.subdomains)
-    if (!subdomain.contacts.empty()) first = std::min(first, subdomain.contacts.front());
-  std::vector<char> of_all(at(parts.contacts), 0);
-  if (first + count(kept) > parts.contacts)
-    fail("contact selection: expected {} flags at most, met {}", parts.contacts - first, kept.size());
-  std::ranges::copy(kept, of_all.begin() + first);
-  return restrict_contacts(parts, of_all);
+    if (!subdomain.contacts.empty()) {
+      first = std::min(first, subdomain.contacts.front());
+      end = std::max(end, subdomain.contacts.back() + 1);
+    }
+  if (end - first > count(kept)) fail("contact selection: expected {} flags, met {}", end - first, kept.size());
+  return restricted(parts, kept, first);
 }
 
 Decomposition of_process(Decomposition parts, const std::vector<Index>& process_of_subdomain,

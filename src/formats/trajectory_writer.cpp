@@ -140,8 +140,12 @@ std::vector<TrajectoryContact> contacts_at_first(std::vector<TrajectoryContact> 
   const double all = processes.sum(static_cast<double>(own.size()));
   own = {};
   if (processes.first()) own.reserve(static_cast<std::size_t>(all));
-  processes.take_turns(numbers, [&](std::span<const double> given) {
-    for (const double* next = given.data(); processes.first() && next != given.data() + given.size();) {
+  for (Index process = 0; process < processes.size; ++process) {  // in turn: none needs memory for all at once
+    const bool turn = process == processes.rank;
+    const std::vector<double> given =
+        processes.gather_at_first(turn ? std::span<const double>(numbers) : std::span<const double>());
+    if (turn) numbers = {};
+    for (const double* next = given.data(); next != given.data() + given.size();) {
       TrajectoryContact& c = own.emplace_back();
       c.geometry.a = static_cast<Index>(*next++);
       c.geometry.b = static_cast<Index>(*next++);
@@ -151,7 +155,7 @@ std::vector<TrajectoryContact> contacts_at_first(std::vector<TrajectoryContact> 
       c.status = static_cast<ContactStatus>(static_cast<int>(*next++));
       c.subdomain = static_cast<Index>(*next++);
     }
-  });
+  }
   std::ranges::sort(own, {}, [](const TrajectoryContact& c) { return std::pair(c.geometry.a, c.geometry.b); });
   return own;
 }

@@ -147,7 +147,8 @@ struct RememberedModel {
 };
 
 /// Everything that changes in a run. A run that goes on from it repeats every bit. Where several processes share steps,
-/// each has the impulses of the contacts of its own subdomains alone, see StepShare; the rest is the same in all.
+/// each has what is remembered of the contacts of its own subdomains, see
+/// StepShare and subdomains_to_remember; the rest is the same in all.
 struct GranularState {
   Index step = 0;                              ///< steps done
   double time = 0;                             ///< s

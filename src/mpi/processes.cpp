@@ -25,7 +25,8 @@ void combine(const Communicator& all, std::span<double> numbers, MPI_Op operatio
   }
 }
 
-std::vector<double> gathered(const Communicator& all, std::span<const double> own) {
+// The numbers of all processes, in all of them or in the first one alone.
+std::vector<double> gathered(const Communicator& all, std::span<const double> own, bool everywhere) {
   const auto size = static_cast<double>(own.size());
   std::vector<double> of_each(static_cast<std::size_t>(all.size()));
   all.count_sum(1);
@@ -35,10 +36,14 @@ std::vector<double> gathered(const Communicator& all, std::span<const double> ow
   const std::vector<int> sizes(of_each.begin(), of_each.end());
   std::vector<int> first(sizes.size(), 0);
   std::partial_sum(sizes.begin(), sizes.end() - 1, first.begin() + 1);
-  std::vector<double> numbers(static_cast<std::size_t>(total));
+  std::vector<double> numbers(everywhere || all.rank() == 0 ? static_cast<std::size_t>(total) : 0);
   all.count_sum(count(own));
-  MPI_Allgatherv(own.data(), static_cast<int>(size), MPI_DOUBLE, numbers.data(), sizes.data(), first.data(), MPI_DOUBLE,
-                 all.get());
+  if (everywhere)
+    MPI_Allgatherv(own.data(), static_cast<int>(size), MPI_DOUBLE, numbers.data(), sizes.data(), first.data(),
+                   MPI_DOUBLE, all.get());
+  else
+    MPI_Gatherv(own.data(), static_cast<int>(size), MPI_DOUBLE, numbers.data(), sizes.data(), first.data(), MPI_DOUBLE,
+                0, all.get());
   return numbers;
 }
 
@@ -93,7 +98,8 @@ Processes processes_of(MPI_Comm communicator) {
           .size = all->size(),
           .add_up = [all](std::span<double> numbers) { combine(*all, numbers, MPI_SUM); },
           .largest = [all](std::span<double> numbers) { combine(*all, numbers, MPI_MAX); },
-          .gather = [all](std::span<const double> own) { return gathered(*all, own); },
+          .gather = [all](std::span<const double> own) { return gathered(*all, own, true); },
+          .gather_at_first = [all](std::span<const double> own) { return gathered(*all, own, false); },
           .between_neighbours =
               [all](const std::vector<SharedEntries>& shared) {
                 return [here = std::make_shared<Neighbourhood>(all, shared)](std::span<double> numbers) {

@@ -103,6 +103,9 @@ GranularScene scene(const Packing& packing, const Dynamics& dynamics) {
     else
       system.walls.push_back(wall_of(spec, boundary));
   }
+  // Disks of boundaries have made these grow, up to twofold.
+  for (std::vector<double>* values : {&system.radius, &system.mass, &x, &y}) values->shrink_to_fit();
+  system.driven_by.shrink_to_fit();
   result.state = initial_state(system, std::move(x), std::move(y), packing.z);
   check(system, result.state);
   return result;

@@ -106,13 +106,16 @@ StepShare<D> share_step(const Simulation& simulation) {
   };
   const ConsideredContacts considered =
       for_each_step_contact<D>(system, state, dynamics.interaction, dynamics.time, keep);
+  // All processes must come to both numbers, also where some have found others.
+  const auto number = static_cast<double>(considered.number);
+  const double kept = all.sum(static_cast<double>(own.size())), most = all.maximum(number),
+               least = -all.maximum(-number);
+  if (kept != number || most != least)
+    throw Error("processes: expected the same step in all of them, met others: their processors may differ");
   std::ranges::sort(deep, {}, ends_of);
   check_overlaps(system, deep, largest_overlap);
   std::ranges::sort(own, {}, ends_of);
   own.shrink_to_fit();
-  if (const auto number = static_cast<double>(considered.number);
-      all.sum(static_cast<double>(own.size())) != number || all.any(all.maximum(number) != number))
-    throw Error("processes: expected the same step in all of them, met others: their processors may differ");
   for (const StepContact& c : own) share.partition.subdomain_of_contact.push_back(subdomain(c));
   share.of_step.impulses = state.impulses;
   if (afresh)

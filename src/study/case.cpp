@@ -217,12 +217,13 @@ void check_dynamics(const CaseSpec& spec) {
 
 Simulation simulation_of(const Case& one, const Monitor& monitor) try {
   check_dynamics(one.spec);
-  const Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
+  Packing packing = with_masses(packing_of(one, monitor), one.spec.masses);
   require_gravity(one.spec, packing.dimension());
   if (packing.dimension() == 3 && one.spec.dynamics->solver.model == SwitchedModel::homogenised)
     throw Error("solver.switch", "expected none or linear with spheres in space, met homogenised");
   GranularScene start = scene(packing, *one.spec.dynamics);
   set_moving(one, packing, start);
+  packing = {};  // the largest systems need its memory for what follows
   Simulation simulation{std::move(start.system), std::move(start.state), *one.spec.dynamics, one.spec.partition};
   if (switches_models(simulation)) simulation.state.models.resize(at(subdomains(simulation.partitioner)));
   check_next_step(simulation);

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
+#include <sstream>
 
 using namespace nscdd::testing;
 
@@ -110,4 +111,28 @@ TEST_CASE("full disk: a study that outgrows the disk leaves no part of a file") 
     for (const auto& [name, content] : content_of(session.folder.path()))
       CHECK(name.find(".partial") == std::string::npos);
   }
+}
+
+TEST_CASE("full disk: a run that goes on keeps no step whose rows the table could not take") {
+  const Session session;
+  const std::string run =
+      "simulate settle-1k --algorithm generic --subdomains 2x1 --criterion none --iterations 4000 "
+      "--convergence-every 1 --save-every 100 --convergence run.csv -o run.h5 --steps ";
+  answer(session, run + "2");
+  const auto begun = std::filesystem::file_size(session.folder / "run.csv");
+  REQUIRE(begun > std::filesystem::file_size(session.folder / "run.h5"));
+  const Outcome full = session.run(words(run + "9 --restart"), limited_to(begun + begun / 4));
+  CHECK(full.exit_code == 2);
+  CHECK(full.standard_error.find("run.csv") != std::string::npos);
+  answer(session, run + "4 --restart");
+  const std::string in_pieces = session.read("run.csv");
+  answer(session, run + "4 --force");
+  // Rows end with the seconds.
+  const auto without_seconds = [](const std::string& table) {
+    std::istringstream lines(table);
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) kept += line.substr(0, line.rfind(',')) + "\n";
+    return kept;
+  };
+  CHECK(without_seconds(in_pieces) == without_seconds(session.read("run.csv")));
 }

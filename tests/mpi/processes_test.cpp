@@ -77,6 +77,22 @@ TEST_CASE("processes: neighbours add up what they share, and nobody else takes p
   }
 }
 
+TEST_CASE("processes: numbers are gathered in their order, at all, at the first, or of one after the other") {
+  const Index size = all().size, rank = all().rank;
+  const std::vector<double> own(static_cast<std::size_t>(rank), static_cast<double>(rank));  // none of the first
+  std::vector<double> expected;
+  for (Index k = 0; k < size; ++k) expected.insert(expected.end(), static_cast<std::size_t>(k), static_cast<double>(k));
+  CHECK(all().gather(own) == expected);
+  CHECK(all().gather_at_first(own) == (rank == 0 ? expected : std::vector<double>()));
+  std::vector<double> met;
+  Index turns = 0;
+  all().take_turns(own, [&](std::span<const double> numbers) {
+    CHECK(static_cast<Index>(numbers.size()) == turns++);
+    met.insert(met.end(), numbers.begin(), numbers.end());
+  });
+  CHECK(met == expected);
+}
+
 TEST_CASE("processes: what is sent is counted") {
   const Processes own = mpi::processes_of(MPI_COMM_WORLD);
   const WorkCount& counts = *own.counts;

@@ -2,6 +2,7 @@
 // Contact problems in space by every solver, their linear systems, whole and cut.
 #include "../support/dense.hpp"
 #include "../support/fclib_files.hpp"
+#include "../support/sanitized.hpp"
 #include "ddm/cut_contacts.hpp"
 #include "linalg/random.hpp"
 #include "linalg/threads.hpp"
@@ -84,7 +85,7 @@ Matrix literal(const Matrix& w, const std::vector<ContactRelation<3>>& all) {
 
 TEST_CASE("every solver finds the impulses of spheres, which are those of small projected steps") {
   Index sliding = 0, sticking = 0, open = 0;
-  for (std::uint64_t seed = 1; seed <= 18; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (sanitized ? 3 : 18); ++seed) {
     LocalFrictionProblem problem = reduce(random_spheres_problem(seed, 6, 9));
     problem.friction *= 2;  // some stick
     CAPTURE(seed);
@@ -101,11 +102,13 @@ TEST_CASE("every solver finds the impulses of spheres, which are those of small 
         CHECK((found.impulses - first.impulses).norm() < 1e-8 * first.impulses.norm());
         CHECK(found.state.open + found.state.stick + found.state.slide == 9);
       }
-    if (seed <= 4) CHECK((by_projections(problem, 60'000) - first.impulses).norm() < 1e-6 * first.impulses.norm());
+    if (seed <= (sanitized ? 1 : 4))
+      CHECK((by_projections(problem, 60'000) - first.impulses).norm() < 1e-6 * first.impulses.norm());
     open += first.state.open;
     sticking += first.state.stick;
     sliding += first.state.slide;
   }
+  if (sanitized) return;
   CHECK(open > 10);
   CHECK(sticking > 4);
   CHECK(sliding > 10);
@@ -136,7 +139,7 @@ TEST_CASE("a plane problem in space has the solution of the plane by every solve
 
 TEST_CASE("Newton's steps turn with what slides: few of them end a problem in space") {
   Index factorisations = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (sanitized ? 1 : 10); ++seed) {
     const LocalFrictionProblem problem = reduce(random_spheres_problem(seed, 60, 130));
     const Vector guess =
         solve_friction(problem, {.algorithm = FrictionAlgorithm::nlgs, .tolerance = 1e-3, .check_every = 1}).impulses;

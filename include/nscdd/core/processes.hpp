@@ -45,6 +45,10 @@ struct Processes {
   std::function<std::vector<double>(std::span<const double>)> gather = [](std::span<const double> own) {
     return std::vector<double>(own.begin(), own.end());
   };
+  /// The same in the first process, and nothing in the others.
+  std::function<std::vector<double>(std::span<const double>)> gather_at_first = [](std::span<const double> own) {
+    return std::vector<double>(own.begin(), own.end());
+  };
   /// What adds up the entries that neighbours share, of one array after the other. Nobody else takes part, and only
   /// these entries are then the same in both.
   std::function<std::function<void(std::span<double>)>(const std::vector<SharedEntries>&)> between_neighbours =

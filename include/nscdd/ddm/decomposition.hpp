@@ -63,7 +63,8 @@ Decomposition decompose_own(const ReferenceProblem& problem, const Partition& pa
                             const std::vector<Index>& numbers, const std::vector<Index>& process_of_subdomain,
                             const Processes& processes);
 
-/// restrict_contacts of what decompose_own gave: one flag per contact of this process.
+/// restrict_contacts of what decompose_own gave: one flag per contact of this process, the first of which must not have
+/// been left out before.
 Decomposition restrict_own(const Decomposition& parts, const std::vector<char>& kept);
 
 /// Throws Error for more processes than subdomains.

@@ -62,7 +62,7 @@ class Interface {
   Index grains() const { return count(start_) - 1; }
   const std::vector<Gluing>& gluing() const { return gluing_; }
 
-  /// Copies of a grain; none of one that touches nothing.
+  /// Copies of a grain; none of one that touches nothing. See shared_interface for grains of other processes.
   std::span<const GrainCopy> copies(Index grain) const;
   /// Their number, which is also the number of parts its mass is cut into.
   Index multiplicity(Index grain) const { return start_[at(grain + 1)] - start_[at(grain)]; }
@@ -157,7 +157,8 @@ class Interface {
 
 /// The interface as each process sees it where each knows the grains of its own subdomains alone: `held` of others is
 /// empty, and `tied` tells of own grains. All processes take part, and tell each other which grains they share; each
-/// knows the copies of these, and of grains of its own. No process needs more than that and a number for each grain.
+/// knows the copies of these, and of grains of its own; other grains have none here, and local numbers of copies in
+/// other processes mean nothing. No process needs more than that and a number for each grain.
 Interface shared_interface(Index dofs_per_grain, Index grains, std::vector<std::vector<Index>> held,
                            const std::vector<char>& tied, const std::vector<Index>& process_of_subdomain,
                            const Processes& processes);
