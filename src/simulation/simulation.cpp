@@ -4,7 +4,7 @@
 #include "simulation/step_decomposition.hpp"
 #include "simulation/undivided_step.hpp"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <chrono>
 
@@ -20,11 +20,6 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // up along a chain of overlaps, but so do the impulses.) A step that ends with so many times as much energy as all of
 // these went wrong, even after few iterations.
 constexpr double energy_explosion = 10;
-
-// The processes that share a step; where each has all of it, this one alone.
-Processes sharing(const Simulation& simulation, const ShareOfStep& share) {
-  return share.process_of_subdomain.empty() ? Processes() : simulation.processes;
-}
 
 // `pushes`: the work that pushes may do, J.
 template <int D>
@@ -260,57 +255,6 @@ StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   return report;
 }
 
-namespace {
-
-// What the process says that has the largest merit; of several the one with the lowest pair of bodies (a, b). Nothing
-// if none has any. A process without any has the merit -infinity.
-std::optional<std::string> words_of_first(const Processes& all, double merit, const StepContact& contact,
-                                          const std::string& words) {
-  constexpr double none = -std::numeric_limits<double>::infinity();
-  const double largest = all.maximum(merit);
-  const auto lowest = [&](double own, bool counts) { return -all.maximum(counts ? -own : none); };
-  bool speaks = merit == largest && merit > none;
-  const auto a = static_cast<double>(contact.a), b = static_cast<double>(contact.b);
-  speaks = lowest(a, speaks) == a && speaks;
-  speaks = lowest(b, speaks) == b && speaks;
-  const std::vector<double> letters =
-      all.gather(speaks ? std::vector<double>(words.begin(), words.end()) : std::vector<double>());
-  if (largest == none) return std::nullopt;
-  std::string text;
-  for (const double letter : letters) text += static_cast<char>(letter);
-  return text;
-}
-
-}  // namespace
-
-template <int D>
-std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step) {
-  constexpr double none = -std::numeric_limits<double>::infinity();
-  const Processes all = sharing(before, step.share);
-  const auto place = [](const auto& point) { return fmt::format("({:.6g}) m", fmt::join(point, ", ")); };
-  const auto name = [&](const StepContact& c) {
-    return fmt::format("contact of {} and {} at {}", body_name(before.system, c.a), body_name(before.system, c.b),
-                       place(std::span(c.point).first(D)));
-  };
-  const auto impulse = [](const GrainContact<D>& c) { return std::hypot(c.impulse.n, norm(c.impulse.t)); };
-  // The words about a contact of this process, if it has one.
-  const auto said = [&](auto contact, double merit, const std::string& what) {
-    if (contact == step.contacts.end()) return words_of_first(all, none, {}, "");
-    const StepContact& c = step.problem.geometry[at(contact - step.contacts.begin())];
-    return words_of_first(all, merit, c, name(c) + what);
-  };
-  const auto wrong = std::ranges::find_if_not(
-      step.contacts, [](double size) { return std::isfinite(size); }, impulse);
-  if (const auto words = said(wrong, 1, ": the impulse is not finite")) return *words;
-  for (std::size_t i = 0; i < step.all_grains.size(); ++i)
-    if (!std::ranges::all_of(step.all_grains[i], [](double one) { return std::isfinite(one); }))
-      return fmt::format("{} at {}: the velocity is not finite", body_name(before.system, static_cast<Index>(i)),
-                         place(centre_of<D>(before.state, i)));
-  const auto largest = std::ranges::max_element(step.contacts, {}, impulse);
-  const double size = largest == step.contacts.end() ? none : impulse(*largest);
-  return said(largest, size, fmt::format(": largest impulse, {:.6g} N s", size)).value_or("no contact");
-}
-
 double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;
   for (Index i = 0; i < system.disks(); ++i)
@@ -339,10 +283,8 @@ RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::ve
 template PreparedStep<2> prepare_solution(const Simulation&);
 template SolvedStep<2> solve_step(const Simulation&, const IterationSink&);
 template StepReport take_step(Simulation&, const SolvedStep<2>&);
-template std::string describe_breakdown(const Simulation&, const SolvedStep<2>&);
 template PreparedStep<3> prepare_solution(const Simulation&);
 template SolvedStep<3> solve_step(const Simulation&, const IterationSink&);
 template StepReport take_step(Simulation&, const SolvedStep<3>&);
-template std::string describe_breakdown(const Simulation&, const SolvedStep<3>&);
 
 }  // namespace nscdd

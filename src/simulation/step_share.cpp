@@ -87,6 +87,10 @@ bool shares_steps(const Simulation& simulation) {
   return !simulation.processes.alone() && !is_contact_solver(simulation.dynamics.solver.algorithm);
 }
 
+Processes sharing(const Simulation& simulation, const ShareOfStep& share) {
+  return share.process_of_subdomain.empty() ? Processes() : simulation.processes;
+}
+
 template <int D>
 StepShare<D> share_step(const Simulation& simulation) {
   check_system(simulation, D);

@@ -19,6 +19,9 @@ struct StepShare {
 /// has all contacts.
 bool shares_steps(const Simulation& simulation);
 
+/// The processes that share a step; where each has all of it, this one alone.
+Processes sharing(const Simulation& simulation, const ShareOfStep& share);
+
 /// The share of the next step that this process has; all processes take part. Subdomains are dealt out afresh with
 /// every fresh partition, by weight of their contacts, and impulses to start from go to the processes that need them
 /// now. Throws Error as checked_problem does, for more processes than subdomains, and if processes do not find the same
