@@ -4,7 +4,7 @@
 #include "ddm/step_solver.hpp"
 #include "linalg/linear_iteration.hpp"
 #include "linalg/multifrontal/lu.hpp"
-#include "mechanics/contact_solvers/contact_matrix.hpp"
+#include "mechanics/contact_solvers/contact_problem.hpp"
 #include <nscdd/ddm/interface_operator.hpp>
 
 namespace nscdd {
@@ -76,23 +76,25 @@ class CutContacts {
 extern template class CutContacts<2>;
 extern template class CutContacts<3>;
 
-/// Its functions, for a contact solver. `cut` must outlive them.
+/// Whether solutions get a step of iterative refinement: where P is small impulses are velocities over it, and so are
+/// their errors.
+enum class Refinement { none, one_step };
+
+/// These systems for a contact solver with the W = H^T M^-1 H of all contacts; `cut` must outlive them.
+/// `product`: W r.
 template <int D>
-RelationSolver<D> relation_solver(CutContacts<D>& cut) {
-  return {[&cut](std::vector<ContactRelation<D>> relations) { return cut.factorise(std::move(relations)); },
-          [&cut](const Vector& b) { return cut.solve(b); }, [&cut] { return cut.take_operations(); },
-          [&cut] { return cut.determinant_sign(); }};
-}
-/// The same with one step of iterative refinement: where P is small impulses are velocities over it, and so are their
-/// errors. `w`: H^T M^-1 H; it too must outlive them.
-template <int D>
-RelationSolver<D> refined_solver(CutContacts<D>& cut, const SparseMatrix& w) {
-  RelationSolver<D> result = relation_solver(cut);
-  result.solve = [&cut, &w](const Vector& b) {
-    const Vector r = cut.solve(b);
-    return Vector(r + cut.solve(rest_of(cut.relations(), b, r, w * r)));
+Couplings<D> cut_couplings(CutContacts<D>& cut, Refinement refinement, std::function<Vector(const Vector&)> product) {
+  const auto solve = [&cut, refinement, product](const Vector& b) {
+    Vector r = cut.solve(b);
+    if (refinement == Refinement::one_step) r += cut.solve(rest_of(cut.relations(), b, r, product(r)));
+    return r;
   };
-  return result;
+  return {.product = product,
+          .rest = [](const Vector& r) { return Vector(Vector::Zero(r.size())); },
+          .factorise = [&cut](std::vector<ContactRelation<D>> all) { return cut.factorise(std::move(all)); },
+          .solve = solve,
+          .take_operations = [&cut] { return cut.take_operations(); },
+          .determinant_sign = [&cut] { return cut.determinant_sign(); }};
 }
 
 }  // namespace nscdd

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/granular_two_stage.hpp"
 
+#include "core/sum_of_parts.hpp"
 #include "linalg/threads.hpp"
 
 #include <numeric>
@@ -29,13 +30,6 @@ double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt
 
 }  // namespace
 
-Vector sum_of_subdomains(Eigen::MatrixXd parts, const Processes& processes) {
-  processes.add_up({parts.data(), at(parts.size())});
-  Vector sum = Vector::Zero(parts.rows());
-  for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
-  return sum;
-}
-
 ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes) {
   Eigen::MatrixXd numbers(9, count(of_subdomains));
   for (Index e = 0; e < numbers.cols(); ++e) {
@@ -43,7 +37,7 @@ ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, cons
     numbers.col(e) << one.natural_map, one.impulses, one.violation, one.work, one.scale_work, one.scale_velocity,
         static_cast<double>(one.active), static_cast<double>(one.stick), static_cast<double>(one.slide);
   }
-  const Vector sum = sum_of_subdomains(std::move(numbers), processes);
+  const Vector sum = sum_of_parts(std::move(numbers), processes);
   return {.natural_map = sum[0],
           .impulses = sum[1],
           .violation = sum[2],
@@ -126,7 +120,7 @@ Index GranularTwoStage<D>::contact_updates() const {
 
 template <int D>
 Vector GranularTwoStage<D>::summed(Eigen::MatrixXd parts) const {
-  return sum_of_subdomains(std::move(parts), parts_.interface.processes());
+  return sum_of_parts(std::move(parts), parts_.interface.processes());
 }
 
 template <int D>

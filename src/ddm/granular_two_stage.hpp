@@ -17,10 +17,6 @@ struct IterationRecord {
   double impulses = 0;  ///< |r_i|^2, (N s)^2
 };
 
-/// Sums over subdomains, of which `parts` has a column each, in their order, whoever has them: no bit depends on the
-/// processes. Columns of subdomains of other processes are 0.
-Vector sum_of_subdomains(Eigen::MatrixXd parts, const Processes& processes);
-
 /// The residual of all subdomains from that of each, added up in their order; those of other processes are empty.
 ContactResidual added_up(const std::vector<ContactResidual>& of_subdomains, const Processes& processes);
 

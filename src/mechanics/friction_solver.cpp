@@ -28,20 +28,11 @@ auto in_dimension_of(const LocalFrictionProblem& problem, const Function& functi
 
 // || r^1 ||: impulses of the contacts, each alone.
 template <int D>
-double lone_impulses(const LocalFrictionProblem& problem) {
-  double squares = 0;
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    const FullDelassus<D> w = diagonal_block<D>(problem, c);
-    squares += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(problem.q, c)), w, problem.friction[c]));
-  }
-  return std::sqrt(squares);
-}
-
-template <int D>
-JudgedProblem<D> judged_problem(const LocalFrictionProblem& problem) {
-  JudgedProblem<D> judged{ContactBlocks<D>(problem.w), Vector(problem.contacts()), lone_impulses<D>(problem)};
-  for (Index c = 0; c < problem.contacts(); ++c) judged.normal[c] = problem.w.coeff(D * c, D * c);
-  return judged;
+double lone_impulses(const ContactProblem<D>& problem) {
+  return std::sqrt(problem.sums.add_up(1, problem.contacts(), [&](Index c, auto&& squares) {
+    const FullDelassus<D> w = problem.diagonal(c);
+    squares[0] += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(problem.q, c)), w, problem.friction[c]));
+  })[0]);
 }
 
 // Squares of the natural maps of every contact, with rho = 1 / W_nn and with rho = 1, and the status.
@@ -52,17 +43,15 @@ struct ContactCheck {
 
 // The contacts by themselves, in threads.
 template <int D>
-std::vector<ContactCheck> checked_contacts(const JudgedProblem<D>& judged, const LocalFrictionProblem& problem,
-                                           const Vector& impulses, Vector& velocities) {
+std::vector<ContactCheck> checked_contacts(const ContactProblem<D>& problem, const Vector& impulses,
+                                           const Vector& velocities) {
   const Index contacts = problem.contacts();
   std::vector<ContactCheck> checks(at(contacts));
   for_parts(contacts, [&](const ContactRange& range) {
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector<D> r = component<D>(impulses, c);
-      const LocalVector<D> u = judged.w.add_row(c, impulses, {}) + component<D>(problem.q, c);
-      set_component(velocities, c, u);
+      const LocalVector<D> r = component<D>(impulses, c), u = component<D>(velocities, c);
       const double mu = problem.friction[c];
-      checks[at(c)] = {squared(natural_map(r, u, mu, 1 / judged.normal[c])), squared(natural_map(r, u, mu, 1)),
+      checks[at(c)] = {squared(natural_map(r, u, mu, 1 / problem.normal[D * c])), squared(natural_map(r, u, mu, 1)),
                        contact_status(r, mu, edge_rounding<D>)};
     }
   });
@@ -70,33 +59,36 @@ std::vector<ContactCheck> checked_contacts(const JudgedProblem<D>& judged, const
 }
 
 template <int D>
-FrictionState state_of(const JudgedProblem<D>& judged, const LocalFrictionProblem& problem, const Vector& impulses) {
+FrictionState state_of(const ContactProblem<D>& problem, double alone, const Vector& impulses) {
   FrictionState state;
-  state.velocities.resize(impulses.size());
-  const std::vector<ContactCheck> checks = checked_contacts(judged, problem, impulses, state.velocities);
-  double squares = 0, siconos_squares = 0, largest = 0;
-  for (Index c = 0; c < problem.contacts(); ++c) {
+  state.velocities = problem.product(impulses) + problem.q;
+  const std::vector<ContactCheck> checks = checked_contacts(problem, impulses, state.velocities);
+  double largest = 0;
+  const Vector sums = problem.sums.add_up(5, problem.contacts(), [&](Index c, auto&& sum) {
     const auto& [own, siconos, status] = checks[at(c)];
-    squares += own;
     if (own > largest) {
       largest = own;
       state.worst = c;
     }
-    siconos_squares += siconos;
-    ++(status == ContactStatus::open ? state.open : status == ContactStatus::stick ? state.stick : state.slide);
-  }
-  state.residual = squares == 0 ? 0 : std::sqrt(squares) / std::max(impulses.norm(), judged.alone);
-  state.siconos_residual = std::sqrt(siconos_squares);
-  const double size = std::max({impulses.norm(), state.velocities.norm(), problem.q.norm()});
-  state.siconos_relative = size > std::numeric_limits<double>::epsilon();
-  if (state.siconos_relative) state.siconos_residual /= size;
+    sum[0] += own;
+    sum[1] += siconos;
+    sum[status == ContactStatus::open ? 2 : status == ContactStatus::stick ? 3 : 4] += 1;
+  });
+  state.open = static_cast<Index>(sums[2]);
+  state.stick = static_cast<Index>(sums[3]);
+  state.slide = static_cast<Index>(sums[4]);
+  const double size = problem.sums.norm(impulses);
+  state.residual = sums[0] == 0 ? 0 : std::sqrt(sums[0]) / std::max(size, alone);
+  state.siconos_residual = std::sqrt(sums[1]);
+  const double scale = std::max({size, problem.sums.norm(state.velocities), problem.sums.norm(problem.q)});
+  state.siconos_relative = scale > std::numeric_limits<double>::epsilon();
+  if (state.siconos_relative) state.siconos_residual /= scale;
   return state;
 }
 
-void check_options(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess) {
-  if (problem.dimension != 2 && problem.dimension != 3) fail("dimension: expected 2 or 3, met {}", problem.dimension);
-  if (guess.size() != 0 && guess.size() != problem.size())
-    fail("guess of the impulses: expected {} x contacts = {} numbers, met {}", problem.dimension, problem.size(),
+void check_options(Index dimension, Index contacts, const FrictionSolverOptions& options, const Vector& guess) {
+  if (guess.size() != 0 && guess.size() != dimension * contacts)
+    fail("guess of the impulses: expected {} x contacts = {} numbers, met {}", dimension, dimension * contacts,
          guess.size());
   if (!(options.tolerance > 0)) fail("tolerance: expected a number > 0, met {}", options.tolerance);
   if (!(options.relaxation > 0 && options.relaxation < 2))
@@ -112,7 +104,10 @@ void check_options(const LocalFrictionProblem& problem, const FrictionSolverOpti
 }  // namespace
 
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
-  return in_dimension_of(problem, [&]<int D>() { return state_of(judged_problem<D>(problem), problem, impulses); });
+  return in_dimension_of(problem, [&]<int D>() {
+    const ContactProblem<D> stored = stored_contacts<D>(problem);
+    return state_of(stored, lone_impulses(stored), impulses);
+  });
 }
 
 std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, const FrictionSolution& solution,
@@ -138,25 +133,26 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
 }
 
 template <int D>
-SolverRun<D>::SolverRun(const LocalFrictionProblem& given, const FrictionSolverOptions& chosen, const Vector& guess,
-                        const FrictionObserver& observer, const RelationSolver<D>& relations)
-    : problem(given), options(chosen), linear(relations), judged(judged_problem<D>(given)), observer_(observer) {
-  const Index contacts = given.contacts();
-  now.impulses = guess.size() == 0 ? Vector::Zero(D * contacts) : guess;
+SolverRun<D>::SolverRun(const ContactProblem<D>& given, const FrictionSolverOptions& chosen, const Vector& guess,
+                        const FrictionObserver& observer)
+    : problem(given), options(chosen), alone(lone_impulses(given)), observer_(observer) {
+  now.impulses = guess.size() == 0 ? Vector::Zero(D * given.contacts()) : guess;
   now.status = FrictionStatus::maximum_reached;
-  scale_ = std::max(judged.alone, now.impulses.norm());
-  if (contacts > 0)
-    scale_ = std::max(scale_, given.q.norm() * static_cast<double>(D * contacts) / given.w.diagonal().sum());
+  scale_ = std::max(alone, given.sums.norm(now.impulses));
+  const double normals =
+      given.sums.add_up(1, given.contacts(), [&](Index c, auto&& sum) { sum[0] += given.normal[D * c]; })[0];
+  const Index contacts = given.sums.total(given.contacts());
+  if (contacts > 0) scale_ = std::max(scale_, given.sums.norm(given.q) * static_cast<double>(contacts) / normals);
 }
 
 template <int D>
 double SolverRun<D>::natural_maps() const {
-  return now.state.residual * std::max(now.impulses.norm(), judged.alone);
+  return now.state.residual * std::max(problem.sums.norm(now.impulses), alone);
 }
 
 template <int D>
 bool SolverRun<D>::plausible(const Vector& impulses) const {
-  return impulses.norm() <= largest_impulses * scale_;
+  return problem.sums.norm(impulses) <= largest_impulses * scale_;
 }
 
 template <int D>
@@ -172,7 +168,7 @@ Index SolverRun<D>::changes_of_status() {
     changed_[at(c)] = checks_;
   }
   ++checks_;
-  return is_first ? 0 : changes;
+  return is_first ? 0 : problem.sums.total(changes);
 }
 
 template <int D>
@@ -195,15 +191,14 @@ bool SolverRun<D>::judge(const Vector& impulses, const FrictionStep& step) {
 template <int D>
 bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
-  now.state = state_of(judged, problem, impulses);
+  now.state = state_of(problem, alone, impulses);
   now.step = step;
   now.status_changes = changes_of_status();
   if (plausible(impulses) && natural_maps() < best_maps_) {
     best_ = now;
     best_maps_ = natural_maps();
   }
-  const bool small =
-      judged.alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * judged.alone;
+  const bool small = alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * alone;
   now.credible = small && plausible(impulses);
   const bool go_on = !observer_ || observer_(now);
   if (!std::isfinite(now.state.residual))
@@ -223,7 +218,7 @@ Vector SolverRun<D>::projected() const {
   for (Index c = 0; c < problem.contacts(); ++c) {
     const LocalVector<D> r = component<D>(now.impulses, c);
     const LocalVector<D> u = component<D>(now.state.velocities, c);
-    set_component(result, c, r - natural_map(r, u, problem.friction[c], 1 / judged.normal[c]));
+    set_component(result, c, r - natural_map(r, u, problem.friction[c], 1 / problem.normal[D * c]));
   }
   return result;
 }
@@ -245,40 +240,19 @@ void SolverRun<D>::go_back(const FrictionSolution& earlier) {
   now.state = earlier.state;
 }
 
-template <int D>
-Couplings<D>::Couplings(const LocalFrictionProblem& problem, const RelationSolver<D>& solver)
-    : symmetric(0.5 * (problem.w + SparseMatrix(problem.w.transpose()))),
-      rest(problem.w - symmetric),
-      blocks(symmetric),
-      normal(D * problem.contacts()),
-      matrix(solver) {
-  if (!matrix.factorise) {
-    const auto whole = std::make_shared<std::optional<ContactMatrix<D>>>();  // made when it is asked for
-    matrix.factorise = [whole, this, &problem](std::vector<ContactRelation<D>> relations) {
-      if (!*whole) whole->emplace(problem, symmetric);
-      return (*whole)->factorise(std::move(relations));
-    };
-    matrix.solve = [whole](const Vector& b) { return (*whole)->solve(b); };
-    matrix.take_operations = [whole] { return (*whole)->take_operations(); };
-    matrix.determinant_sign = [whole] { return (*whole)->determinant_sign(); };
-  }
-  for (Index c = 0; c < problem.contacts(); ++c) normal.segment<D>(D * c).setConstant(problem.w.coeff(D * c, D * c));
-}
-
 FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
                                 const Vector& guess, const FrictionObserver& observer) {
-  check_options(problem, options, guess);
+  if (problem.dimension != 2 && problem.dimension != 3) fail("dimension: expected 2 or 3, met {}", problem.dimension);
+  check_options(problem.dimension, problem.contacts(), options, guess);
   return in_dimension_of(
-      problem, [&]<int D>() { return solve_friction(problem, options, guess, observer, RelationSolver<D>{}); });
+      problem, [&]<int D>() { return solve_contacts(stored_contacts<D>(problem), options, guess, observer); });
 }
 
 template <int D>
-FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
-                                const Vector& guess, const FrictionObserver& observer,
-                                const RelationSolver<D>& linear) {
-  check_options(problem, options, guess);
-  if (problem.dimension != D) fail("linear systems of contacts: expected dimension {}, met {}", problem.dimension, D);
-  SolverRun<D> run(problem, options, guess, observer, linear);
+FrictionSolution solve_contacts(const ContactProblem<D>& problem, const FrictionSolverOptions& options,
+                                const Vector& guess, const FrictionObserver& observer) {
+  check_options(D, problem.contacts(), options, guess);
+  SolverRun<D> run(problem, options, guess, observer);
   contact_solvers<D>[static_cast<std::size_t>(FrictionAlgorithm{options.algorithm})](run);
   FrictionSolution solution = options.algorithm == FrictionAlgorithm::nlgs ? run.now : run.best();
   solution.unsettled = run.unsettled();
@@ -287,11 +261,9 @@ FrictionSolution solve_friction(const LocalFrictionProblem& problem, const Frict
 
 template class SolverRun<2>;
 template class SolverRun<3>;
-template struct Couplings<2>;
-template struct Couplings<3>;
-template FrictionSolution solve_friction(const LocalFrictionProblem&, const FrictionSolverOptions&, const Vector&,
-                                         const FrictionObserver&, const RelationSolver<2>&);
-template FrictionSolution solve_friction(const LocalFrictionProblem&, const FrictionSolverOptions&, const Vector&,
-                                         const FrictionObserver&, const RelationSolver<3>&);
+template FrictionSolution solve_contacts(const ContactProblem<2>&, const FrictionSolverOptions&, const Vector&,
+                                         const FrictionObserver&);
+template FrictionSolution solve_contacts(const ContactProblem<3>&, const FrictionSolverOptions&, const Vector&,
+                                         const FrictionObserver&);
 
 }  // namespace nscdd

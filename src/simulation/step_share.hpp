@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/sum_of_parts.hpp"
 #include "ddm/granular_two_stage.hpp"
 #include "simulation/step_decomposition.hpp"
 
@@ -33,14 +34,14 @@ StepShare<D> share_step(const Simulation& simulation);
 template <int D>
 StepProblem<D> whole_step(const Simulation& simulation);
 
-/// Sums over all contacts of a step, added up subdomain by subdomain, see sum_of_subdomains. add(k, sums) adds what
+/// Sums over all contacts of a step, added up subdomain by subdomain, see sum_of_parts. add(k, sums) adds what
 /// contact k of this process brings to the sums, `quantities` of them.
 template <class Add>
 Vector sums_over_contacts(const Partition& partition, Index quantities, const Processes& processes, Add&& add) {
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, partition.subdomains);
   for (std::size_t k = 0; k < partition.subdomain_of_contact.size(); ++k)
     add(k, parts.col(partition.subdomain_of_contact[k]));
-  return sum_of_subdomains(std::move(parts), processes);
+  return sum_of_parts(std::move(parts), processes);
 }
 
 /// What is to be remembered of the contacts of a step, ascending by (a, b). Of several processes each has those of its

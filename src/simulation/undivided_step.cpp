@@ -99,12 +99,15 @@ void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const It
   const auto start = Clock::now();
   const LocalFrictionProblem contacts = contact_problem(problem, simulation.system);
   std::optional<CutContacts<D>> cut;
-  RelationSolver<D> linear;
+  ContactProblem<D> solved = stored_contacts<D>(contacts);
   if (decomposes(solver.algorithm)) {
     cut.emplace(linear_decomposition(simulation, problem, step.partition),
                 cut_options(solver, stage_two_inertia(simulation)));
-    linear =
-        solver.algorithm == StepAlgorithm::two_stage_admm ? relation_solver(*cut) : refined_solver(*cut, contacts.w);
+    const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
+    solved.rows = nullptr;
+    solved.couplings = [&cut, admm, product = solved.product] {
+      return cut_couplings(*cut, admm ? Refinement::none : Refinement::one_step, product);
+    };
   }
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
@@ -122,9 +125,8 @@ void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const It
               .seconds = before});
     looking += seconds() - before;
   };
-  const FrictionSolution solution = solve_friction(
-      contacts, options_of(solver), shifted_impulses(problem),
-      [&](const FrictionSolution& check) {
+  const FrictionSolution solution =
+      solve_contacts(solved, options_of(solver), shifted_impulses(problem), [&](const FrictionSolution& check) {
         report.last = {.iteration = report.last.iteration + 1,
                        .sweeps = check.sweeps,
                        .zeta = not_a_number,
@@ -132,8 +134,7 @@ void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const It
         report.factorisations = check.factorisations;
         if (sink.looks_at(report.last.iteration)) look(check.impulses);
         return !sink.goes_on || sink.goes_on();
-      },
-      linear);
+      });
   report.solve_seconds = seconds();
   report.factorisations = solution.factorisations;
   if (cut) {

@@ -29,7 +29,7 @@ class AlternatingDirections {
   /// Factorises with another rho, or a larger one where W + rho D is not positive definite. False if none was found.
   bool change_weight(double weight);
   /// Lets the antisymmetric part of W act from the present impulses.
-  void renew_rest() { rest_ = w_.rest * impulses_; }
+  void renew_rest() { rest_ = w_.rest(impulses_); }
   const Vector& impulses() const { return impulses_; }
   double weight() const { return weight_; }
 
@@ -52,13 +52,13 @@ AlternatingDirections<D>::AlternatingDirections(SolverRun<D>& run, const Couplin
       impulses_(run.now.impulses),
       multiplier_(Vector::Zero(impulses_.size())),
       shift_(Vector::Zero(run.problem.contacts())) {
-  if (!run.linear.factorise && run.problem.h.cols() == 0) analysis_.emplace(w.symmetric);
+  if (const SparseMatrix* symmetric = w.without_bodies.get()) analysis_.emplace(*symmetric);
   renew_rest();
-  if (impulses_.isZero(0)) return;  // the velocities of no impulses are far from those of a solution
-  multiplier_ = -run.now.state.velocities.cwiseQuotient(weight_ * w.normal);
+  if (run.problem.sums.all_zero(impulses_)) return;  // the velocities of no impulses are far from those of a solution
+  multiplier_ = -run.now.state.velocities.cwiseQuotient(weight_ * run.problem.normal);
   for (Index c = 0; c < run.problem.contacts(); ++c) {
     shift_[c] = run.problem.friction[c] * norm(component<D>(run.now.state.velocities, c).t);
-    multiplier_[D * c] -= shift_[c] / (weight_ * w.normal[D * c]);
+    multiplier_[D * c] -= shift_[c] / (weight_ * run.problem.normal[D * c]);
   }
 }
 
@@ -68,11 +68,11 @@ bool AlternatingDirections<D>::factorise() {
   if (!analysis_) {
     using Relation = ContactRelation<D>;
     std::vector<Relation> relations(at(run_.problem.contacts()), {.q = Relation::Block::Identity()});
-    for (Index c = 0; c < count(relations); ++c) relations[at(c)].p *= weight_ * w_.normal[D * c];
-    return w_.matrix.factorise(std::move(relations));
+    for (Index c = 0; c < count(relations); ++c) relations[at(c)].p *= weight_ * run_.problem.normal[D * c];
+    return w_.factorise(std::move(relations));
   }
-  SparseMatrix matrix = w_.symmetric;
-  matrix.diagonal() += weight_ * w_.normal;
+  SparseMatrix matrix = *w_.without_bodies;
+  matrix.diagonal() += weight_ * run_.problem.normal;
   cholesky_.emplace(*analysis_, matrix);
   run_.now.operations += cholesky_->factorisation_operations();
   return cholesky_->positive_definite();
@@ -90,22 +90,22 @@ bool AlternatingDirections<D>::change_weight(double weight) {
 
 template <int D>
 void AlternatingDirections<D>::iterate() {
-  const Vector scaled = weight_ * w_.normal, velocities = -scaled.cwiseProduct(multiplier_);
+  const Vector scaled = weight_ * run_.problem.normal, velocities = -scaled.cwiseProduct(multiplier_);
   Vector right = scaled.cwiseProduct(impulses_ - multiplier_) - run_.problem.q - rest_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
     shift_[c] += renewed_part * (run_.problem.friction[c] * norm(component<D>(velocities, c).t) - shift_[c]);
     right[D * c] -= shift_[c];
   }
-  const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : w_.matrix.solve(right);
+  const Vector coupled = cholesky_ ? Vector(cholesky_->solve(right)) : w_.solve(right);
   const Vector relaxed = relaxation * coupled + (1 - relaxation) * impulses_, before = impulses_;
   for (Index c = 0; c < run_.problem.contacts(); ++c) {
     const LocalVector<D> moved = component<D>(relaxed, c) + component<D>(multiplier_, c);
     set_component(impulses_, c, project_on_cone(moved, run_.problem.friction[c]));
   }
   multiplier_ += relaxed - impulses_;
-  primal_ = (coupled - impulses_).cwiseAbs2().dot(w_.normal);
-  dual_ = (impulses_ - before).cwiseAbs2().dot(w_.normal);
-  run_.now.operations += cholesky_ ? cholesky_->solve_operations() : w_.matrix.take_operations();
+  primal_ = run_.problem.sums.dot((coupled - impulses_).cwiseAbs2(), run_.problem.normal);
+  dual_ = run_.problem.sums.dot((impulses_ - before).cwiseAbs2(), run_.problem.normal);
+  run_.now.operations += cholesky_ ? cholesky_->solve_operations() : w_.take_operations();
 }
 
 template <int D>
@@ -122,7 +122,7 @@ void admm(SolverRun<D>& run) {
   const FrictionSolverOptions& options = run.options;
   if (run.judge(run.now.impulses) || run.spent()) return;
   const OneBlasThread serial_blas;  // for all solves: that of each is then cheap
-  const Couplings<D> w(run.problem, run.linear);
+  const Couplings<D> w = run.problem.couplings();
   AlternatingDirections<D> directions(run, w);
   bool regular = directions.change_weight(first_weight);
   StallWatch<D> watch(run);

@@ -14,8 +14,9 @@ constexpr double inner_part = 0.3;
 template <int D>
 class ProjectedGradients {
  public:
-  explicit ProjectedGradients(const SolverRun<D>& run) : run_(run), shift_(Vector::Zero(run.problem.q.size())) {
-    restart(run.now.impulses, run.judged.w * run.now.impulses + run.problem.q);
+  explicit ProjectedGradients(const SolverRun<D>& run)
+      : run_(run), w_(*run.problem.rows), shift_(Vector::Zero(run.problem.q.size())) {
+    restart(run.now.impulses, w_ * run.now.impulses + run.problem.q);
     next_ = next_velocity_ = Vector::Zero(run.problem.q.size());
   }
 
@@ -45,13 +46,14 @@ class ProjectedGradients {
     momentum_ = 1;
   }
   LocalVector<D> projected(Index c, const Vector& from, LocalVector<D> gradient, double length) const {
-    return project_on_cone(component<D>(from, c) - (length / run_.judged.normal[c]) * gradient,
+    return project_on_cone(component<D>(from, c) - (length / run_.problem.normal[D * c]) * gradient,
                            run_.problem.friction[c]);
   }
   LocalVector<D> gradient_ahead(Index c) const { return component<D>(velocity_ahead_, c) + component<D>(shift_, c); }
   Sums step_ahead();
 
   const SolverRun<D>& run_;
+  const ContactBlocks<D>& w_;
   Vector shift_;
   Vector impulses_, ahead_;           // the last ones, and where Nesterov's momentum leads
   Vector velocity_, velocity_ahead_;  // W r + q of both
@@ -83,12 +85,11 @@ typename ProjectedGradients<D>::Sums ProjectedGradients<D>::step_ahead() {
   for_parts(contacts, [&](const ContactRange& range) {
     Sums sums;
     for (Index c = range.first; c < range.last; ++c) {
-      const LocalVector<D> r = component<D>(next_, c),
-                           u = run_.judged.w.add_row(c, next_, component<D>(run_.problem.q, c));
+      const LocalVector<D> r = component<D>(next_, c), u = w_.add_row(c, next_, component<D>(run_.problem.q, c));
       set_component(next_velocity_, c, u);
       const LocalVector<D> change = r - component<D>(ahead_, c);
       sums.curved += dot(change, u - component<D>(velocity_ahead_, c));
-      sums.metric += run_.judged.normal[c] * squared(change);
+      sums.metric += run_.problem.normal[D * c] * squared(change);
       sums.uphill += dot(gradient_ahead(c), r - component<D>(impulses_, c));
     }
     of_parts[at(range.part)] = sums;
@@ -142,7 +143,7 @@ void apgd(SolverRun<D>& run) {
     const Index many = std::min(options.check_every, options.maximum_sweeps - run.now.sweeps);
     for (Index k = 0; k < many; ++k) length = gradients.advance();
     run.now.sweeps += many;
-    run.now.operations += run.product_operations() * static_cast<double>(gradients.products());
+    run.now.operations += run.problem.product_operations * static_cast<double>(gradients.products());
   }
 }
 

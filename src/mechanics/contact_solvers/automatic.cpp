@@ -17,7 +17,7 @@ constexpr double cold_smoothings[] = {100, 10, 1000, 1}, warm_smoothings[] = {10
 template <int D>
 void automatic(SolverRun<D>& run) {
   const FrictionSolverOptions& options = run.options;
-  const auto& smoothings = run.now.impulses.isZero(0) ? cold_smoothings : warm_smoothings;
+  const auto& smoothings = run.problem.sums.all_zero(run.now.impulses) ? cold_smoothings : warm_smoothings;
   std::optional<Couplings<D>> w;
   std::optional<FrictionStatus> given_up;  // how sweeps or gradients ended, once they are of no more use
   // Whether that is the end of the run. Where they stalled, there are other ways.
@@ -28,8 +28,8 @@ void automatic(SolverRun<D>& run) {
     run.go_back(run.best());
     return false;
   };
-  // A system that is cut into subdomains is what the caller wants to see.
-  if (run.problem.contacts() >= very_many_contacts && !run.linear.factorise) {
+  // Where W is not stored its linear systems are what the caller wants to see.
+  if (run.problem.contacts() >= very_many_contacts && run.problem.rows) {
     apgd(run);
     if (run.now.status != FrictionStatus::maximum_reached && is_over()) return;
     run.go_back(run.best());
@@ -38,7 +38,7 @@ void automatic(SolverRun<D>& run) {
     const Index most = std::min(first_sweeps << 2 * turn, options.maximum_sweeps - run.now.sweeps);
     if (!given_up && sweep(run, most) && is_over()) return;
     if (run.spent()) continue;
-    if (!w) w.emplace(run.problem, run.linear);
+    if (!w) w = run.problem.couplings();
     const FrictionSolution swept = run.now;
     if (finish_by_newton(run, *w)) return;
     run.go_back(swept);

@@ -67,14 +67,4 @@ class ContactMatrix {
 extern template class ContactMatrix<2>;
 extern template class ContactMatrix<3>;
 
-/// What solves such systems: a ContactMatrix, or another way with the same answers. A solution that is not found is not
-/// finite.
-template <int D>
-struct RelationSolver {
-  std::function<bool(std::vector<ContactRelation<D>>)> factorise;
-  std::function<Vector(const Vector&)> solve;
-  std::function<double()> take_operations;
-  std::function<int()> determinant_sign = [] { return 1; };  ///< by default: not known
-};
-
 }  // namespace nscdd

@@ -2,9 +2,7 @@
 #pragma once
 
 #include "mechanics/contact_law.hpp"
-#include "mechanics/contact_solvers/contact_blocks.hpp"
-#include "mechanics/contact_solvers/contact_matrix.hpp"
-#include <nscdd/mechanics/friction_solver.hpp>
+#include "mechanics/contact_solvers/contact_problem.hpp"
 
 #include <chrono>
 
@@ -16,27 +14,18 @@ LocalVector<D> stopping(const FullDelassus<D>& w, LocalVector<D> impulse, LocalV
   return impulse - w.solve(u);
 }
 
-/// What every evaluation of impulses needs of a problem.
-template <int D>
-struct JudgedProblem {
-  ContactBlocks<D> w;
-  Vector normal;     ///< W_nn of each contact, 1/kg
-  double alone = 0;  ///< || r^1 ||, the impulses of the contacts each alone, N s
-};
-
 /// The run of a contact solver: what it solves, from where, and what it has found so far. A contact solver is one file
 /// in this folder, a function of a run in the plane (D = 2) and in space (D = 3), and one word in the list of
 /// friction_solver.cpp.
 template <int D>
 class SolverRun {
  public:
-  SolverRun(const LocalFrictionProblem& problem, const FrictionSolverOptions& options, const Vector& guess,
-            const FrictionObserver& observer, const RelationSolver<D>& linear = {});
+  SolverRun(const ContactProblem<D>& problem, const FrictionSolverOptions& options, const Vector& guess,
+            const FrictionObserver& observer);
 
-  const LocalFrictionProblem& problem;
+  const ContactProblem<D>& problem;
   const FrictionSolverOptions& options;
-  const RelationSolver<D> linear;  ///< see Couplings
-  const JudgedProblem<D> judged;
+  const double alone;    ///< || r^1 ||, the impulses of the contacts each alone, N s
   FrictionSolution now;  ///< what the solver works with: set by `judge`, apart from what is counted
 
   /// Evaluates impulses and shows them to the observer, with the step that led to them. Returns whether the run is
@@ -53,11 +42,9 @@ class SolverRun {
   /// Goes on from earlier impulses.
   void go_back(const FrictionSolution& earlier);
   double natural_maps() const;  ///< || m || of the present impulses, N s
-  /// Contacts whose status changed in the last 10 checks.
+  /// Contacts of this process whose status changed in the last 10 checks.
   std::vector<Index> unsettled() const;
   bool spent() const { return now.factorisations >= options.maximum_factorisations; }
-  /// Floating-point operations of a product with W, and of a sweep.
-  double product_operations() const { return 2.0 * static_cast<double>(problem.w.nonZeros()); }
 
  private:
   bool decide(const Vector& impulses, const FrictionStep& step);
@@ -72,25 +59,12 @@ class SolverRun {
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
 
-/// W as W_s + W_a with a symmetric W_s, as files of six digits need it, W_nn of its contact at each component, and what
-/// solves linear systems of contacts.
+/// As solve_friction, whatever holds W. Several processes that share the problem call it together; the solution is that
+/// of the contacts of this process, its counts of contacts and its residuals are those of all. Without `rows` apgd
+/// cannot be asked for.
 template <int D>
-struct Couplings {
-  /// `solver`: what solves the linear systems; by default a ContactMatrix.
-  explicit Couplings(const LocalFrictionProblem& problem, const RelationSolver<D>& solver = {});
-  Couplings(const Couplings&) = delete;  // `matrix` looks at `symmetric`
-  Couplings& operator=(const Couplings&) = delete;
-
-  SparseMatrix symmetric, rest;
-  ContactBlocks<D> blocks;  ///< of W_s
-  Vector normal;            ///< D c entries, 1/kg
-  RelationSolver<D> matrix;
-};
-
-/// As the public function of this name, with another way to solve the linear systems. D: the dimension of the problem.
-template <int D>
-FrictionSolution solve_friction(const LocalFrictionProblem& problem, const FrictionSolverOptions& options,
-                                const Vector& guess, const FrictionObserver& observer, const RelationSolver<D>& linear);
+FrictionSolution solve_contacts(const ContactProblem<D>& problem, const FrictionSolverOptions& options,
+                                const Vector& guess, const FrictionObserver& observer);
 
 /// Sweeps until the run is over or `most` more are done. Returns whether it is over. See nlgs.cpp.
 template <int D>
@@ -103,12 +77,12 @@ ContactRelation<D> relation_of(const FrozenContact<D>& frozen, double proximal, 
 
 /// Newton's steps on the statuses from the present impulses, a few. Returns whether the run is over. See newton.cpp.
 template <int D>
-bool finish_by_newton(SolverRun<D>& run, Couplings<D>& w);
+bool finish_by_newton(SolverRun<D>& run, const Couplings<D>& w);
 
 /// Follows the curve of a smoothed contact law from the present impulses (if they are next to none: equal ones), where
 /// the smoothing is so many times their mean square. Returns whether the run is over. See continuation.cpp.
 template <int D>
-bool follow_curve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing);
+bool follow_curve(SolverRun<D>& run, const Couplings<D>& w, double relative_smoothing);
 
 /// The solvers.
 template <int D>

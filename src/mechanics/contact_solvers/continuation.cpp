@@ -92,7 +92,7 @@ struct Course {
 template <int D>
 class SmoothedCurve {
  public:
-  SmoothedCurve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing);
+  SmoothedCurve(SolverRun<D>& run, const Couplings<D>& w, double relative_smoothing);
 
   const Point& start() const { return start_; }
   /// None if the matrix is singular to rounding.
@@ -106,24 +106,25 @@ class SmoothedCurve {
  private:
   Vector weight(const Point& point) const { return (point.z.array().square() + 4 * point.t).rsqrt(); }
   Vector defect(const Point& point, const Vector& impulses) const;
-  Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.blocks * r); }  // rho W r
+  Vector velocities(const Vector& r) const { return rho_.cwiseProduct(w_.product(r)); }  // rho W r
 
   SolverRun<D>& run_;
-  Couplings<D>& w_;
+  const Couplings<D>& w_;
   Vector rho_, q_, slope_;  // slope_: F_0 / t_0
   Point start_;
 };
 
 template <int D>
-SmoothedCurve<D>::SmoothedCurve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing)
-    : run_(run), w_(w), rho_(w.normal.cwiseInverse()) {
+SmoothedCurve<D>::SmoothedCurve(SolverRun<D>& run, const Couplings<D>& w, double relative_smoothing)
+    : run_(run), w_(w), rho_(run.problem.normal.cwiseInverse()) {
+  const ContactSums& sums = run.problem.sums;
   Vector r = run.now.impulses;
-  q_ = rho_.cwiseProduct(run.problem.q + w.rest * r);
+  q_ = rho_.cwiseProduct(run.problem.q + w.rest(r));
+  const double size = sums.norm(q_), entries = static_cast<double>(sums.total(q_.size()));
   // Sweeps know better than any rule how small impulses are.
-  if (r.norm() <= (run.now.sweeps > 0 ? 0.0 : least_start) * q_.norm())
-    for (Index c = 0; c < run.problem.contacts(); ++c)
-      r[D * c] = std::max(r[D * c], q_.norm() / std::sqrt(static_cast<double>(q_.size())));
-  start_ = {r - velocities(r) - q_, relative_smoothing * r.squaredNorm() / static_cast<double>(r.size())};
+  if (sums.norm(r) <= (run.now.sweeps > 0 ? 0.0 : least_start) * size)
+    for (Index c = 0; c < run.problem.contacts(); ++c) r[D * c] = std::max(r[D * c], size / std::sqrt(entries));
+  start_ = {r - velocities(r) - q_, relative_smoothing * sums.squared_norm(r) / entries};
   slope_ = Vector::Zero(r.size());
   slope_ = defect(start_, impulses(start_)) / start_.t;
 }
@@ -144,7 +145,7 @@ Vector SmoothedCurve<D>::defect(const Point& point, const Vector& r) const {
 
 template <int D>
 double SmoothedCurve<D>::residual(const Point& point, const Vector& r) const {
-  return defect(point, r).cwiseProduct(weight(point)).cwiseAbs().template maxCoeff<Eigen::PropagateNaN>();
+  return run_.problem.sums.largest(defect(point, r).cwiseProduct(weight(point)).cwiseAbs());
 }
 
 // With r = P_t(z), dr = P' dz + dP/dt dt leaves  (1 - P') dr + P' rho W dr = ...  of the derivatives of F.
@@ -160,25 +161,27 @@ std::optional<Course> SmoothedCurve<D>::course(const Point& point) {
     across.segment<D>(D * c) = -law.by_z * defects.segment<D>(D * c);
   }
   ++run_.now.factorisations;
-  if (!w_.matrix.factorise(std::move(relations))) {
-    run_.now.operations += w_.matrix.take_operations();
+  if (!w_.factorise(std::move(relations))) {
+    run_.now.operations += w_.take_operations();
     return std::nullopt;
   }
-  along = w_.matrix.solve(along);
-  across = w_.matrix.solve(across);
+  along = w_.solve(along);
+  across = w_.solve(across);
   Course found{.point = point,
                .tangent = along - velocities(along) + point.t * slope_,
                .correction = across - velocities(across) - defects,
-               .direction = w_.matrix.determinant_sign() < 0 ? 1.0 : -1.0};
-  run_.now.operations += w_.matrix.take_operations();
+               .direction = w_.determinant_sign() < 0 ? 1.0 : -1.0};
+  run_.now.operations += w_.take_operations();
   // Lengths along the curve: the mean of the squared relative changes of z, and the square of that of log t.
   const Vector unit = weight(point), relative = found.tangent.cwiseProduct(unit);
-  const double count = static_cast<double>(unit.size());
-  const double along_tangent = found.correction.cwiseProduct(unit).dot(relative) / (relative.squaredNorm() + count);
+  const ContactSums& sums = run_.problem.sums;
+  const double count = static_cast<double>(sums.total(unit.size()));
+  const double along_tangent =
+      sums.dot(found.correction.cwiseProduct(unit), relative) / (sums.squared_norm(relative) + count);
   found.correction -= along_tangent * found.tangent;
   found.log_correction = -along_tangent;
-  found.steepest = relative.cwiseAbs().maxCoeff();
-  found.off = std::max(found.correction.cwiseProduct(unit).cwiseAbs().maxCoeff(), std::abs(found.log_correction));
+  found.steepest = sums.largest(relative.cwiseAbs());
+  found.off = std::max(sums.largest(found.correction.cwiseProduct(unit).cwiseAbs()), std::abs(found.log_correction));
   return found;
 }
 
@@ -251,8 +254,8 @@ struct Walk {
 }  // namespace
 
 template <int D>
-bool follow_curve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing) {
-  if (run.problem.q.isZero(0)) return run.judge(Vector::Zero(run.now.impulses.size()));
+bool follow_curve(SolverRun<D>& run, const Couplings<D>& w, double relative_smoothing) {
+  if (run.problem.sums.all_zero(run.problem.q)) return run.judge(Vector::Zero(run.now.impulses.size()));
   SmoothedCurve<D> curve(run, w, relative_smoothing);
   Walk<D> walk{curve, curve.start()};
   double last_trial = newton_from / newton_after;
@@ -277,7 +280,7 @@ bool follow_curve(SolverRun<D>& run, Couplings<D>& w, double relative_smoothing)
 template <int D>
 void continuation(SolverRun<D>& run) {
   if (run.judge(run.now.impulses)) return;
-  Couplings<D> w(run.problem, run.linear);
+  const Couplings<D> w = run.problem.couplings();
   for (const double relative_smoothing : {3.0, 0.3, 0.03}) {
     if (follow_curve(run, w, relative_smoothing)) return;
     run.go_back(run.best());
@@ -285,8 +288,8 @@ void continuation(SolverRun<D>& run) {
   if (!run.spent()) run.now.status = FrictionStatus::stalled;
 }
 
-template bool follow_curve(SolverRun<2>&, Couplings<2>&, double);
-template bool follow_curve(SolverRun<3>&, Couplings<3>&, double);
+template bool follow_curve(SolverRun<2>&, const Couplings<2>&, double);
+template bool follow_curve(SolverRun<3>&, const Couplings<3>&, double);
 template void continuation(SolverRun<2>&);
 template void continuation(SolverRun<3>&);
 

@@ -24,8 +24,8 @@ using FrozenContacts = std::vector<FrozenContact<D>>;
 
 // Directions turn all the time.
 template <int D>
-bool same_statuses(const FrozenContacts<D>& a, const FrozenContacts<D>& b) {
-  return std::ranges::equal(a, b, {}, &FrozenContact<D>::status, &FrozenContact<D>::status);
+bool same_statuses(const FrozenContacts<D>& a, const FrozenContacts<D>& b, const ContactSums& sums) {
+  return !sums.any(!std::ranges::equal(a, b, {}, &FrozenContact<D>::status, &FrozenContact<D>::status));
 }
 
 // A proximal step from r_k. Its terms vanish where r = r_k.
@@ -38,50 +38,48 @@ struct ProximalStep {
 
 // z of a contact: impulses r with velocities W r + q = u.
 template <int D>
-LocalVector<D> prediction(const Couplings<D>& w, const ProximalStep& step, const Vector& r, const Vector& u, Index c) {
-  const double normal = w.normal[D * c];
+LocalVector<D> prediction(const ContactProblem<D>& problem, const ProximalStep& step, const Vector& r, const Vector& u,
+                          Index c) {
+  const double normal = problem.normal[D * c];
   const LocalVector<D> own = component<D>(r, c), change = own - component<D>(step.from, c);
   return own - step.rho(normal) * (component<D>(u, c) + (step.alpha * normal) * change);
 }
 
 template <int D>
-FrozenContacts<D> frozen_at(const SolverRun<D>& run, const Couplings<D>& w, const ProximalStep& step) {
+FrozenContacts<D> frozen_at(const SolverRun<D>& run, const ProximalStep& step) {
   FrozenContacts<D> statuses;
   for (Index c = 0; c < run.problem.contacts(); ++c)
-    statuses.push_back(
-        frozen_contact(prediction(w, step, run.now.impulses, run.now.state.velocities, c), run.problem.friction[c]));
+    statuses.push_back(frozen_contact(prediction(run.problem, step, run.now.impulses, run.now.state.velocities, c),
+                                      run.problem.friction[c]));
   return statuses;
 }
 
 // || Phi ||, N s.
 template <int D>
-double merit(const LocalFrictionProblem& problem, const Couplings<D>& w, const ProximalStep& step, const Vector& r,
-             const Vector& u) {
-  double squares = 0;
-  for (Index c = 0; c < problem.contacts(); ++c) {
-    const LocalVector<D> z = prediction(w, step, r, u, c);
+double merit(const ContactProblem<D>& problem, const ProximalStep& step, const Vector& r, const Vector& u) {
+  return std::sqrt(problem.sums.add_up(1, problem.contacts(), [&](Index c, auto&& squares) {
+    const LocalVector<D> z = prediction(problem, step, r, u, c);
     const double n = std::max(0.0, z.n), edge = problem.friction[c] * n;
-    squares += squared(component<D>(r, c) - LocalVector<D>{n, projected_on_disk(z.t, edge)});
-  }
-  return std::sqrt(squares);
+    squares[0] += squared(component<D>(r, c) - LocalVector<D>{n, projected_on_disk(z.t, edge)});
+  })[0]);
 }
 
 // The impulses r of these statuses; none if their matrix is singular or they are beyond all measure.
 template <int D>
-std::optional<Vector> impulses_of(SolverRun<D>& run, Couplings<D>& w, const FrozenContacts<D>& frozen,
+std::optional<Vector> impulses_of(SolverRun<D>& run, const Couplings<D>& w, const FrozenContacts<D>& frozen,
                                   const ProximalStep& step) {
-  const Vector proximal = step.alpha * w.normal;
-  const Vector right = proximal.cwiseProduct(step.from) - run.problem.q - w.rest * run.now.impulses;
+  const Vector proximal = step.alpha * run.problem.normal;
+  const Vector right = proximal.cwiseProduct(step.from) - run.problem.q - w.rest(run.now.impulses);
   std::vector<ContactRelation<D>> relations;
   Vector b(right.size());
   for (Index c = 0; c < run.problem.contacts(); ++c) {
-    relations.push_back(relation_of(frozen[at(c)], proximal[D * c], step.rho(w.normal[D * c])));
+    relations.push_back(relation_of(frozen[at(c)], proximal[D * c], step.rho(run.problem.normal[D * c])));
     b.segment<D>(D * c) = relations.back().q * right.segment<D>(D * c);
   }
   ++run.now.factorisations;
   std::optional<Vector> found;
-  if (w.matrix.factorise(std::move(relations))) found = w.matrix.solve(b);
-  run.now.operations += w.matrix.take_operations();
+  if (w.factorise(std::move(relations))) found = w.solve(b);
+  run.now.operations += w.take_operations();
   if (found && !run.plausible(*found)) found.reset();
   return found;
 }
@@ -90,21 +88,21 @@ enum class Ended { solved, given_up, run_over };
 
 // Newton's method for a proximal step from the present impulses, with steps that shrink until || Phi || falls.
 template <int D>
-Ended solve_proximal_step(SolverRun<D>& run, Couplings<D>& w, double alpha, Index& steps) {
+Ended solve_proximal_step(SolverRun<D>& run, const Couplings<D>& w, double alpha, Index& steps) {
   const ProximalStep step{alpha, run.now.impulses};
   const double wanted = std::max(0.01 * run.now.state.residual, 0.1 * run.options.tolerance);
   for (steps = 0; !run.spent(); ++steps) {
     const Vector here = run.now.impulses, velocities = run.now.state.velocities;
-    const double size = merit(run.problem, w, step, here, velocities);
+    const double size = merit(run.problem, step, here, velocities);
     // Always one step: what Phi takes for solved need not be so to the natural map.
-    if (steps > 0 && size <= wanted * std::max(here.norm(), run.judged.alone)) return Ended::solved;
+    if (steps > 0 && size <= wanted * std::max(run.problem.sums.norm(here), run.alone)) return Ended::solved;
     if (steps == too_many_steps) return Ended::given_up;
-    const std::optional<Vector> found = impulses_of(run, w, frozen_at(run, w, step), step);
+    const std::optional<Vector> found = impulses_of(run, w, frozen_at(run, step), step);
     if (!found) return Ended::given_up;
-    const Vector change = *found - here, faster = run.judged.w * change;
+    const Vector change = *found - here, faster = run.problem.product(change);
     double length = 1;
     while (length > shortest_step &&
-           !(merit(run.problem, w, step, here + length * change, velocities + length * faster) < size))
+           !(merit(run.problem, step, here + length * change, velocities + length * faster) < size))
       length /= 2;
     if (run.judge(here + length * change, {.proximal_weight = alpha, .length = length})) return Ended::run_over;
   }
@@ -141,14 +139,14 @@ ContactRelation<D> relation_of(const FrozenContact<D>& frozen, double proximal, 
 }
 
 template <int D>
-bool finish_by_newton(SolverRun<D>& run, Couplings<D>& w) {
+bool finish_by_newton(SolverRun<D>& run, const Couplings<D>& w) {
   const double first = run.now.state.residual;
   double alpha = first_proximal, last = first;
   FrozenContacts<D> before;
   for (Index step = 0; step < most_steps && !run.spent() && alpha <= most_proximal; ++step) {
     const FrictionSolution here = run.now;
     const ProximalStep from_here{alpha, here.impulses};
-    FrozenContacts<D> frozen = frozen_at(run, w, from_here);
+    FrozenContacts<D> frozen = frozen_at(run, from_here);
     const std::optional<Vector> found = impulses_of(run, w, frozen, from_here);
     if (found && run.judge(*found, {.proximal_weight = alpha, .length = 1})) return true;
     if (!found || run.now.state.residual > 30 * first) {  // too far: back, and shorter steps
@@ -156,7 +154,7 @@ bool finish_by_newton(SolverRun<D>& run, Couplings<D>& w) {
       alpha *= 100;
       continue;
     }
-    if (same_statuses(frozen, before) || run.now.state.residual < 0.1 * last)
+    if (same_statuses(frozen, before, run.problem.sums) || run.now.state.residual < 0.1 * last)
       alpha = std::max(alpha / 10, least_proximal);
     last = run.now.state.residual;
     before = std::move(frozen);
@@ -167,7 +165,7 @@ bool finish_by_newton(SolverRun<D>& run, Couplings<D>& w) {
 template <int D>
 void newton(SolverRun<D>& run) {
   if (sweep(run, std::min(first_sweeps, run.options.maximum_sweeps))) return;
-  Couplings<D> w(run.problem, run.linear);
+  const Couplings<D> w = run.problem.couplings();
   double alpha = cold_proximal;
   while (!run.spent() && alpha <= hottest_proximal) {
     const FrictionSolution before = run.now;
@@ -186,8 +184,8 @@ void newton(SolverRun<D>& run) {
 
 template ContactRelation<2> relation_of(const FrozenContact<2>&, double, double);
 template ContactRelation<3> relation_of(const FrozenContact<3>&, double, double);
-template bool finish_by_newton(SolverRun<2>&, Couplings<2>&);
-template bool finish_by_newton(SolverRun<3>&, Couplings<3>&);
+template bool finish_by_newton(SolverRun<2>&, const Couplings<2>&);
+template bool finish_by_newton(SolverRun<3>&, const Couplings<3>&);
 template void newton(SolverRun<2>&);
 template void newton(SolverRun<3>&);
 

@@ -2,25 +2,24 @@
 // Nonlinear Gauss-Seidel (Jean and Moreau) on W.
 #include "linalg/threads.hpp"
 #include "mechanics/contact_solvers/stall_watch.hpp"
-#include "mechanics/contact_solvers/sweep_rows.hpp"
 
 namespace nscdd {
 
 template <int D>
 bool sweep(SolverRun<D>& run, Index most) {
   const FrictionSolverOptions& options = run.options;
-  const SweepRows<D> rows = sweep_rows<D>(run.problem, options.order, options.seed);
+  const auto sweeps = run.problem.sweeps(options);
   const OneBlasThread serial_blas;  // for all sweeps: that of each is then cheap
-  Vector impulses = rows.in_order(run.now.impulses);
+  Vector impulses = run.now.impulses;
   const Index end = run.now.sweeps + most;
   StallWatch<D> watch(run);
   for (;;) {
-    if (run.judge(rows.by_contact(impulses)) || watch.ends(run)) return true;
+    if (run.judge(impulses) || watch.ends(run)) return true;
     if (run.now.sweeps >= end) return false;
     const Index many = std::min(options.check_every, end - run.now.sweeps);
-    for (Index k = 0; k < many; ++k) sweep_once(rows, options.order, options.relaxation, run.now.sweeps + k, impulses);
+    impulses = sweeps(impulses, run.now.sweeps, many);
     run.now.sweeps += many;
-    run.now.operations += static_cast<double>(many) * run.product_operations();
+    run.now.operations += static_cast<double>(many) * run.problem.product_operations;
   }
 }
 

@@ -13,7 +13,8 @@ template <int D>
 class StallWatch {
  public:
   explicit StallWatch(const SolverRun<D>& run)
-      : scale_(std::max(run.judged.alone, run.now.impulses.norm())),
+      : sums_(run.problem.sums),
+        scale_(std::max(run.alone, sums_.norm(run.now.impulses))),
         watch_({.tolerance = -1,  // `judge` says what has converged
                 .growth = growth_allowed,
                 .fall = progress_wanted,
@@ -27,9 +28,9 @@ class StallWatch {
   /// status.
   bool ends(SolverRun<D>& run) {
     const Vector& impulses = run.now.impulses;
-    length_ += (impulses - last_).norm();
+    length_ += sums_.norm(impulses - last_);
     last_ = impulses;
-    const auto over = watch_.judge(check_, run.now.state.residual, impulses.norm(), scale_);
+    const auto over = watch_.judge(check_, run.now.state.residual, sums_.norm(impulses), scale_);
     if (over == FrictionStatus::stalled && leads_on()) {
       watch_.take_for_progress(check_);
     } else if (over) {
@@ -50,10 +51,11 @@ class StallWatch {
   static constexpr double above_rounding = 1e-12;  // ... and over the impulses themselves, where it leads somewhere
 
   bool leads_on() const {
-    const double gone = (last_ - first_).norm();
-    return gone > straight * length_ && gone > above_rounding * last_.norm();
+    const double gone = sums_.norm(last_ - first_);
+    return gone > straight * length_ && gone > above_rounding * sums_.norm(last_);
   }
 
+  const ContactSums& sums_;
   double scale_;
   ProgressWatch<FrictionStatus> watch_;
   Index check_ = 0;

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nscdd/core/processes.hpp>
+
+namespace nscdd {
+
+/// Sums over parts, of which `parts` has a column each, in their order, whoever has them: no bit depends on the
+/// processes. Columns of parts of other processes are 0.
+inline Vector sum_of_parts(Eigen::MatrixXd parts, const Processes& processes) {
+  processes.add_up({parts.data(), at(parts.size())});
+  Vector sum = Vector::Zero(parts.rows());
+  for (Index e = 0; e < parts.cols(); ++e) sum += parts.col(e);
+  return sum;
+}
+
+}  // namespace nscdd
