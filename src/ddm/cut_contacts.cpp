@@ -2,6 +2,7 @@
 #include "ddm/cut_contacts.hpp"
 
 #include "core/fail.hpp"
+#include "core/sum_of_parts.hpp"
 #include "linalg/sparse_entries.hpp"
 #include "linalg/threads.hpp"
 
@@ -12,25 +13,6 @@
 
 namespace nscdd {
 namespace {
-
-template <int D>
-using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
-
-// Which zeros off the diagonal of blocks are stored.
-enum class Zeros { stored, left_out };
-
-// Blocks of contacts on the columns of a subdomain.
-template <int D>
-SparseMatrix blocks_of(const Subdomain& subdomain, const Blocks<D>& blocks, Zeros zeros) {
-  SparseEntries entries;
-  for (Index k = 0; k < count(subdomain.contacts); k += D) {
-    const auto& block = blocks[at(subdomain.contacts[at(k)] / D)];
-    for (Index i = 0; i < D; ++i)
-      for (Index j = 0; j < D; ++j)
-        if (zeros == Zeros::stored || i == j || block(i, j) != 0) entries.add(k + i, k + j, block(i, j));
-  }
-  return entries.matrix(count(subdomain.contacts), count(subdomain.contacts));
-}
 
 // The root of what Stage 2 sees of a block of E: of its diagonal and, in space, of the symmetric part of its tangential
 // block.
@@ -49,35 +31,56 @@ Eigen::Matrix<double, D, D> root_of(const Eigen::Matrix<double, D, D>& e) {
   return root;
 }
 
-// The contacts that Stage 2 sees, as links of flexibility 1: the columns of H times the roots of their conductances.
-template <int D>
-Decomposition stage_two(const Decomposition& parts, const Blocks<D>& e, InterfaceNetwork network) {
-  double sum = 0;
-  Index carrying = 0;
-  for (const auto& block : e)
-    if (block(0, 0) > 0) {
-      sum += block(0, 0);
-      ++carrying;
-    }
-  const double mean = carrying > 0 ? sum / static_cast<double>(carrying) : 0;
-  Blocks<D> roots;
-  for (const auto& block : e)
-    roots.push_back(network == InterfaceNetwork::all ? std::sqrt(mean) * Eigen::Matrix<double, D, D>::Identity()
-                                                     : root_of<D>(block));
-  Decomposition result = parts;
-  for (Subdomain& subdomain : result.subdomains)
-    subdomain.h = subdomain.h * blocks_of<D>(subdomain, roots, Zeros::left_out);
-  return result;
-}
-
 }  // namespace
 
 template <int D>
 CutContacts<D>::CutContacts(Decomposition parts, const CutOptions& options)
     : parts_(std::move(parts)), options_(options), lu_(parts_.subdomains.size()) {
   if (parts_.contacts % D != 0) fail("contacts: expected {} columns for each, met {} columns", D, parts_.contacts);
+  Index first = std::numeric_limits<Index>::max();  // of the columns of this process
+  for (const Subdomain& subdomain : parts_.subdomains)
+    if (!subdomain.contacts.empty()) first = std::min(first, subdomain.contacts.front());
+  for (const Subdomain& subdomain : parts_.subdomains) {
+    own_.push_back(subdomain.contacts);
+    for (Index& column : own_.back()) column -= first;
+  }
   if (parts_.interface_size() > 0 && options_.network == InterfaceNetwork::none)
     preconditioner_ = InterfaceFamily(parts_, 0).at(infinity);  // X, whatever the relations are
+}
+
+// Blocks of contacts on the columns of a subdomain.
+template <int D>
+SparseMatrix CutContacts<D>::blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const {
+  const std::vector<Index>& own = own_[at(subdomain)];
+  SparseEntries entries;
+  for (Index k = 0; k < count(own); k += D) {
+    const auto& block = blocks[at(own[at(k)] / D)];
+    for (Index i = 0; i < D; ++i)
+      for (Index j = 0; j < D; ++j)
+        if (zeros == Zeros::stored || i == j || block(i, j) != 0) entries.add(k + i, k + j, block(i, j));
+  }
+  return entries.matrix(count(own), count(own));
+}
+
+// The contacts that Stage 2 sees, as links of flexibility 1: the columns of H times the roots of their conductances.
+template <int D>
+Decomposition CutContacts<D>::stage_two() const {
+  const bool all = options_.network == InterfaceNetwork::all;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(2, count(own_));  // of contacts that carry: their sum and their number
+  for (Index i = 0; i < count(own_); ++i)
+    for (Index k = 0; k < count(own_[at(i)]); k += D)
+      if (const double e = e_[at(own_[at(i)][at(k)] / D)](0, 0); e > 0) normal.col(i) += Eigen::Vector2d(e, 1);
+  const Vector sum = sum_of_parts(std::move(normal), processes());
+  const double mean = sum[1] > 0 ? sum[0] / sum[1] : 0;
+  Blocks roots;
+  for (const auto& block : e_)
+    roots.push_back(all ? std::sqrt(mean) * Eigen::Matrix<double, D, D>::Identity() : root_of<D>(block));
+  Decomposition result = parts_;
+  for (Index i = 0; i < count(own_); ++i) {
+    Subdomain& subdomain = result.subdomains[at(i)];
+    subdomain.h = subdomain.h * blocks_of(i, roots, Zeros::left_out);
+  }
+  return result;
 }
 
 template <int D>
@@ -92,16 +95,15 @@ bool CutContacts<D>::factorise(std::vector<ContactRelation<D>> relations) {
     const Subdomain& subdomain = parts_.subdomains[at(i)];
     if (subdomain.grains.empty()) return;  // it has no contact, or another process has it
     // Zeros are stored, so that all matrices have one pattern.
-    SparseMatrix k = subdomain.h * blocks_of<D>(subdomain, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
+    SparseMatrix k = subdomain.h * blocks_of(i, e_, Zeros::stored) * SparseMatrix(subdomain.h.transpose());
     k.diagonal() += subdomain.inertia;
     k.makeCompressed();
     if (!lu_[at(i)]) lu_[at(i)].emplace(k);
     regular[at(i)] = lu_[at(i)]->factorise(k);
   });
-  symmetric_ = std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); });
+  symmetric_ = !processes().any(!std::ranges::all_of(e_, [](const auto& block) { return block == block.transpose(); }));
   if (parts_.interface_size() > 0 && options_.network != InterfaceNetwork::none)
-    preconditioner_ =
-        InterfaceFamily(stage_two<D>(parts_, e_, options_.network), 0, options_.inertia).at(options_.flexibility);
+    preconditioner_ = InterfaceFamily(stage_two(), 0, options_.inertia).at(options_.flexibility);
   return !processes().any(std::ranges::count(regular, 0) > 0);
 }
 
@@ -166,7 +168,7 @@ Vector CutContacts<D>::solve(const Vector& b) {
   for (Index c = 0; c < count(relations_); ++c)
     r.segment<D>(D * c) = relations_[at(c)].p.inverse() * b.segment<D>(D * c);
   std::vector<Vector> right;
-  for (const Subdomain& subdomain : parts_.subdomains) right.push_back(subdomain.h * r(subdomain.contacts));
+  for (std::size_t i = 0; i < own_.size(); ++i) right.push_back(parts_.subdomains[i].h * r(own_[i]));
   std::vector<Vector> v = velocities(right);
   if (parts_.interface_size() > 0) {
     const LinearMap system = [this](const Vector& f) { return apply(f); };
@@ -184,14 +186,12 @@ Vector CutContacts<D>::solve(const Vector& b) {
   }
   Vector caused = Vector::Zero(b.size());  // E H_E^T V_E
   for (std::size_t i = 0; i < parts_.subdomains.size(); ++i) {
-    const Subdomain& subdomain = parts_.subdomains[i];
-    const Vector u = subdomain.h.transpose() * v[i];
-    for (Index k = 0; k < count(subdomain.contacts); k += D) {
-      const Index c = subdomain.contacts[at(k)] / D;
+    const Vector u = parts_.subdomains[i].h.transpose() * v[i];
+    for (Index k = 0; k < count(own_[i]); k += D) {
+      const Index c = own_[i][at(k)] / D;
       caused.segment<D>(D * c) = e_[at(c)] * u.segment<D>(k);
     }
   }
-  processes().add_up({caused.data(), at(caused.size())});  // a contact has its part in one process
   return r - caused;
 }
 

@@ -24,13 +24,14 @@ struct CutOptions {
 ///            P = sum_E A_E (M_E + H_E D H_E^T / c)^-1 A_E^T
 /// where D is the diagonal of E: X_eta with eta = c alpha on the active contacts. In space D keeps the symmetric part
 /// of the tangential blocks of E, for a contact that slides resists across its direction and not along it. Then r =
-/// P^-1 b - E H_E^T V_E. No bit depends on the number of threads. Several processes each have their own subdomains, and
-/// vectors of all contacts and of the whole interface: they make the same calls together and get the same bits. With no
-/// network in Stage 2 these are the bits of one process; with one, the factor that they share rounds otherwise.
+/// P^-1 b - E H_E^T V_E. No bit depends on the number of threads. Several processes each have their own subdomains with
+/// their contacts, and vectors of the whole interface: they make the same calls together. With no network in Stage 2
+/// the answers have the bits of one process; with one, the factor that they share rounds otherwise.
 template <int D>
 class CutContacts {
  public:
-  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side.
+  /// `parts`: a decomposition of a problem with D columns per contact, normal and tangential, side by side. Of several
+  /// processes each has its own, see decompose_own, and its relations and vectors are those of its own contacts.
   CutContacts(Decomposition parts, const CutOptions& options);
 
   /// As ContactMatrix::factorise.
@@ -63,10 +64,17 @@ class CutContacts {
   const Processes& processes() const { return parts_.interface.processes(); }
   std::vector<Vector> velocities(const std::vector<Vector>& impulses) const;  // K_E^-1 of them
 
+  using Blocks = std::vector<Eigen::Matrix<double, D, D>>;
+  // Which zeros off the diagonal of blocks are stored.
+  enum class Zeros { stored, left_out };
+  SparseMatrix blocks_of(Index subdomain, const Blocks& blocks, Zeros zeros) const;
+  Decomposition stage_two() const;
+
   Decomposition parts_;
   CutOptions options_;
+  std::vector<std::vector<Index>> own_;  // for each column of H_E the component of the vectors of this process
   std::vector<ContactRelation<D>> relations_;
-  std::vector<Eigen::Matrix<double, D, D>> e_;
+  Blocks e_;
   std::vector<std::optional<SparseLu>> lu_;
   std::optional<InterfaceOperator> preconditioner_;
   bool symmetric_ = false;

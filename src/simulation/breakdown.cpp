@@ -30,7 +30,7 @@ std::optional<std::string> words_of_first(const Processes& all, double merit, co
 template <int D>
 std::string describe_breakdown(const Simulation& before, const SolvedStep<D>& step) {
   constexpr double none = -std::numeric_limits<double>::infinity();
-  const Processes all = sharing(before, step.share);
+  const Processes& all = before.processes;
   const auto place = [](const auto& point) { return fmt::format("({:.6g}) m", fmt::join(point, ", ")); };
   const auto name = [&](const StepContact& c) {
     return fmt::format("contact of {} and {} at {}", body_name(before.system, c.a), body_name(before.system, c.b),

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulation/simulation.hpp"
 
+#include "simulation/contact_solver_step.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "simulation/undivided_step.hpp"
 
 #include <fmt/format.h>
 
@@ -75,41 +75,44 @@ bool at_rest(const std::vector<double>& speeds, double rest_speed) {
 }  // namespace
 
 template <int D>
-PreparedStep<D> prepare_solution(const Simulation& simulation) {
+DividedStep<D> divide_step(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   const StepSolver& solver = dynamics.solver;
-  if (!simulation.processes.alone() && (!decomposes(solver.algorithm) || switches_models(simulation)))
+  const Processes& all = simulation.processes;
+  if (!all.alone() && (!decomposes(solver.algorithm) || switches_models(simulation)))
     throw Error("processes: expected an algorithm that decomposes where several of them share a step, met another");
-  StepReport report;
-  auto [own, parts] = simulation.processes.together([&] {
-    StepShare<D> share;
-    if (shares_steps(simulation)) {
-      share = share_step<D>(simulation);
+  return all.together([&] {
+    StepShare<D> own;
+    if (all.alone()) {
+      own.problem = checked_problem<D>(simulation);
+      own.partition = partition_step(simulation, own.problem);
     } else {
-      share.problem = checked_problem<D>(simulation);
-      share.partition = partition_step(simulation, share.problem);
+      own = share_step<D>(simulation);
     }
-    StepProblem<D>& problem = share.problem;
-    const Processes all = sharing(simulation, share.of_step);
-    const Vector sums = sums_over_contacts(share.partition, 2, all, [&](std::size_t k, auto&& sum) {
+    DividedStep<D> step{std::move(own.problem), std::move(own.partition), std::move(own.of_step), {}, {}};
+    const Vector sums = sums_over_contacts(step.partition, 2, all, [&](Index k, auto&& sum) {
       sum[0] += 1;
-      sum[1] += 1 / problem.contacts[k].inverse_w.inverse_n;
+      sum[1] += 1 / step.problem.contacts[at(k)].inverse_w.inverse_n;
     });
-    set_scale(problem, dynamics.interaction, sums[1] / std::max(1.0, sums[0]));
-    report.contacts = static_cast<Index>(sums[0]);
+    set_scale(step.problem, dynamics.interaction, sums[1] / std::max(1.0, sums[0]));
     const auto seed = static_cast<std::uint64_t>(solver.seed + simulation.state.step);
-    GranularDecomposition<D> cut =
-        decompose(problem, share.partition, solver.order, seed, share.of_step.process_of_subdomain, all);
-    return std::pair(std::move(share), std::move(cut));
+    step.parts = decompose(step.problem, step.partition, solver.order, seed, step.share.process_of_subdomain, all);
+    step.report.contacts = static_cast<Index>(sums[0]);
+    step.report.interface_size = step.parts.interface_size();
+    step.report.scale = step.problem.scale;
+    return step;
   });
-  StepProblem<D>& problem = own.problem;
-  report.interface_size = parts.interface_size();
-  report.scale = problem.scale;
+}
+
+template <int D>
+PreparedStep<D> prepare_solution(const Simulation& simulation) {
+  const StepSolver& solver = simulation.dynamics.solver;
+  auto [problem, partition, share, report, parts] = divide_step<D>(simulation);
   std::optional<InterfaceOperator> enriched;
   if (solver.algorithm == StepAlgorithm::enriched && parts.interface_size() > 0) {
-    report.eta = solver.eta.optimal ? best_eta(simulation, problem, own.partition, own.of_step)
-                                    : solver.eta.value.at_scale(problem.scale);
-    enriched = enriched_operator(simulation, problem, own.partition, report.eta, own.of_step);
+    report.eta =
+        solver.eta.optimal ? best_eta(simulation, problem, partition, share) : solver.eta.value.at_scale(problem.scale);
+    enriched = enriched_operator(simulation, problem, partition, report.eta, share);
   }
   GranularTwoStage<D> iteration(std::move(parts), problem.law, solver, enriched);
   iteration.start(solver.warm_start ? simulation.state.gluing : std::vector<RememberedGluing>{});
@@ -120,22 +123,11 @@ PreparedStep<D> prepare_solution(const Simulation& simulation) {
     iteration.switch_models(solver.warm_start ? simulation.state.models : std::vector<RememberedModel>{}, problem.scale,
                             grains);
   }
-  return {std::move(problem),  std::move(own.partition), std::move(own.of_step), std::move(enriched), report,
+  return {std::move(problem),  std::move(partition), std::move(share), std::move(enriched), report,
           std::move(iteration)};
 }
 
 namespace {
-
-// How well the contacts obey their law with the velocities that are kept, subdomain by subdomain.
-template <int D>
-ContactResidual residual_of_subdomains(const SolvedStep<D>& step, const Processes& all) {
-  std::vector<std::vector<GrainContact<D>>> contacts(at(step.partition.subdomains));
-  for (std::size_t k = 0; k < step.contacts.size(); ++k)
-    contacts[at(step.partition.subdomain_of_contact[k])].push_back(step.contacts[k]);
-  std::vector<ContactResidual> residuals;
-  for (const auto& own : contacts) residuals.push_back(contact_residual(step.problem.law, own, step.velocities));
-  return added_up(residuals, all);
-}
 
 // The iterations of a prepared step, until they end.
 template <int D>
@@ -179,7 +171,8 @@ void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulati
   step.velocities = std::move(velocities);
   if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
     const double scale = report.residual.impulses;
-    report.residual = residual_of_subdomains(step, sharing(simulation, step.share));
+    report.residual =
+        residual_of_subdomains(step.problem.law, step.partition, step.contacts, step.velocities, simulation.processes);
     report.residual.impulses = scale;
   }
   step.gluing = iteration.gluing();
@@ -192,28 +185,36 @@ void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulati
 template <int D>
 SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink) {
   const auto begin = Clock::now();
-  PreparedStep<D> prepared = prepare_solution<D>(simulation);
   SolvedStep<D> step;
-  step.problem = std::move(prepared.problem);
-  step.partition = std::move(prepared.partition);
-  step.share = std::move(prepared.share);
-  StepReport& report = step.report = prepared.report;
-  report.setup_seconds = seconds_since(begin);
-  if (is_contact_solver(simulation.dynamics.solver.algorithm))
-    solve_undivided(step, simulation, sink);
-  else
+  StepReport& report = step.report;
+  const auto take = [&](auto& prepared, const Interface& interface) {
+    step.problem = std::move(prepared.problem);
+    step.partition = std::move(prepared.partition);
+    step.share = std::move(prepared.share);
+    step.shared_grains = shared_grains(interface);
+    report = prepared.report;
+    report.setup_seconds = seconds_since(begin);
+  };
+  if (is_contact_solver(simulation.dynamics.solver.algorithm)) {
+    DividedStep<D> prepared = divide_step<D>(simulation);
+    take(prepared, prepared.parts.interface);
+    solve_by_contact_solver(step, std::move(prepared.parts), simulation, sink);
+  } else {
+    PreparedStep<D> prepared = prepare_solution<D>(simulation);
+    take(prepared, prepared.iteration.parts().interface);
     iterate(step, prepared.iteration, simulation, sink);
+  }
   if (report.status == SolverStatus::given_up) return step;
-  const Processes all = sharing(simulation, step.share);
+  const Processes& all = simulation.processes;
   step.all_grains = velocities_of_grains(simulation, step.problem, step.velocities, all);
-  const Vector sums = sums_over_contacts(step.partition, 5, all, [&](std::size_t k, auto&& sum) {
-    const GrainContact<D>& c = step.contacts[k];
+  const Vector sums = sums_over_contacts(step.partition, 5, all, [&](Index k, auto&& sum) {
+    const GrainContact<D>& c = step.contacts[at(k)];
     const ContactWork work = work_of(step.problem, c, step.velocities);
     sum[0] += work.boundary;
     sum[1] += work.dissipation;
     sum[2] += c.impulse.n * std::max(0.0, -c.bias.n);
-    sum[3] += std::max(0.0, -step.problem.geometry[k].gap);
-    sum[4] += step.problem.geometry[k].gap < 0;
+    sum[3] += std::max(0.0, -step.problem.geometry[at(k)].gap);
+    sum[4] += step.problem.geometry[at(k)].gap < 0;
   });
   step.work = {sums[0], sums[1]};
   report.overlap = interpenetration(simulation.system, step.problem.geometry);
@@ -250,7 +251,7 @@ StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   state.gluing = step.gluing;
   state.models = step.models;
   state.process_of_subdomain = step.share.process_of_subdomain;
-  state.subdomains = subdomains_to_remember(step.problem, step.partition, step.gluing, sharing(simulation, step.share));
+  state.subdomains = subdomains_to_remember(step.problem, step.partition, step.shared_grains, simulation.processes);
   report.time = state.time;
   return report;
 }
@@ -280,9 +281,11 @@ RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::ve
   return {at_rest(speeds, time.rest_speed) ? RunEnd::at_rest : RunEnd::completed};
 }
 
+template DividedStep<2> divide_step(const Simulation&);
 template PreparedStep<2> prepare_solution(const Simulation&);
 template SolvedStep<2> solve_step(const Simulation&, const IterationSink&);
 template StepReport take_step(Simulation&, const SolvedStep<2>&);
+template DividedStep<3> divide_step(const Simulation&);
 template PreparedStep<3> prepare_solution(const Simulation&);
 template SolvedStep<3> solve_step(const Simulation&, const IterationSink&);
 template StepReport take_step(Simulation&, const SolvedStep<3>&);

@@ -104,6 +104,7 @@ struct SolvedStep {
   std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
   std::vector<GrainUnknowns<D>> all_grains;  ///< velocities of all grains
   ContactWork work;                          ///< of all contacts
+  std::vector<Index> shared_grains;          ///< by subdomains, ascending
   std::vector<RememberedGluing> gluing;
   std::vector<RememberedModel> models;
   Vector interface_impulses;
@@ -111,9 +112,21 @@ struct SolvedStep {
   StepReport report;
 };
 
-/// The next step of a simulation, or the share that this process has of it, ready to be iterated. Throws Error as
+/// The next step of a simulation, or the share that this process has of it, cut into subdomains. Throws Error as
 /// prepare_step does, naming both bodies if two overlap by more than `largest_overlap`, and for a system of another
 /// dimension than D.
+template <int D>
+struct DividedStep {
+  StepProblem<D> problem;
+  Partition partition;  ///< of its contacts
+  ShareOfStep share;    ///< empty where this process has all of the step
+  StepReport report;    ///< what is known by now
+  GranularDecomposition<D> parts;
+};
+template <int D>
+DividedStep<D> divide_step(const Simulation& simulation);
+
+/// The same ready to be iterated by Algorithm 1.
 template <int D>
 struct PreparedStep {
   StepProblem<D> problem;

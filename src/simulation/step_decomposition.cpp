@@ -75,21 +75,14 @@ std::vector<char> expected_columns(const Simulation& simulation, const StepProbl
 template <int D>
 Decomposition linear_decomposition(const Simulation& simulation, const StepProblem<D>& problem,
                                    const Partition& partition, const ShareOfStep& share) {
-  const Processes& processes = simulation.processes;
   const Index disks = simulation.system.disks();
   if (!share.process_of_subdomain.empty()) {
     const auto behind = std::ranges::lower_bound(problem.numbers, static_cast<std::int32_t>(disks));
     const std::vector<Index> grains(problem.numbers.begin(), behind);  // bodies of walls are behind these
     return decompose_own(reference_problem(problem, count(grains)), partition_of_columns(partition, D), grains,
-                         share.process_of_subdomain, processes);
+                         share.process_of_subdomain, simulation.processes);
   }
-  const ReferenceProblem whole = reference_problem(problem, disks);
-  Decomposition parts = cut(whole, partition_of_columns(partition, D));
-  if (!processes.alone()) {
-    const std::vector<Index> dealt = deal_out(parts.interface, partition, processes.size);
-    parts = of_process(std::move(parts), dealt, processes);
-  }
-  return with_matrices(std::move(parts), whole);
+  return decompose(reference_problem(problem, disks), partition_of_columns(partition, D));
 }
 
 InertiaMethod stage_two_inertia(const Simulation& simulation) {

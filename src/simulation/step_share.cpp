@@ -83,14 +83,6 @@ std::vector<std::int32_t> grains_of(const std::vector<StepContact>& contacts, In
 
 }  // namespace
 
-bool shares_steps(const Simulation& simulation) {
-  return !simulation.processes.alone() && !is_contact_solver(simulation.dynamics.solver.algorithm);
-}
-
-Processes sharing(const Simulation& simulation, const ShareOfStep& share) {
-  return share.process_of_subdomain.empty() ? Processes() : simulation.processes;
-}
-
 template <int D>
 StepShare<D> share_step(const Simulation& simulation) {
   check_system(simulation, D);
@@ -141,15 +133,20 @@ StepProblem<D> whole_step(const Simulation& simulation) {
   return prepare_step<D>(simulation.system, state, dynamics.interaction, dynamics.time, dynamics.solver.warm_start);
 }
 
+std::vector<Index> shared_grains(const Interface& interface) {
+  std::vector<Index> grains;
+  for (const Gluing& row : interface.gluing())
+    if (grains.empty() || grains.back() != row.grain) grains.push_back(row.grain);
+  return grains;
+}
+
 template <int D>
 std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,
-                                                        const std::vector<RememberedGluing>& gluing,
+                                                        const std::vector<Index>& shared_grains,
                                                         const Processes& processes) {
   std::vector<RememberedSubdomain> known = subdomains_to_remember(problem.geometry, partition);
   if (processes.alone()) return known;
-  const auto shared = [&](Index grain) {
-    return std::ranges::binary_search(gluing, grain, {}, &RememberedGluing::grain);
-  };
+  const auto shared = [&](Index grain) { return std::ranges::binary_search(shared_grains, grain); };
   std::set<Index> own;
   std::vector<double> numbers;
   for (const auto& [a, b, subdomain] : known) {
@@ -163,6 +160,18 @@ std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& pr
       known.push_back({static_cast<Index>(numbers[k]), static_cast<Index>(numbers[k + 1]), e});
   std::ranges::sort(known, {}, ends_of);
   return known;
+}
+
+template <int D>
+ContactResidual residual_of_subdomains(const ContactLaw& law, const Partition& partition,
+                                       const std::vector<GrainContact<D>>& contacts,
+                                       const std::vector<GrainVelocity<D>>& velocities, const Processes& processes) {
+  std::vector<std::vector<GrainContact<D>>> of_subdomain(at(partition.subdomains));
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    of_subdomain[at(partition.subdomain_of_contact[k])].push_back(contacts[k]);
+  std::vector<ContactResidual> residuals;
+  for (const auto& own : of_subdomain) residuals.push_back(contact_residual(law, own, velocities));
+  return added_up(residuals, processes);
 }
 
 template <int D>
@@ -192,18 +201,22 @@ std::vector<GrainUnknowns<D>> velocities_of_grains(const Simulation& before, con
   return result;
 }
 
+template ContactResidual residual_of_subdomains(const ContactLaw&, const Partition&,
+                                                const std::vector<GrainContact<2>>&,
+                                                const std::vector<GrainVelocity<2>>&, const Processes&);
 template StepShare<2> share_step(const Simulation&);
 template StepProblem<2> whole_step(const Simulation&);
 template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<2>&, const Partition&,
-                                                                 const std::vector<RememberedGluing>&,
-                                                                 const Processes&);
+                                                                 const std::vector<Index>&, const Processes&);
 template std::vector<GrainUnknowns<2>> velocities_of_grains(const Simulation&, const StepProblem<2>&,
                                                             const std::vector<GrainVelocity<2>>&, const Processes&);
+template ContactResidual residual_of_subdomains(const ContactLaw&, const Partition&,
+                                                const std::vector<GrainContact<3>>&,
+                                                const std::vector<GrainVelocity<3>>&, const Processes&);
 template StepShare<3> share_step(const Simulation&);
 template StepProblem<3> whole_step(const Simulation&);
 template std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<3>&, const Partition&,
-                                                                 const std::vector<RememberedGluing>&,
-                                                                 const Processes&);
+                                                                 const std::vector<Index>&, const Processes&);
 template std::vector<GrainUnknowns<3>> velocities_of_grains(const Simulation&, const StepProblem<3>&,
                                                             const std::vector<GrainVelocity<3>>&, const Processes&);
 

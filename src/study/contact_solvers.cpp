@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "simulation/contact_solver_step.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "simulation/undivided_step.hpp"
 #include "study/solver_trial.hpp"
 #include "study/study.hpp"
 

@@ -6,34 +6,64 @@
 
 #include <doctest/doctest.h>
 
+#include <numeric>
+
 using namespace nscdd;
 using namespace nscdd::testing;
 
 namespace {
 
-// The same cut, with the subdomains of this process alone.
-CutContacts<2> shared_cut(const Cut& one, CutOptions options) {
-  const Processes all = mpi::processes_of(MPI_COMM_WORLD);
-  options.inertia = mpi::multifrontal(MPI_COMM_WORLD);
-  Decomposition parts = one.parts;
-  if (!all.alone()) parts = of_process(one.parts, deal_out(one.parts, all.size), all);
-  return {std::move(parts), options};
+const Processes& all() {
+  static const Processes processes = mpi::processes_of(MPI_COMM_WORLD);
+  return processes;
 }
+
+// The same cut with the subdomains of this process and their contacts alone.
+struct Shared {
+  explicit Shared(const Cut& one) : process_of(deal_out(one.parts, all().size)) {
+    for (Index column = 0; column < one.parts.contacts; ++column)
+      if (process_of[at(one.partition.subdomain_of_contact[at(column)])] == all().rank) columns.push_back(column);
+  }
+
+  CutContacts<2> cut(const Cut& one, CutOptions options) const {
+    options.inertia = mpi::multifrontal(MPI_COMM_WORLD);
+    ReferenceProblem own = one.problem;
+    own.h.resize(one.problem.h.rows(), count(columns));
+    Partition partition{.subdomains = one.partition.subdomains, .subdomain_of_contact = {}};
+    SparseMatrix chosen(one.parts.contacts, count(columns));
+    for (Index k = 0; k < count(columns); ++k) {
+      chosen.insert(columns[at(k)], k) = 1;
+      partition.subdomain_of_contact.push_back(one.partition.subdomain_of_contact[at(columns[at(k)])]);
+    }
+    own.h = one.problem.h * chosen;
+    std::vector<Index> numbers(at(one.problem.inertia.size() / 3));
+    std::iota(numbers.begin(), numbers.end(), Index{0});
+    return {decompose_own(own, partition, numbers, process_of, all()), options};
+  }
+  std::vector<ContactRelation<2>> of(const std::vector<ContactRelation<2>>& relations) const {
+    std::vector<ContactRelation<2>> own;
+    for (std::size_t k = 0; k < columns.size(); k += 2) own.push_back(relations[at(columns[k] / 2)]);
+    return own;
+  }
+
+  std::vector<Index> process_of, columns;
+};
 
 }  // namespace
 
 TEST_CASE("shared: linear systems of contacts have the solutions of one process, without a network their bits") {
   RandomStream stream(3);
   const Cut one = cut_lattice({4, 2});
+  const Shared shared(one);
   for (const bool slides : {false, true})
     for (const InterfaceNetwork network : {InterfaceNetwork::none, InterfaceNetwork::all, InterfaceNetwork::active}) {
       const CutOptions options{.network = network, .tolerance = 1e-12};
-      CutContacts<2> alone(one.parts, options), together = shared_cut(one, options);
+      CutContacts<2> alone(one.parts, options), together = shared.cut(one, options);
       const std::vector<ContactRelation<2>> relation = relations(one.parts.contacts / 2, 1e-3, slides);
       REQUIRE(alone.factorise(relation));
-      REQUIRE(together.factorise(relation));
+      REQUIRE(together.factorise(shared.of(relation)));
       const Vector b = random_vector(stream, one.parts.contacts);
-      const Vector expected = alone.solve(b), found = together.solve(b);
+      const Vector expected = alone.solve(b)(shared.columns), found = together.solve(b(shared.columns));
       CHECK((found - expected).norm() < 1e-8 * expected.norm());
       if (network == InterfaceNetwork::none) CHECK(found == expected);
       CHECK(together.dense() == alone.dense());
@@ -50,17 +80,18 @@ TEST_CASE("shared: linear systems of contacts have the solutions of one process,
 TEST_CASE("shared: all processes know the sign of the determinant, and whether one of them failed to factorise") {
   RandomStream stream(13);
   const Cut one = cut_lattice({4, 2});
+  const Shared shared(one);
   int negative = 0;
   for (int trial = 0; trial < 30; ++trial) {
     std::vector<ContactRelation<2>> relation = relations(one.parts.contacts / 2, 0.1, true);
     for (ContactRelation<2>& each : relation)  // sliding with frictions that turn the determinant now and then
       if (each.p(1, 0) != 0) each.p(1, 0) = 6 * random_of(stream);
-    CutContacts<2> alone(one.parts, {.tolerance = 1e-10}), together = shared_cut(one, {.tolerance = 1e-10});
+    CutContacts<2> alone(one.parts, {.tolerance = 1e-10}), together = shared.cut(one, {.tolerance = 1e-10});
     REQUIRE(alone.factorise(relation));
-    REQUIRE(together.factorise(relation));
+    REQUIRE(together.factorise(shared.of(relation)));
     const Vector b = random_vector(stream, one.parts.contacts);
     alone.solve(b);
-    together.solve(b);
+    together.solve(b(shared.columns));
     CHECK(together.determinant_sign() == alone.determinant_sign());
     negative += alone.determinant_sign() < 0;
   }
@@ -68,6 +99,6 @@ TEST_CASE("shared: all processes know the sign of the determinant, and whether o
   // A relation that cannot be factorised, of a contact that one process has.
   std::vector<ContactRelation<2>> relation(at(one.parts.contacts / 2));
   relation[at(one.parts.subdomains.back().contacts.front() / 2)].q(0, 0) = not_a_number;
-  CutContacts<2> together = shared_cut(one, {.network = InterfaceNetwork::none});
-  CHECK(!together.factorise(relation));
+  CutContacts<2> together = shared.cut(one, {.network = InterfaceNetwork::none});
+  CHECK(!together.factorise(shared.of(relation)));
 }

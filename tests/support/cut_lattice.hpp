@@ -38,6 +38,8 @@ inline std::vector<ContactRelation<2>> relations(Index contacts, double alpha, b
 struct Cut {
   Decomposition parts;
   SparseMatrix w;  // H^T M^-1 H of the undivided step
+  ReferenceProblem problem = {};
+  Partition partition = {};  // of its columns
 };
 inline Cut cut_lattice(std::array<Index, 2> grid) {
   Dynamics dynamics = tight();
@@ -46,7 +48,8 @@ inline Cut cut_lattice(std::array<Index, 2> grid) {
   const StepProblem<2> problem = checked_problem<2>(simulation);
   const ReferenceProblem whole = reference_problem(problem, simulation.system.disks());
   const SparseMatrix scaled = scaled_connectivity(whole.inertia, whole.h);
-  return {decompose(whole, partition_of_columns(partition_step(simulation, problem), 2)), scaled.transpose() * scaled};
+  const Partition partition = partition_of_columns(partition_step(simulation, problem), 2);
+  return {decompose(whole, partition), scaled.transpose() * scaled, whole, partition};
 }
 
 }  // namespace nscdd::testing

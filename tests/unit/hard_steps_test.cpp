@@ -4,7 +4,7 @@
 #include "../support/moving_case.hpp"
 #include "formats/case_file.hpp"
 #include "simulation/step_decomposition.hpp"
-#include "simulation/undivided_step.hpp"
+#include "simulation/contact_solver_step.hpp"
 #include "study/lead_in.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 

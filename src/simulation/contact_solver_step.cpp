@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulation/undivided_step.hpp"
+#include "simulation/contact_solver_step.hpp"
 
-#include "ddm/cut_contacts.hpp"
+#include "ddm/divided_contacts.hpp"
 #include "mechanics/contact_solvers/contact_blocks.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
+#include "simulation/contact_colours.hpp"
 #include "simulation/step_decomposition.hpp"
 
 #include <chrono>
@@ -92,45 +93,56 @@ LocalFrictionProblem contact_problem(const StepProblem<D>& step, const GranularS
 }
 
 template <int D>
-void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const IterationSink& sink) {
+void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts, const Simulation& simulation,
+                             const IterationSink& sink) {
   const StepSolver& solver = simulation.dynamics.solver;
   const StepProblem<D>& problem = step.problem;
   StepReport& report = step.report;
   const auto start = Clock::now();
-  const LocalFrictionProblem contacts = contact_problem(problem, simulation.system);
+  const Processes& all = simulation.processes;
+  std::optional<LocalFrictionProblem> stored;
   std::optional<CutContacts<D>> cut;
-  ContactProblem<D> solved = stored_contacts<D>(contacts);
+  std::optional<DividedContacts<D>> divided;
+  ContactProblem<D> contacts;
   if (decomposes(solver.algorithm)) {
-    cut.emplace(linear_decomposition(simulation, problem, step.partition),
+    cut.emplace(linear_decomposition(simulation, problem, step.partition, step.share),
                 cut_options(solver, stage_two_inertia(simulation)));
     const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
-    solved.rows = nullptr;
-    solved.couplings = [&cut, admm, product = solved.product] {
-      return cut_couplings(*cut, admm ? Refinement::none : Refinement::one_step, product);
-    };
+    divided.emplace(problem, std::move(parts), contact_colours(simulation, problem));
+    contacts = contact_problem(*divided, step.partition, *cut, admm ? Refinement::none : Refinement::one_step);
+  } else {
+    parts = {};  // one subdomain, of no use here
+    stored = contact_problem(problem, simulation.system);
+    contacts = stored_contacts<D>(*stored);
   }
+  // Contacts and velocities of the bodies for impulses r + pull, and how well they obey the law.
+  const auto take = [&](const Vector& shifted) {
+    step.contacts = with_impulses(problem.contacts, shifted);
+    step.velocities = divided ? divided->velocities(shifted) : velocities_of(problem, step.contacts);
+    report.residual = residual_of_subdomains(problem.law, step.partition, step.contacts, step.velocities, all);
+  };
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count() - looking; };
   const auto look = [&](const Vector& shifted) {
     const double before = seconds();
-    const std::vector<GrainContact<D>> found = with_impulses(problem.contacts, shifted);
-    report.residual = contact_residual(problem.law, found, velocities_of(problem, found));
+    take(shifted);
+    const auto changes = static_cast<double>(changes_of(statuses, statuses_of(problem.law, step.contacts)));
     sink.row({.step = simulation.state.step + 1,
               .record = report.last,
               .residual = report.residual,
-              .status_changes = changes_of(statuses, statuses_of(problem.law, found)),
+              .status_changes = static_cast<Index>(all.sum(changes)),
               .factorisations = report.factorisations,
               .interface_iterations = cut ? cut->work().iterations : 0,
               .seconds = before});
     looking += seconds() - before;
   };
   const FrictionSolution solution =
-      solve_contacts(solved, options_of(solver), shifted_impulses(problem), [&](const FrictionSolution& check) {
+      solve_contacts(contacts, options_of(solver), shifted_impulses(problem), [&](const FrictionSolution& check) {
         report.last = {.iteration = report.last.iteration + 1,
                        .sweeps = check.sweeps,
                        .zeta = not_a_number,
-                       .impulses = check.impulses.squaredNorm()};
+                       .impulses = contacts.sums.squared_norm(check.impulses)};
         report.factorisations = check.factorisations;
         if (sink.looks_at(report.last.iteration)) look(check.impulses);
         return !sink.goes_on || sink.goes_on();
@@ -139,21 +151,21 @@ void solve_undivided(SolvedStep<D>& step, const Simulation& simulation, const It
   report.factorisations = solution.factorisations;
   if (cut) {
     cut->take_operations();
-    simulation.processes.counts->flops += cut->work().flops;
-    simulation.processes.counts->path_flops += cut->work().path_flops;
+    all.counts->flops += cut->work().flops;
+    all.counts->path_flops += cut->work().path_flops;
     report.interface_systems = cut->work().solves;
     report.interface_iterations = cut->work().iterations;
   }
   if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
   report.status = status_of_step(solution.status);
-  step.contacts = with_impulses(problem.contacts, solution.impulses);
-  step.velocities = velocities_of(problem, step.contacts);
-  report.residual = contact_residual(problem.law, step.contacts, step.velocities);
+  take(solution.impulses);
 }
 
 template LocalFrictionProblem contact_problem(const StepProblem<2>&, const GranularSystem&);
-template void solve_undivided(SolvedStep<2>&, const Simulation&, const IterationSink&);
+template void solve_by_contact_solver(SolvedStep<2>&, GranularDecomposition<2>, const Simulation&,
+                                      const IterationSink&);
 template LocalFrictionProblem contact_problem(const StepProblem<3>&, const GranularSystem&);
-template void solve_undivided(SolvedStep<3>&, const Simulation&, const IterationSink&);
+template void solve_by_contact_solver(SolvedStep<3>&, GranularDecomposition<3>, const Simulation&,
+                                      const IterationSink&);
 
 }  // namespace nscdd

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact problems of steps cut into subdomains, against the stored W of the whole step.
+#include "../support/spheres.hpp"
+#include "linalg/random.hpp"
+#include "linalg/threads.hpp"
+#include "mechanics/contact_solvers/contact_solver.hpp"
+#include "simulation/contact_colours.hpp"
+#include "simulation/contact_solver_step.hpp"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <set>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// The next step of a simulation, cut as its solver says, and as a whole.
+template <int D>
+struct Divided {
+  explicit Divided(const Simulation& simulation)
+      : step(divide_step<D>(simulation)),
+        whole(contact_problem(step.problem, simulation.system)),
+        colours(contact_colours(simulation, step.problem)),
+        contacts(step.problem, step.parts, colours) {}
+
+  DividedStep<D> step;
+  LocalFrictionProblem whole;
+  ContactColours colours;
+  DividedContacts<D> contacts;
+};
+
+Dynamics cut_dynamics(const std::string& law, double restitution = 0) {
+  Dynamics dynamics = tight();
+  dynamics.solver.algorithm = "two_stage_newton";
+  dynamics.interaction.law = law;
+  dynamics.interaction.friction = 0.5;
+  dynamics.interaction.cohesion = 20;
+  dynamics.interaction.restitution = dynamics.interaction.tangential_restitution = restitution;
+  return dynamics;
+}
+
+// Contact after contact, colour after colour, on the stored W.
+template <int D>
+Vector literal_sweeps(const Divided<D>& divided, Vector r, Index sweeps, double omega) {
+  const LocalFrictionProblem& whole = divided.whole;
+  for (Index sweep = 0; sweep < sweeps; ++sweep)
+    for (Index colour = 0; colour < divided.colours.number; ++colour)
+      for (Index c = 0; c < whole.contacts(); ++c) {
+        if (divided.colours.of_contact[at(c)] != colour) continue;
+        const Vector u = (whole.w * r + whole.q).template segment<D>(D * c);
+        const FullDelassus<D> w = diagonal_block<D>(whole, c);
+        const LocalVector<D> now = component<D>(r, c),
+                             wanted = Coulomb{}.impulse(stopping(w, now, component<D>(u, 0)), w, whole.friction[c]);
+        set_component(r, c, now + omega * (wanted - now));
+      }
+  return r;
+}
+
+template <int D>
+void check_against_whole(const Simulation& simulation, const std::string& algorithm_of_sweeps) {
+  CAPTURE(algorithm_of_sweeps);
+  Divided<D> divided(simulation);
+  const LocalFrictionProblem& whole = divided.whole;
+  REQUIRE(whole.contacts() > 20);
+  RandomStream random(3);
+  const Vector r = random.normal_vector(whole.size());
+  CHECK((divided.contacts.product(r) - whole.w * r).norm() < 1e-13 * (whole.w * r).norm());
+  CHECK((divided.contacts.free_velocities() - whole.q).norm() < 1e-13 * whole.q.norm());
+  const Vector start = r.cwiseAbs();
+  for (const double omega : {1.0, 0.7}) {
+    const Vector expected = literal_sweeps(divided, start, 3, omega), found = divided.contacts.swept(start, 3, omega);
+    CHECK((found - expected).norm() < 1e-12 * expected.norm());
+    CHECK((expected - start).norm() > 0.1 * start.norm());
+  }
+  // What a solver is given.
+  CutContacts<D> cut(linear_decomposition(simulation, divided.step.problem, divided.step.partition), {});
+  const ContactProblem<D> problem =
+      contact_problem(divided.contacts, divided.step.partition, cut, Refinement::one_step);
+  CHECK(problem.friction == whole.friction);
+  const Vector ones = Vector::Ones(whole.size());
+  CHECK(problem.sums.norm(r) == doctest::Approx(r.norm()));
+  CHECK(problem.sums.dot(r, ones) == doctest::Approx(r.sum()));
+  CHECK(problem.sums.largest(r.cwiseAbs()) == r.cwiseAbs().maxCoeff());
+  for (Index c = 0; c < whole.contacts(); ++c) {
+    CHECK(problem.normal[D * c] == doctest::Approx(whole.w.coeff(D * c, D * c)));
+    const LocalVector<D> v = component<D>(r, c);
+    const double difference = squared(problem.diagonal(c).apply(v) - diagonal_block<D>(whole, c).apply(v)) /
+                              squared(problem.diagonal(c).apply(v));
+    CHECK(difference < 1e-24);
+  }
+}
+
+template <int D>
+void check_colours(const Simulation& simulation, const DividedStep<D>& step, const ContactColours& colours) {
+  std::set<std::pair<Index, Index>> met;  // colour and free grain
+  for (std::size_t c = 0; c < step.problem.geometry.size(); ++c)
+    for (const Index body : {step.problem.geometry[c].a, step.problem.geometry[c].b})
+      if (body < simulation.system.disks() && simulation.system.free(body))
+        CHECK(met.insert({colours.of_contact[c], body}).second);
+}
+
+}  // namespace
+
+TEST_CASE("W of a step that is cut, never formed, is that of the whole step, and so are sweeps by colours") {
+  for (const std::string law : {"coulomb", "frictionless", "cohesive"})
+    for (const double restitution : {0.0, 0.4})
+      for (const std::array<Index, 2> grid : {std::array<Index, 2>{1, 1}, {3, 2}}) {
+        CAPTURE(law);
+        CAPTURE(restitution);
+        const Dynamics dynamics = cut_dynamics(law, restitution);
+        check_against_whole<2>(shaken_lattice(6, 5, dynamics, grid), "disks");
+        check_against_whole<3>(shaken_cube(3, dynamics, {grid[0], grid[1], 1}), "spheres");
+      }
+}
+
+TEST_CASE("the cut of a step changes neither its colours nor, but for rounding, its sweeps") {
+  Vector first;
+  for (const std::array<Index, 2> grid : {std::array<Index, 2>{1, 1}, {4, 1}, {3, 3}}) {
+    Dynamics dynamics = cut_dynamics("coulomb");
+    dynamics.boundaries = {wall("floor", {0, -0.5}, {1, -0.5})};
+    const Simulation simulation = shaken_lattice(12, 9, dynamics, grid);
+    Divided<2> divided(simulation);
+    check_colours(simulation, divided.step, divided.colours);
+    const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), 20, 1);
+    if (first.size() == 0) first = found;
+    CHECK((found - first).norm() < 1e-11 * first.norm());
+    // Equal bits for any number of threads.
+    const ThreadLimit limit(1);
+    CHECK(divided.contacts.swept(Vector::Zero(divided.whole.size()), 20, 1) == found);
+  }
+}
+
+TEST_CASE("a grain with very many contacts takes as many colours, and shares them with nobody") {
+  constexpr int around = 150;
+  std::vector<Grain> grains{{.x = 0, .y = 0, .radius = 10, .mass = 100}};
+  const double angle = 2 * std::numbers::pi / around, radius = 0.2;
+  for (int k = 0; k < around; ++k)
+    grains.push_back({.x = (10 + radius) * std::cos(k * angle),
+                      .y = (10 + radius) * std::sin(k * angle),
+                      .radius = radius,
+                      .mass = 1,
+                      .velocity_x = -std::cos(k * angle),
+                      .velocity_y = -std::sin(k * angle)});
+  const Simulation simulation = simulation_of(grains, cut_dynamics("coulomb"), {3, 3});
+  Divided<2> divided(simulation);
+  CHECK(divided.colours.number == around);
+  check_colours(simulation, divided.step, divided.colours);
+  const Vector found = divided.contacts.swept(Vector::Zero(divided.whole.size()), 2, 1);
+  const Vector expected = literal_sweeps(divided, Vector::Zero(divided.whole.size()), 2, 1);
+  CHECK((found - expected).norm() < 1e-12 * expected.norm());
+  // The large disk is in all subdomains, which leave it with one velocity.
+  const std::vector<GrainVelocity<2>> velocities = divided.contacts.velocities(found);
+  const Vector u = divided.whole.w * found + divided.whole.q;
+  for (Index c = 0; c < divided.whole.contacts(); ++c) {
+    const GrainContact<2>& contact = divided.step.problem.contacts[at(c)];
+    CHECK(relative_velocity(contact, velocities).n + contact.bias.n == doctest::Approx(u[2 * c]).epsilon(1e-9));
+  }
+}
