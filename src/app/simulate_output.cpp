@@ -248,12 +248,7 @@ void RunOutput::add(const Simulation& after, const AnySolvedStep& solved, const 
   const bool keep = report.step % files_.save_every == 0 || report.step == after.dynamics.time.steps;
   newest_.emplace();
   if (processes_.first()) newest_->state = after.state;
-  newest_->contacts = std::visit(
-      [&](const auto& step) {
-        const bool shared = !step.share.process_of_subdomain.empty();  // otherwise all processes have all contacts
-        return shared || processes_.first() ? trajectory_contacts(step) : std::vector<TrajectoryContact>{};
-      },
-      solved);
+  newest_->contacts = std::visit([](const auto& step) { return trajectory_contacts(step); }, solved);
   rows_.push_back(row(step_columns(), report));
   // Of several processes the first one asks the others for contacts only when it is about to write them.
   const bool due = processes_.any(trajectory_ && trajectory_->due());

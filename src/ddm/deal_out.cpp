@@ -35,12 +35,6 @@ std::vector<Index> deal_out(const Decomposition& parts, Index processes) {
   return deal_out(parts.interface, weight, processes);
 }
 
-std::vector<Index> deal_out(const Interface& interface, const Partition& partition, Index processes) {
-  std::vector<Index> weight(at(partition.subdomains), 1);
-  for (const Index e : partition.subdomain_of_contact) ++weight[at(e)];
-  return deal_out(interface, weight, processes);
-}
-
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes) {
   const Index subdomains = count(weight);
   require_subdomains(subdomains, processes);

@@ -136,7 +136,7 @@ Vector DividedContacts<D>::product(const Vector& r) const {
 }
 
 template <int D>
-Vector DividedContacts<D>::free_velocities() const {
+Vector DividedContacts<D>::without_impulses() const {
   CopiesOfGrains<D> free = copies(problem_.free);
   add_caused(-pull_, free);
   Vector q = relative_velocities(free);
@@ -182,12 +182,12 @@ std::vector<GrainVelocity<D>> DividedContacts<D>::velocities(const Vector& r) co
 }
 
 template <int D>
-ContactProblem<D> contact_problem(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
-                                  Refinement refinement) {
+ContactProblem<D> problem_of(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
+                             Refinement refinement) {
   const StepProblem<D>& step = contacts.problem();
   const Index number = count(step.contacts);
   ContactProblem<D> problem;
-  problem.q = contacts.free_velocities();
+  problem.q = contacts.without_impulses();
   problem.friction.resize(number);
   problem.normal.resize(D * number);
   for (Index c = 0; c < number; ++c) {
@@ -205,7 +205,7 @@ ContactProblem<D> contact_problem(DividedContacts<D>& contacts, const Partition&
   };
   // A column of H has 2 x 5 entries for both directions in the plane and 2 x 15 in space, where a spin about the normal
   // does nothing; H^T and H each take two operations for an entry.
-  problem.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * static_cast<double>(number);
+  problem.product_operations = 2.0 * 2 * (D == 2 ? 10 : 30) * contacts.processes().sum(static_cast<double>(number));
   problem.sweeps = [&contacts](const FrictionSolverOptions& options) {
     return [&contacts, omega = options.relaxation](const Vector& r, Index /*first*/, Index many) {
       return contacts.swept(r, many, omega);
@@ -217,7 +217,7 @@ ContactProblem<D> contact_problem(DividedContacts<D>& contacts, const Partition&
 
 template class DividedContacts<2>;
 template class DividedContacts<3>;
-template ContactProblem<2> contact_problem(DividedContacts<2>&, const Partition&, CutContacts<2>&, Refinement);
-template ContactProblem<3> contact_problem(DividedContacts<3>&, const Partition&, CutContacts<3>&, Refinement);
+template ContactProblem<2> problem_of(DividedContacts<2>&, const Partition&, CutContacts<2>&, Refinement);
+template ContactProblem<3> problem_of(DividedContacts<3>&, const Partition&, CutContacts<3>&, Refinement);
 
 }  // namespace nscdd

@@ -28,7 +28,7 @@ class DividedContacts {
   DividedContacts(const StepProblem<D>& problem, GranularDecomposition<D> parts, const ContactColours& colours);
 
   Vector product(const Vector& r) const;  ///< W r
-  Vector free_velocities() const;         ///< q
+  Vector without_impulses() const;        ///< q
   /// Gauss-Seidel sweeps, so many, on impulses r, which it returns; relaxed by omega.
   Vector swept(const Vector& r, Index sweeps, double omega);
   /// Velocities of the bodies of the problem under impulses r of all contacts, those of other processes too.
@@ -63,7 +63,7 @@ extern template class DividedContacts<3>;
 
 /// The same for a contact solver, with the linear systems of `cut`. Both must outlive it. `partition`: of the contacts.
 template <int D>
-ContactProblem<D> contact_problem(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
-                                  Refinement refinement);
+ContactProblem<D> problem_of(DividedContacts<D>& contacts, const Partition& partition, CutContacts<D>& cut,
+                             Refinement refinement);
 
 }  // namespace nscdd

@@ -75,7 +75,8 @@ void SharedCopies<D>::add_up(CopiesOfGrains<D>& velocities) const {
 
 template <int D>
 void SharedCopies<D>::follow(const std::vector<Index>& changed, CopiesOfGrains<D>& velocities) const {
-  Vector all = Vector::Zero(size_with_mark<D> * (count(start_) - 1));
+  // Zeros without the sign of one would take it from a velocity that has it.
+  Vector all = Vector::Constant(size_with_mark<D> * (count(start_) - 1), -0.0);
   for (const Index k : changed) {
     const Copy& copy = own_[at(k)];
     const GrainUnknowns<D> v = unknowns(copy_in<D>(velocities, copy));

@@ -26,6 +26,14 @@ auto in_dimension_of(const LocalFrictionProblem& problem, const Function& functi
   return problem.dimension == 3 ? function.template operator()<3>() : function.template operator()<2>();
 }
 
+template <int D>
+double trace(const FullDelassus<D>& w) {
+  if constexpr (D == 2)
+    return w.nn + w.tt;
+  else
+    return w.nn + w.tt.first + w.tt.second;
+}
+
 // || r^1 ||: impulses of the contacts, each alone.
 template <int D>
 double lone_impulses(const ContactProblem<D>& problem) {
@@ -58,8 +66,9 @@ std::vector<ContactCheck> checked_contacts(const ContactProblem<D>& problem, con
   return checks;
 }
 
+// The state under impulses of the norm `size`.
 template <int D>
-FrictionState state_of(const ContactProblem<D>& problem, double alone, const Vector& impulses) {
+FrictionState state_of(const ContactProblem<D>& problem, double alone, const Vector& impulses, double size) {
   FrictionState state;
   state.velocities = problem.product(impulses) + problem.q;
   const std::vector<ContactCheck> checks = checked_contacts(problem, impulses, state.velocities);
@@ -77,7 +86,6 @@ FrictionState state_of(const ContactProblem<D>& problem, double alone, const Vec
   state.open = static_cast<Index>(sums[2]);
   state.stick = static_cast<Index>(sums[3]);
   state.slide = static_cast<Index>(sums[4]);
-  const double size = problem.sums.norm(impulses);
   state.residual = sums[0] == 0 ? 0 : std::sqrt(sums[0]) / std::max(size, alone);
   state.siconos_residual = std::sqrt(sums[1]);
   const double scale = std::max({size, problem.sums.norm(state.velocities), problem.sums.norm(problem.q)});
@@ -106,7 +114,7 @@ void check_options(Index dimension, Index contacts, const FrictionSolverOptions&
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
   return in_dimension_of(problem, [&]<int D>() {
     const ContactProblem<D> stored = stored_contacts<D>(problem);
-    return state_of(stored, lone_impulses(stored), impulses);
+    return state_of(stored, lone_impulses(stored), impulses, impulses.norm());
   });
 }
 
@@ -139,10 +147,10 @@ SolverRun<D>::SolverRun(const ContactProblem<D>& given, const FrictionSolverOpti
   now.impulses = guess.size() == 0 ? Vector::Zero(D * given.contacts()) : guess;
   now.status = FrictionStatus::maximum_reached;
   scale_ = std::max(alone, given.sums.norm(now.impulses));
-  const double normals =
-      given.sums.add_up(1, given.contacts(), [&](Index c, auto&& sum) { sum[0] += given.normal[D * c]; })[0];
+  const double traces =
+      given.sums.add_up(1, given.contacts(), [&](Index c, auto&& sum) { sum[0] += trace(given.diagonal(c)); })[0];
   const Index contacts = given.sums.total(given.contacts());
-  if (contacts > 0) scale_ = std::max(scale_, given.sums.norm(given.q) * static_cast<double>(contacts) / normals);
+  if (contacts > 0) scale_ = std::max(scale_, given.sums.norm(given.q) * static_cast<double>(D * contacts) / traces);
 }
 
 template <int D>
@@ -157,7 +165,7 @@ bool SolverRun<D>::plausible(const Vector& impulses) const {
 
 template <int D>
 Index SolverRun<D>::changes_of_status() {
-  const bool is_first = statuses_.empty();
+  const bool is_first = checks_ == 0;
   statuses_.resize(at(problem.contacts()));
   changed_.resize(at(problem.contacts()));
   Index changes = 0;
@@ -191,15 +199,18 @@ bool SolverRun<D>::judge(const Vector& impulses, const FrictionStep& step) {
 template <int D>
 bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
-  now.state = state_of(problem, alone, impulses);
+  const double size = problem.sums.norm(impulses);
+  now.state = state_of(problem, alone, impulses, size);
+  const double maps = now.state.residual * std::max(size, alone);
+  const bool plausible_size = size <= largest_impulses * scale_;
   now.step = step;
   now.status_changes = changes_of_status();
-  if (plausible(impulses) && natural_maps() < best_maps_) {
+  if (plausible_size && maps < best_maps_) {
     best_ = now;
-    best_maps_ = natural_maps();
+    best_maps_ = maps;
   }
-  const bool small = alone == 0 || natural_maps() <= std::max(largest_natural_maps, options.tolerance) * alone;
-  now.credible = small && plausible(impulses);
+  const bool small = alone == 0 || maps <= std::max(largest_natural_maps, options.tolerance) * alone;
+  now.credible = small && plausible_size;
   const bool go_on = !observer_ || observer_(now);
   if (!std::isfinite(now.state.residual))
     now.status = FrictionStatus::not_finite;

@@ -109,7 +109,7 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
                 cut_options(solver, stage_two_inertia(simulation)));
     const bool admm = solver.algorithm == StepAlgorithm::two_stage_admm;
     divided.emplace(problem, std::move(parts), contact_colours(simulation, problem));
-    contacts = contact_problem(*divided, step.partition, *cut, admm ? Refinement::none : Refinement::one_step);
+    contacts = problem_of(*divided, step.partition, *cut, admm ? Refinement::none : Refinement::one_step);
   } else {
     parts = {};  // one subdomain, of no use here
     stored = contact_problem(problem, simulation.system);

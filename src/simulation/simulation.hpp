@@ -59,8 +59,8 @@ const ResultColumns<IterationRow>& iteration_columns();  ///< of `nscdd simulate
 /// of equal length on the axis log10(iteration): all iterations at first, ever fewer later.
 bool begins_interval(Index iteration, Index per_decade);
 
-/// Who looks at the iterations of a step. The indicators of one cost several sweeps, which multiplies the time of a
-/// run.
+/// Who looks at the iterations of a step; of several processes all ask for the same rows and go on together. The
+/// indicators of one cost several sweeps, which multiplies the time of a run.
 struct IterationSink {
   std::function<void(const IterationRow&)> row;  ///< may be empty: nobody looks
   Index every = 1;  ///< looks at one iteration in so many; 0: about ten per decade. The last is always looked at
@@ -104,7 +104,7 @@ struct SolvedStep {
   std::vector<GrainVelocity<D>> velocities;  ///< of the bodies of the problem
   std::vector<GrainUnknowns<D>> all_grains;  ///< velocities of all grains
   ContactWork work;                          ///< of all contacts
-  std::vector<Index> shared_grains;          ///< by subdomains, ascending
+  std::vector<Index> shared_grains;          ///< those that several subdomains hold, ascending
   std::vector<RememberedGluing> gluing;
   std::vector<RememberedModel> models;
   Vector interface_impulses;

@@ -142,16 +142,15 @@ std::vector<Index> shared_grains(const Interface& interface) {
 
 template <int D>
 std::vector<RememberedSubdomain> subdomains_to_remember(const StepProblem<D>& problem, const Partition& partition,
-                                                        const std::vector<Index>& shared_grains,
-                                                        const Processes& processes) {
+                                                        const std::vector<Index>& shared, const Processes& processes) {
   std::vector<RememberedSubdomain> known = subdomains_to_remember(problem.geometry, partition);
   if (processes.alone()) return known;
-  const auto shared = [&](Index grain) { return std::ranges::binary_search(shared_grains, grain); };
+  const auto is_shared = [&](Index grain) { return std::ranges::binary_search(shared, grain); };
   std::set<Index> own;
   std::vector<double> numbers;
   for (const auto& [a, b, subdomain] : known) {
     own.insert(subdomain);
-    if (shared(a) || shared(b))
+    if (is_shared(a) || is_shared(b))
       numbers.insert(numbers.end(), {static_cast<double>(a), static_cast<double>(b), static_cast<double>(subdomain)});
   }
   numbers = processes.gather(numbers);

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 MPIEXEC, SERIAL, SHARED, SOURCE = sys.argv[1:5]
 os.environ["NSCDD_DATA"] = SOURCE
@@ -78,7 +79,7 @@ def compare(expected, met, where):
             check(close, f"{where}: row {number}, {column}: expected {a}, met {b}")
 
 
-def same_tables():
+def same_tables(_folder):
     work = {
         "sweep": ["sweep", *BED, "--epsilon", "0,1e-3,1", "--eta", "inf,0.3", "--certify", "--csv", "-"],
         "sweep by shift-invert": ["sweep", *BED, "--epsilon", "0,1e-3,1", "--eta", "inf,0.3", "--certify",
@@ -545,9 +546,15 @@ def killed_and_resumed(folder):
     check(sorted(os.listdir(folder)) == ["curve.csv", "whole.csv"], f"resumed: leaves {os.listdir(folder)}")
 
 
-same_tables()
-for test in (same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs,
-             close_runs, broken_runs, overlapping, shared_memory, refused_runs, killed_and_restarted):
+def in_own_folder(test):
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
+
+
+# Two at a time: much of what processes do here is to begin and to end.
+tests = (same_tables, same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs,
+         close_runs, broken_runs, overlapping, shared_memory, refused_runs, killed_and_restarted)
+with ThreadPoolExecutor(2) as pool:
+    for done in [pool.submit(in_own_folder, test) for test in tests]:
+        done.result()
 print(f"{checks} checks passed")

@@ -68,7 +68,7 @@ void check_against_whole(const Simulation& simulation, const std::string& algori
   RandomStream random(3);
   const Vector r = random.normal_vector(whole.size());
   CHECK((divided.contacts.product(r) - whole.w * r).norm() < 1e-13 * (whole.w * r).norm());
-  CHECK((divided.contacts.free_velocities() - whole.q).norm() < 1e-13 * whole.q.norm());
+  CHECK((divided.contacts.without_impulses() - whole.q).norm() < 1e-13 * whole.q.norm());
   const Vector start = r.cwiseAbs();
   for (const double omega : {1.0, 0.7}) {
     const Vector expected = literal_sweeps(divided, start, 3, omega), found = divided.contacts.swept(start, 3, omega);
@@ -77,8 +77,7 @@ void check_against_whole(const Simulation& simulation, const std::string& algori
   }
   // What a solver is given.
   CutContacts<D> cut(linear_decomposition(simulation, divided.step.problem, divided.step.partition), {});
-  const ContactProblem<D> problem =
-      contact_problem(divided.contacts, divided.step.partition, cut, Refinement::one_step);
+  const ContactProblem<D> problem = problem_of(divided.contacts, divided.step.partition, cut, Refinement::one_step);
   CHECK(problem.friction == whole.friction);
   const Vector ones = Vector::Ones(whole.size());
   CHECK(problem.sums.norm(r) == doctest::Approx(r.norm()));

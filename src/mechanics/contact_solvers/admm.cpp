@@ -42,7 +42,7 @@ class AlternatingDirections {
   std::optional<SparseCholesky> cholesky_;
   double weight_ = first_weight;
   Vector impulses_, multiplier_, shift_, rest_;  // z, l, s, the antisymmetric part of W times z
-  double primal_ = 0, dual_ = 0;                 // squares
+  Vector primal_, dual_;                         // x - z, and the change of z, in the last iteration
 };
 
 template <int D>
@@ -103,14 +103,15 @@ void AlternatingDirections<D>::iterate() {
     set_component(impulses_, c, project_on_cone(moved, run_.problem.friction[c]));
   }
   multiplier_ += relaxed - impulses_;
-  primal_ = run_.problem.sums.dot((coupled - impulses_).cwiseAbs2(), run_.problem.normal);
-  dual_ = run_.problem.sums.dot((impulses_ - before).cwiseAbs2(), run_.problem.normal);
+  primal_ = coupled - impulses_;
+  dual_ = impulses_ - before;
   run_.now.operations += cholesky_ ? cholesky_->solve_operations() : w_.take_operations();
 }
 
 template <int D>
 double AlternatingDirections<D>::balanced_weight() const {
-  const double ratio = std::sqrt(primal_ / dual_);
+  const auto squared = [&](const Vector& x) { return run_.problem.sums.dot(x.cwiseAbs2(), run_.problem.normal); };
+  const double ratio = std::sqrt(squared(primal_) / squared(dual_));
   if (!(ratio > unbalanced || ratio < 1 / unbalanced)) return weight_;
   return weight_ * std::clamp(std::sqrt(ratio), 0.1, 10.0);
 }

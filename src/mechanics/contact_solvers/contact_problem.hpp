@@ -31,7 +31,7 @@ struct ContactProblem {
   ContactSums sums = {};
   std::function<Vector(const Vector& r)> product;          ///< W r
   std::function<FullDelassus<D>(Index contact)> diagonal;  ///< its block of W
-  double product_operations = 0;                           ///< of a product with W and of a sweep, in this process
+  double product_operations = 0;                           ///< of a product with W and of a sweep, in all processes
   std::shared_ptr<const ContactBlocks<D>> rows = nullptr;  ///< W by rows of blocks, where it is stored
   /// Does so many sweeps on impulses r, those with the numbers `first`, `first` + 1, ..., and returns r.
   using Sweeps = std::function<Vector(const Vector& r, Index first, Index many)>;
