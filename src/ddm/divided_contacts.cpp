@@ -77,21 +77,12 @@ void DividedContacts<D>::for_each_subdomain(const std::function<void(Index)>& wo
 }
 
 template <int D>
-CopiesOfGrains<D> DividedContacts<D>::copies(const std::vector<GrainVelocity<D>>& of_bodies) const {
-  CopiesOfGrains<D> result;
-  for (const auto& bodies : bodies_) {
-    result.emplace_back();
-    for (const Index body : bodies) result.back().push_back(of_bodies[at(body)]);
-  }
-  return result;
-}
-
-template <int D>
-void DividedContacts<D>::add_caused(const Vector& r, CopiesOfGrains<D>& velocities) const {
-  CopiesOfGrains<D> caused = velocities;
+CopiesOfGrains<D> DividedContacts<D>::caused(const Vector& r) const {
+  CopiesOfGrains<D> velocities(bodies_.size());
   for_each_subdomain([&](Index e) {
-    std::vector<GrainVelocity<D>>& own = caused[at(e)];
-    for (GrainVelocity<D>& v : own) v = with_unknowns(GrainUnknowns<D>{}, v.inverse_mass);
+    std::vector<GrainVelocity<D>>& own = velocities[at(e)];
+    for (const Index body : bodies_[at(e)])
+      own.push_back(with_unknowns(GrainUnknowns<D>{}, problem_.free[at(body)].inverse_mass));
     for_each_contact_of(coloured_[at(e)], [&](const Coloured& colour, std::size_t k) {
       const ContactRow<D>& row = colour.contacts.rows[k];
       const LocalVector<D> impulse = component<D>(r, colour.numbers[k]);
@@ -99,16 +90,23 @@ void DividedContacts<D>::add_caused(const Vector& r, CopiesOfGrains<D>& velociti
       push(own[static_cast<std::size_t>(row.b)], impulse_on_grain(row.normal(), 1, impulse));
     });
   });
-  shared_.add_up(caused);
+  shared_.add_up(velocities);
+  return velocities;
+}
+
+template <int D>
+CopiesOfGrains<D> DividedContacts<D>::moved(const Vector& r) const {
+  CopiesOfGrains<D> velocities = caused(r);
   for_each_subdomain([&](Index e) {
-    for (std::size_t i = 0; i < caused[at(e)].size(); ++i) {
+    for (std::size_t i = 0; i < velocities[at(e)].size(); ++i) {
       GrainVelocity<D>& v = velocities[at(e)][i];
-      GrainUnknowns<D> sum = unknowns(v);
-      const GrainUnknowns<D> own = unknowns(caused[at(e)][i]);
+      GrainUnknowns<D> sum = unknowns(problem_.free[at(bodies_[at(e)][i])]);
+      const GrainUnknowns<D> own = unknowns(v);
       for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += own[k];
       v = with_unknowns(sum, v.inverse_mass);
     }
   });
+  return velocities;
 }
 
 template <int D>
@@ -128,18 +126,12 @@ Vector DividedContacts<D>::relative_velocities(const CopiesOfGrains<D>& velociti
 
 template <int D>
 Vector DividedContacts<D>::product(const Vector& r) const {
-  CopiesOfGrains<D> velocities = copies(problem_.free);
-  for (auto& own : velocities)
-    for (GrainVelocity<D>& v : own) v = with_unknowns(GrainUnknowns<D>{}, v.inverse_mass);
-  add_caused(r, velocities);
-  return relative_velocities(velocities);
+  return relative_velocities(caused(r));
 }
 
 template <int D>
 Vector DividedContacts<D>::without_impulses() const {
-  CopiesOfGrains<D> free = copies(problem_.free);
-  add_caused(-pull_, free);
-  Vector q = relative_velocities(free);
+  Vector q = relative_velocities(moved(-pull_));
   for (Index c = 0; c < count(problem_.contacts); ++c)
     set_component(q, c, component<D>(q, c) + problem_.contacts[at(c)].bias);
   return q;
@@ -148,8 +140,7 @@ Vector DividedContacts<D>::without_impulses() const {
 template <int D>
 Vector DividedContacts<D>::swept(const Vector& r, Index sweeps, double omega) {
   const Vector pulled = r - pull_;
-  CopiesOfGrains<D> velocities = copies(problem_.free);
-  add_caused(pulled, velocities);
+  CopiesOfGrains<D> velocities = moved(pulled);
   for_each_subdomain([&](Index e) {
     for_each_contact_of(coloured_[at(e)], [&](Coloured& colour, std::size_t k) {
       colour.contacts.set_impulse(k, component<D>(pulled, colour.numbers[k]));
@@ -173,11 +164,10 @@ Vector DividedContacts<D>::swept(const Vector& r, Index sweeps, double omega) {
 
 template <int D>
 std::vector<GrainVelocity<D>> DividedContacts<D>::velocities(const Vector& r) const {
-  CopiesOfGrains<D> moved = copies(problem_.free);
-  add_caused(r - pull_, moved);
+  const CopiesOfGrains<D> copies = moved(r - pull_);
   std::vector<GrainVelocity<D>> result = problem_.free;
   for (std::size_t e = 0; e < bodies_.size(); ++e)
-    for (std::size_t i = 0; i < bodies_[e].size(); ++i) result[at(bodies_[e][i])] = moved[e][i];
+    for (std::size_t i = 0; i < bodies_[e].size(); ++i) result[at(bodies_[e][i])] = copies[e][i];
   return result;
 }
 

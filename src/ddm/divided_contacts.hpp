@@ -44,9 +44,8 @@ class DividedContacts {
     ContactRows<D> contacts;
   };
 
-  // M^-1 H r of the whole packing in every copy, in addition to what grains have.
-  void add_caused(const Vector& r, CopiesOfGrains<D>& velocities) const;
-  CopiesOfGrains<D> copies(const std::vector<GrainVelocity<D>>& of_bodies) const;
+  CopiesOfGrains<D> caused(const Vector& r) const;                        // M^-1 H r of the whole packing in every copy
+  CopiesOfGrains<D> moved(const Vector& r) const;                         // the same in addition to the free velocities
   Vector relative_velocities(const CopiesOfGrains<D>& velocities) const;  // H^T V
   void for_each_subdomain(const std::function<void(Index)>& work) const;
 

@@ -61,8 +61,7 @@ class SolverRun {
 
 /// As solve_friction, whatever holds W. Several processes that share the problem call it together; the solution is that
 /// of the contacts of this process, its counts of contacts and its residuals are those of all, and `worst` is the worst
-/// contact of this process. Without `rows` apgd
-/// cannot be asked for.
+/// contact of this process. Without `rows` apgd cannot be asked for.
 template <int D>
 FrictionSolution solve_contacts(const ContactProblem<D>& problem, const FrictionSolverOptions& options,
                                 const Vector& guess, const FrictionObserver& observer);
