@@ -101,9 +101,10 @@ void bind_radius(py::module_& module) {
                     "largest modulus among the other eigenvalues: the rate on the complement of ker S")
       .def_readonly("subdominant_min", &R::subdominant_min, "smallest eigenvalue of B without the unit eigenvalues")
       .def_readonly("subdominant_max", &R::subdominant_max, "largest eigenvalue of B without the unit eigenvalues")
-      .def_property_readonly(
-          "solver", [](const R& r) { return std::string(r.solver); },
-          "dense, arpack, shift-invert, or none for an empty interface")
+      .def_readonly("solver", &R::solver,
+                    "dense, arpack, shift-invert, or none for an empty interface; if no solver has the answer that was "
+                    "asked for, all that were tried, such as 'shift-invert+dense+arpack'")
+      .def_readonly("failure", &R::failure, "if no solver has the answer that was asked for: why each failed")
       .def_readonly("applications", &R::applications, "products with interface operators, or solves")
       .def_readonly("factorisations", &R::factorisations, "of the shifted pencil")
       .def_readonly("residual", &R::residual, "an eigenvalue of B lies within this distance of each end given")

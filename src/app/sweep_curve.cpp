@@ -20,7 +20,7 @@ int trace(const Model& model, const CurveParameters& parameters, ResumableTable&
   Index wide = 0, open = 0;
   for (const CurveReport& report : reports) {
     wide += report.status == CurveStatus::wide;
-    open += report.status == CurveStatus::not_converged;
+    if (report.status == CurveStatus::not_converged && open++ == 0) note("not converged: {}", report.failure);
   }
   if (wide > 0)
     note(

@@ -86,18 +86,17 @@ void print_shares(const Model& model, const Mode& mode) {
   if (rest.rows > 0) print("others", rest);
 }
 
-void tell_doubts(const Model& model, const Mode& mode, double epsilon) {
+void tell_doubts(const Model& model, const Mode& mode) {
   if (mode.spectrum.solver == "none") {
     note("{}: the interface is empty ({}): there is no mode, the tables have no rows", model.name, why_empty(model));
   } else if (!mode.found() && mode.spectrum.converged) {
     note("every eigenvalue is the same: there is no mode of its own, the tables have no rows");
   } else if (!mode.found()) {
-    note("the solver did not converge: there is no mode, the tables have no rows{}",
-         epsilon == 0 ? "; in the rigid limit --solver dense may find one" : "");
+    note("no solver converged: there is no mode, the tables have no rows: {}", mode.spectrum.failure);
   } else if (!mode.converged) {
     note("the mode did not converge: see its residual");
   } else if (!mode.spectrum.converged) {
-    note("the ends of the spectrum did not converge: a mode further out may be missed");
+    note("the ends of the spectrum did not converge: a mode further out may be missed: {}", mode.spectrum.failure);
   }
 }
 
@@ -130,7 +129,7 @@ int run(const Options& options) {
     print_end(mode, wanted.spectral);
     print_shares(model, mode);
   }
-  tell_doubts(model, mode, wanted.epsilon);
+  tell_doubts(model, mode);
   return 0;
 }
 

@@ -54,20 +54,27 @@ int run(const Options& options, const Context& context) {
   });
   if (model.parts.interface_size() == 0)
     note("{}: the interface is empty ({}): there is nothing to optimise", model.name, why_empty(model));
+  const auto tell = [](const OptimumResult& result) {
+    if (!result.best.failure.empty()) note("epsilon = {}: not converged: {}", result.epsilon, result.best.failure);
+  };
   if (options.csv.empty()) {
     Index reports = 0;
     optima(model, work.sweep, [&](const OptimumResult& result) {
       if (reports++ > 0) fmt::print("\n");
       print_report(result);
+      tell(result);
     });
     return 0;
   }
   if (options.redo) return redo_table(work, options.csv);
   Interruption interruption(machine.processes);
   SharedTable csv(machine, options.csv, table_work(work), options.how);
-  const RowSink write = [&](const Row& cells) { csv->write(cells); };
-  const Index failed = optima(model, work.sweep, as_rows(optimum_columns(work.sweep.relative_epsilon), write),
-                              interruption.watch(work.name, csv.kept()), csv.kept());
+  const ResultColumns<OptimumResult> columns = optimum_columns(work.sweep.relative_epsilon);
+  const auto write = [&](const OptimumResult& result) {
+    tell(result);
+    csv->write(row(columns, result));
+  };
+  const Index failed = optima(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return leave(*csv, options.csv);
   csv->finish();
   csv.forget();

@@ -85,7 +85,9 @@ int nothing_written(const std::string& path) {
 void note_doubts(const PackingReport& report) {
   Index open = 0;
   for (const RadiusGrid& grid : report.grids)
-    for (const SweepResult& point : grid.points) open += !point.radius.converged;
+    for (const SweepResult& point : grid.points)
+      if (!point.radius.converged && open++ == 0)
+        note("epsilon = {}, eta = {}: not converged: {}", point.point.epsilon, point.point.eta, point.radius.failure);
   if (open > 0) note("{} point(s) did not converge: the page says at which", open);
 }
 

@@ -37,23 +37,44 @@ SweepParameters parameters(const Options& options) {
   return result;
 }
 
-// The rows of the sweep, those found included; `sink` takes them all. Tells which rows stay without proof and what
-// to do about it, unless it is interrupted.
+// Tells of the first rows without the answer that was asked for, which solvers were tried and why each failed.
+class OpenRows {
+ public:
+  explicit OpenRows(bool certify) : certify_(certify) {}
+
+  void take(const SweepResult& result) {
+    const SpectralRadius& radius = result.radius;
+    if ((radius.converged && (!certify_ || radius.certified)) || told_++ >= most_told) return;
+    note("epsilon = {}, eta = {}: {}: {}", result.point.epsilon, result.point.eta,
+         radius.converged ? "not certified" : "not converged", radius.failure);
+  }
+
+ private:
+  static constexpr int most_told = 3;
+  bool certify_;
+  int told_ = 0;
+};
+
+// The rows of the sweep, those found included; `sink` takes them all. Tells which rows stay without proof, unless it is
+// interrupted.
 void work_through(const Model& model, const StudyTable& work, SharedTable& csv, Interruption& interruption,
                   const RowSink& sink) {
   const ResultColumns<SweepResult> columns = sweep_columns(work.sweep);
   const Table layout{headings(columns), {}};
-  Index number = 0, unproved = 0, rigid = 0;
-  const auto take = [&, converged = layout.column("converged"), solver = layout.column("solver")](const Row& cells) {
-    const bool open = !std::get<bool>(cells[converged]), limit = sweep_point(work.sweep, number++).epsilon == 0;
+  Index unproved = 0, uncertified = 0;
+  const bool certify = work.sweep.spectral.certify;
+  const auto is_true = [](const Row& cells, std::size_t column) { return std::get<bool>(cells[column]); };
+  const auto take = [&, converged = layout.column("converged"),
+                     certified = certify ? layout.column("certified") : 0](const Row& cells) {
+    const bool open = !is_true(cells, converged);
     unproved += open;
-    rigid += open && limit && std::get<std::string>(cells[solver]) == "shift-invert";
+    uncertified += certify && !open && !is_true(cells, certified);
     sink(cells);
   };
   csv->replay(take);
+  OpenRows open(certify);
   const auto write = [&](const SweepResult& result) {
-    if (work.sweep.spectral.certify && result.radius.converged && !result.radius.certified)
-      note("a row converged but is not certified: see the column 'certified'; --redo tries again");
+    open.take(result);
     const Row cells = row(columns, result);
     csv->write(cells);
     take(cells);
@@ -61,11 +82,8 @@ void work_through(const Model& model, const StudyTable& work, SharedTable& csv, 
   sweep(model, work.sweep, write, interruption.watch(work.name, csv.kept()), csv.kept());
   if (interruption.stopped()) return;
   if (unproved > 0) note("{} row(s) did not converge: see the column 'converged'", unproved);
-  if (rigid > 0)
-    note(
-        "{} of them in the rigid limit (epsilon = 0), by shift-invert: no end of the spectrum was proved; try --solver "
-        "dense, or a small epsilon > 0 in place of 0",
-        rigid);
+  if (uncertified > 0)
+    note("{} row(s) converged but are not certified: see the column 'certified'; --redo tries again", uncertified);
 }
 
 // What is asked for: points, or curves whose points are placed.

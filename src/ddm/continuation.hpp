@@ -46,13 +46,16 @@ struct Continuation {
   }
 };
 
-/// Both ends by shift-invert, for omega = 1. The other ways, and the choice of one, are in spectral_radius.cpp.
+/// Both ends by shift-invert and from the dense pencil, for omega = 1. The other solvers, and the choice of one, are in
+/// spectral_radius.cpp.
 SpectralRadius shift_invert_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory);
+SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options);
 
 /// Fills in everything that follows from the two ends of the spectrum of B outside ker S.
 void set_ends(SpectralRadius& result, double mu_min, double mu_max, Index unit_multiplicity);
 
-SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity = 0);
+/// A spectrum of which nothing is known, and why.
+SpectralRadius not_converged(std::string_view solver, std::string_view failure, Index unit_multiplicity = 0);
 SpectralRadius all_unit(Index size, std::string_view solver, bool converged);  ///< S = 0, B = I
 
 /// Error of an eigenvalue lambda = 1 - mu in units of max(1, |lambda|): digits of M are lost beside K/epsilon

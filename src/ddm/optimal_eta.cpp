@@ -3,6 +3,8 @@
 #include "linalg/scalar.hpp"
 #include <nscdd/ddm/optimal_eta.hpp>
 
+#include <fmt/format.h>
+
 namespace nscdd {
 namespace {
 
@@ -27,6 +29,7 @@ class Spectra {
     const SpectralRadius radius = spectral_radius({family_.at(eta), system_}, options_, &memory_);
     ++best.spectra;
     last_residual_ = radius.residual;
+    last_failure_ = radius.failure;
     best.unit_multiplicity = radius.unit_multiplicity;
     return {1 - radius.subdominant_max, 1 - radius.subdominant_min, radius.converged};
   }
@@ -36,6 +39,7 @@ class Spectra {
   Ends reported(double eta) {
     const Ends ends = at(eta);
     best.residual = std::max(best.residual, last_residual_);
+    if (all_converged && !ends.converged) best.failure = fmt::format("eta = {}: {}", eta, last_failure_);
     all_converged = all_converged && ends.converged;
     return ends;
   }
@@ -49,6 +53,7 @@ class Spectra {
   SpectralOptions options_;
   Continuation memory_;
   double last_residual_ = 0;
+  std::string last_failure_;
 };
 
 // The flexibilities that are searched.

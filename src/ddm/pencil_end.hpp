@@ -108,8 +108,14 @@ struct PencilSide {
   void list_behind();
 
  private:
+  struct Added {
+    bool any = false;            // whether the list has grown
+    std::optional<double> seen;  // the eigenvalue nearest to the shift, accurate or not
+  };
+  void polish(const ShiftedPencil& pencil);
   bool extend_list(const ShiftedPencil& pencil);
-  bool add_to_list(const ShiftedPencil& pencil, Index wanted);
+  Added add_to_list(const ShiftedPencil& pencil, Index wanted);
+  double just_outside(double lambda) const { return lambda - inward(1e-3 * lambda); }
 };
 
 }  // namespace nscdd

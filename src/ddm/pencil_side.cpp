@@ -25,19 +25,36 @@ ShiftInvertResult PencilSide::lanczos(const ShiftedPencil& pencil, SpectrumEnd t
 }
 
 void PencilSide::list_behind() {
-  constexpr double distance = 1e-3;  // from the shift to the first value, relative to that value
   accuracy = SolutionAccuracy::refined;
-  const double first = result.values[0];
-  const std::optional<ShiftedPencil> pencil = factorise(first - inward(distance * first));
-  result.converged = pencil && extend_list(*pencil) && result.residual <= tolerance(result.values[0]);
+  const std::optional<ShiftedPencil> pencil = factorise(just_outside(result.values[0]));
+  result.converged =
+      pencil && (polish(*pencil), extend_list(*pencil)) && result.residual <= tolerance(result.values[0]);
+}
+
+// Inverse iteration: what a locked vector keeps of others disturbs their values, more so the nearer it is to the shift.
+void PencilSide::polish(const ShiftedPencil& pencil) {
+  Vector x = result.vectors.col(0);
+  for (int k = 0; k < 2; ++k) {
+    x = pencil.solve(p.apply(x));
+    x /= std::sqrt(x.dot(p.apply(x)));
+    ++result.solves;
+  }
+  if (x.allFinite()) result.vectors.col(0) = x;
 }
 
 // Lanczos alone may see only one copy of a multiple eigenvalue. So eigenvalues are looked for until an
 // inertia count beyond the last one wanted equals the length of the list. False if it cannot be reached.
 bool PencilSide::extend_list(const ShiftedPencil& pencil) {
   const Index wanted = std::min(options.eigenvalues, p.rows() - point.kernel);
-  while (result.values.size() < wanted)
-    if (!add_to_list(pencil, wanted - result.values.size())) return false;
+  std::optional<ShiftedPencil> nearer;  // behind a gap that is too wide for the first shift
+  while (result.values.size() < wanted) {
+    const Added added = add_to_list(nearer ? *nearer : pencil, wanted - result.values.size());
+    if (added.any) continue;
+    const double last_shift = nearer ? nearer->shift() : pencil.shift();
+    if (!added.seen || inward(just_outside(*added.seen) - last_shift) <= 0) return false;
+    nearer = factorise(just_outside(*added.seen));
+    if (!nearer) return false;
+  }
   const double last = result.values[wanted - 1];
   const std::optional<ShiftedPencil> outside = factorise(last - inward(margin(last)));
   if (!outside) return false;
@@ -46,15 +63,15 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
                                    [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
   };
   while (missing() > 0)
-    if (!add_to_list(pencil, missing())) return false;
+    if (!add_to_list(pencil, missing()).any) return false;
   if (missing() < 0) return false;
   result.values.conservativeResize(wanted);
   result.vectors.conservativeResize(Eigen::NoChange, wanted);
   return true;
 }
 
-// Looks for more eigenvalues, orthogonal to those of the list; false if none is found.
-bool PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
+// Looks for more eigenvalues, orthogonal to those of the list.
+PencilSide::Added PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
   constexpr Index list_steps = 300;  // of Lanczos
   const Matrix locked = result.vectors;
   const ShiftInvertResult run =
@@ -76,7 +93,9 @@ bool PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
     result.vectors = vectors;
     result.residual = std::max(result.residual, error);
   }
-  return result.values.size() > locked.cols();
+  Added added{result.values.size() > locked.cols(), std::nullopt};
+  if (run.values.size() > 0) added.seen = run.values[0];
+  return added;
 }
 
 }  // namespace nscdd

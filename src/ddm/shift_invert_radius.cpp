@@ -148,7 +148,9 @@ Ends find_flexible_ends(const Contraction& b, const PencilPoint& point, const Sp
 // `tilt`: how far S may be off, in units of X_infinity.
 SpectralRadius report(const Contraction& b, const Ends& ends, Index unit_multiplicity, double tilt,
                       const SpectralOptions& options) {
-  SpectralRadius result = ends.found() ? SpectralRadius{} : not_converged("shift-invert", unit_multiplicity);
+  SpectralRadius result = ends.found()
+                              ? SpectralRadius{}
+                              : not_converged("shift-invert", "no end of the spectrum was proved", unit_multiplicity);
   result.solver = "shift-invert";
   result.applications = ends.smallest.solves + ends.largest.solves;
   result.factorisations = ends.smallest.factorisations + ends.largest.factorisations;
@@ -220,10 +222,12 @@ SpectralRadius rigid_radius(const Contraction& b, const SpectralOptions& options
     limit->kernel = b.system.nullity();
     limit->confirmed = false;
   }
-  if (!limit->system->conclusive) return not_converged("shift-invert", *limit->kernel);
+  if (!limit->system->conclusive)
+    return not_converged("shift-invert", "the rank of the contacts of a subdomain is in doubt", *limit->kernel);
   if (!limit->confirmed)
     limit->confirmed = b.system.nullity_is_clear() && confirms(family, point, *limit->kernel, factorisations);
-  if (!limit->confirmed) return not_converged("shift-invert", *limit->kernel);
+  if (!limit->confirmed)
+    return not_converged("shift-invert", "no inertia count confirms the number of unit eigenvalues", *limit->kernel);
   point.kernel = *limit->kernel;
   if (point.kernel == b.rows()) return all_unit(b.rows(), "shift-invert", std::isfinite(limit->system->tilt));
   SpectralRadius result =

@@ -6,30 +6,10 @@
 #include "linalg/threads.hpp"
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
-
-// The pencil (A, P) on the P-orthogonal complement of the span of `kernel`: with P = L L^T and Q an orthonormal basis
-// of the complement of L^T kernel, the columns of L^-T Q are P-orthonormal and P-orthogonal to the kernel.
-PencilEnds deflated_ends(const Matrix& a, const Matrix& p, const Matrix& kernel, Index wanted) {
-  PencilEnds ends;
-  const Eigen::LLT<Matrix> cholesky(p);
-  ends.definite = cholesky.info() == Eigen::Success;
-  if (!ends.definite) return ends;
-  const Matrix image = cholesky.matrixU() * kernel;
-  const Matrix q = orthonormal_complement(image);
-  const Matrix y = cholesky.matrixU().solve(q);
-  const Matrix reduced = y.transpose() * a * y;
-  ends = pencil_ends(0.5 * (reduced + reduced.transpose()), Matrix::Identity(q.cols(), q.cols()), wanted);
-  if (!ends.definite) return ends;
-  ends.low_vectors = y * ends.low_vectors;
-  ends.high_vectors = y * ends.high_vectors;
-  const Matrix lower = cholesky.matrixL();  // the residual is that of the whole pencil
-  ends.residual = std::max(pair_residual(a, p, lower, ends.low, ends.low_vectors),
-                           pair_residual(a, p, lower, ends.high, ends.high_vectors));
-  return ends;
-}
 
 // The map, with a look at the checkpoint before each product.
 LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
@@ -40,74 +20,23 @@ LinearMap watched(LinearMap map, const std::function<void()>& checkpoint) {
   };
 }
 
-SpectralRadius dense_radius(const Contraction& b, const SpectralOptions& options) {
-  const auto look = [&] {
-    if (options.checkpoint) options.checkpoint();
-  };
-  // Both matrices are scaled by D^-1/2 from both sides, D = diag(X): unequal masses no longer spoil the condition.
-  const Vector root = b.system.scale().cwiseSqrt().cwiseInverse();
-  const Matrix p = root.asDiagonal() * b.preconditioner.dense() * root.asDiagonal();
-  look();
-  // P B. The pencil (P B, P) has the eigenvalues mu themselves, so that small radii keep their digits.
-  const Matrix difference = p - root.asDiagonal() * b.system.dense() * root.asDiagonal();
-  const Index n = b.rows(), unit_multiplicity = b.system.nullity();
-  const double tilt = b.system.uncertainty();
-  if (unit_multiplicity == n) return all_unit(n, "dense", std::isfinite(tilt));
-  const auto ends_of = [&](Index wanted) {
-    look();
-    return unit_multiplicity == 0 ? pencil_ends(difference, p, wanted)
-                                  : deflated_ends(difference, p, b.system.kernel().kernel, wanted);
-  };
-  const Index most = n - unit_multiplicity, listed = std::min(options.eigenvalues, most);
-  Index wanted = listed;
-  PencilEnds ends = ends_of(wanted);
-  const auto uncertain = [&] { return moved_by(tilt, 1 - ends.low[0], b.preconditioner); };
-  const auto margin = [&] {  // backward errors of LAPACK grow with the size and with the largest eigenvalue
-    const double largest = std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
-    return std::max(ends.residual, static_cast<double>(n) * 2.3e-16 * largest) + lost_to_rounding(b) * (1 + largest) +
-           uncertain();  // of S and P as they were assembled
-  };
-  const auto may_converge = [&] {
-    return uncertain() <= options.tolerance * std::max({1.0, std::abs(ends.low[0]), std::abs(ends.high[0])});
-  };
-  if (options.certify && ends.definite && may_converge())  // until the list has all copies of both ends
-    while (ends.definite && wanted < most &&
-           (ends.low[wanted - 1] - ends.low[0] <= margin() || ends.high[0] - ends.high[wanted - 1] <= margin()))
-      ends = ends_of(wanted = std::min(2 * wanted, most));
-  if (!ends.definite) return not_converged("dense");
-  SpectralRadius result;
-  result.solver = "dense";
-  set_ends(result, ends.low[0], ends.high[0], unit_multiplicity);
-  result.low.assign(ends.low.begin(), ends.low.begin() + listed);
-  result.high.assign(ends.high.begin(), ends.high.begin() + listed);
-  result.mode_min = root.asDiagonal() * ends.low_vectors.col(0);
-  result.mode_max = root.asDiagonal() * ends.high_vectors.col(0);
-  result.residual = ends.residual + uncertain();
-  result.converged = accurate(result, options.tolerance);
-  if (options.certify && result.converged) {  // the values come from Sturm counts, which miss no eigenvalue
-    result.certified = true;
-    result.interval_min = {ends.low[0] - margin(), ends.low[0] + margin()};
-    result.interval_max = {ends.high[0] - margin(), ends.high[0] + margin()};
-    const auto within = [&](const Vector& values) { return ((values.array() - values[0]).abs() <= margin()).count(); };
-    result.within_min = within(ends.low);
-    result.within_max = within(ends.high);
-  }
-  return result;
-}
-
-// An eigenvalue lambda of the pencil (S, P) from its vector, and the bound of its residual.
+// An eigenvalue lambda of the pencil (S, P) from its vector, and the bound of its residual: infinite if P is so close
+// to singular that a solution with it does not give its right side back.
 std::pair<double, double> rayleigh(const Vector& x, const LinearMap& s, const InterfaceOperator& p) {
   const Vector sx = s(x), px = p.apply(x);
   const double norm = x.dot(px);
   const double lambda = x.dot(sx) / norm;
-  const Vector r = sx - lambda * px;
-  return {lambda, std::sqrt(std::max(0.0, r.dot(p.solve(r))) / norm)};
+  const Vector r = sx - lambda * px, y = p.solve(r);
+  const bool solved = (p.apply(y) - r).norm() <= 0.1 * r.norm();
+  return {lambda, solved ? std::sqrt(std::max(0.0, r.dot(y)) / norm) : infinity};
 }
 
 SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& options, Continuation& memory) {
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
-  if (unit_multiplicity > 0 && n > dense_kernel_limit)  // the kernel is found densely
-    return not_converged("arpack", unit_multiplicity);
+  if (unit_multiplicity > 0 && n > dense_kernel_limit)
+    return not_converged(
+        "arpack", fmt::format("the kernel of S is found densely, up to {} unknowns of {}", dense_kernel_limit, n),
+        unit_multiplicity);
   SpectralRadius result;
   result.solver = "arpack";
   const auto counting = [&](auto product) {
@@ -135,19 +64,28 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
       return s(x) + sigma * (pz * cholesky.solve(pz.transpose() * x));
     };
   }
-  const LanczosResult high =
-      lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::largest, options.arpack, memory.largest);
+  // Products that have lost digits (small epsilon or eta) may keep Ritz values from the accuracy that ARPACK is asked
+  // for. What the residual needs is less.
+  const auto find = [&](const LinearMap& a, const LinearMap& m, const LinearMap& m_inverse, SpectrumEnd end,
+                        const Vector& start) {
+    ArpackOptions accuracy = options.arpack;
+    const LanczosResult first = lanczos(n, a, m, m_inverse, end, accuracy, start);
+    if (first.vector.size() > 0) return first;
+    accuracy.tolerance = std::max(accuracy.tolerance, 0.01 * options.tolerance);
+    return lanczos(n, a, m, m_inverse, end, accuracy, start);
+  };
+  const LanczosResult high = find(s_apply, p_apply, p_solve, SpectrumEnd::largest, memory.largest);
   // For small epsilon the low end crowds at 0, and Lanczos on P^-1 S stalls there. On S^-1 P it is isolated.
   const LinearMap s_solve = counting([&](const Vector& x) { return b.system.solve(x); });
-  const LanczosResult low =
-      b.system.eta() == 0
-          ? lanczos(n, s_apply, p_apply, p_solve, SpectrumEnd::smallest, options.arpack, memory.smallest)
-          : lanczos(n, p_apply, s_apply, s_solve, SpectrumEnd::largest, options.arpack, memory.smallest);
+  const LanczosResult low = b.system.eta() == 0
+                                ? find(s_apply, p_apply, p_solve, SpectrumEnd::smallest, memory.smallest)
+                                : find(p_apply, s_apply, s_solve, SpectrumEnd::largest, memory.smallest);
   // If an end was not found, the next point starts from the vector of the point before.
   if (high.vector.size() > 0) memory.largest = high.vector;
   if (low.vector.size() > 0) memory.smallest = low.vector;
   if (high.vector.size() == 0 || low.vector.size() == 0) {
-    SpectralRadius failed = not_converged("arpack");
+    SpectralRadius failed =
+        not_converged("arpack", fmt::format("no eigenvalue at the {} end", high.vector.size() == 0 ? "low" : "high"));
     failed.applications = result.applications;
     return failed;
   }
@@ -160,6 +98,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   result.mode_max = low.vector;
   result.residual = std::max(high_residual, low_residual) + moved_by(tilt, largest, b.preconditioner);
   result.converged = high.converged && low.converged && accurate(result, options.tolerance);
+  if (!high.converged || !low.converged) result.failure = "Lanczos has not converged";
   return result;
 }
 
@@ -168,7 +107,7 @@ SpectralRadius slepc_radius(const Contraction& b, const SpectralOptions& options
   if (options.certify || options.eigenvalues > 1)
     throw Error("solver slepc: expected dense or shift-invert to certify and for more eigenvalues, met slepc");
   SpectralRadius result = options.slepc(b, options);
-  if (result.low.empty()) return not_converged("slepc");
+  if (result.low.empty()) return not_converged("slepc", "Krylov-Schur has not converged");
   result.solver = "slepc";
   set_ends(result, result.low.front(), result.high.front(), 0);
   result.converged = accurate(result, options.tolerance);
@@ -194,12 +133,13 @@ double moved_by(double t, double lambda, const InterfaceOperator& p) {
   return side * (2 * std::sqrt(std::max(0.0, lambda)) + side);
 }
 
-SpectralRadius not_converged(std::string_view solver, Index unit_multiplicity) {
+SpectralRadius not_converged(std::string_view solver, std::string_view failure, Index unit_multiplicity) {
   SpectralRadius failed;
   failed.unit_multiplicity = unit_multiplicity;
   failed.value = failed.subdominant = failed.residual = not_a_number;
   failed.solver = solver;
   failed.converged = false;
+  failed.failure = failure;
   return failed;
 }
 
@@ -228,20 +168,58 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
   return result;
 }
 
-SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& options) {
-  const bool automatic = options.solver == SpectralSolver::automatic;
-  if (size < arpack_smallest_size || (automatic && size <= options.dense_limit)) return {SpectralSolver::dense};
-  if (automatic) return {SpectralSolver::shift_invert, rigid && size <= dense_kernel_limit};
-  return {options.solver};
+SolverChoice choose_solver(Index size, const SpectralOptions& options, bool alone) {
+  using enum SpectralSolver;
+  if (size < arpack_smallest_size) return {dense};
+  if (options.solver != automatic) return {options.solver};
+  SolverChoice choice{shift_invert};
+  if (size <= options.dense_limit)
+    choice = {dense, {shift_invert}};
+  else if (size <= dense_fallback_limit)
+    choice = {shift_invert, {dense}};
+  if (alone) choice.fallbacks.push_back(arpack);
+  return choice;
 }
 
 SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
+  using enum SpectralSolver;
   constexpr Index dense_limit = 400, fallback_limit = 2500;  // the latter: what may be waited for
-  const bool automatic = options.solver == SpectralSolver::automatic;
-  if (options.solver == SpectralSolver::dense || size < arpack_smallest_size || (automatic && size <= dense_limit))
-    return {SpectralSolver::dense};
-  return {SpectralSolver::arpack, automatic && size <= fallback_limit};
+  if (size < arpack_smallest_size || options.solver == dense) return {dense};
+  if (options.solver != automatic) return {arpack};
+  if (size <= dense_limit) return {dense, {arpack}};
+  if (size <= fallback_limit) return {arpack, {dense}};
+  return {arpack};
 }
+
+namespace {
+
+bool answers(const SpectralRadius& radius, const SpectralOptions& options) {
+  return radius.converged && (!options.certify || radius.certified);
+}
+
+// What kept a solver from the answer, if it has not said so itself.
+std::string reason(const SpectralRadius& radius, const SpectralOptions& options) {
+  if (!radius.failure.empty()) return radius.failure;
+  if (!accurate(radius, options.tolerance))
+    return fmt::format("residual {:.1e} above the tolerance {:.1e}", radius.residual, options.tolerance);
+  return radius.converged ? "no inertia count proves it" : "it has not converged";
+}
+
+// Of two spectra without the answer that was asked for, whether the second one says more.
+bool says_more(const SpectralRadius& first, const SpectralRadius& second) {
+  if (first.converged != second.converged) return second.converged;
+  return second.residual < first.residual || (std::isnan(first.residual) && !std::isnan(second.residual));
+}
+
+SpectralRadius radius_by(SpectralSolver solver, const Contraction& b, const SpectralOptions& options,
+                         Continuation& memory) {
+  if (solver == SpectralSolver::dense) return dense_radius(b, options);
+  if (solver == SpectralSolver::arpack) return arpack_radius(b, options, memory);
+  if (solver == SpectralSolver::slepc) return slepc_radius(b, options);
+  return shift_invert_radius(b, options, memory);
+}
+
+}  // namespace
 
 SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& options, Continuation* memory) {
   const OneBlasThread serial_blas;
@@ -252,15 +230,21 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     return empty;
   }
   Continuation local;
-  Continuation& known = memory != nullptr ? *memory : local;
-  const SolverChoice choice = choose_solver(n, b.system.eta() == 0, options);
-  SpectralRadius plain = choice.solver == SpectralSolver::dense    ? dense_radius(b, options)
-                         : choice.solver == SpectralSolver::arpack ? arpack_radius(b, options, known)
-                         : choice.solver == SpectralSolver::slepc  ? slepc_radius(b, options)
-                                                                   : shift_invert_radius(b, options, known);
-  // A last resort, for small eta (docs/algorithms.md, section 7).
-  if (!plain.converged && choice.dense_fallback) plain = dense_radius(b, options);
-  return relaxed(plain, b.relaxation, options.tolerance);
+  const SolverChoice choice = choose_solver(n, options, b.system.parts().interface.processes().alone());
+  SpectralRadius best = radius_by(choice.solver, b, options, memory != nullptr ? *memory : local);
+  if (answers(best, options)) return relaxed(best, b.relaxation, options.tolerance);
+  std::string tried = best.solver, failures = fmt::format("{}: {}", best.solver, reason(best, options));
+  for (const SpectralSolver solver : choice.fallbacks) {
+    Continuation none;  // what a fallback finds does not depend on the points before
+    SpectralRadius next = radius_by(solver, b, options, none);
+    if (answers(next, options)) return relaxed(next, b.relaxation, options.tolerance);
+    tried += "+" + next.solver;
+    failures += fmt::format("; {}: {}", next.solver, reason(next, options));
+    if (says_more(best, next)) best = std::move(next);
+  }
+  best.solver = tried;
+  best.failure = failures;
+  return relaxed(best, b.relaxation, options.tolerance);
 }
 
 }  // namespace nscdd

@@ -6,6 +6,8 @@
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
 
+#include <fmt/format.h>
+
 namespace nscdd {
 namespace {
 
@@ -91,6 +93,7 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
   if (values.size() == 0) {
     result.converged = false;
     result.value = result.subdominant = result.residual = not_a_number;
+    result.failure = "LAPACK finds no eigenvalues";
     return result;
   }
   Index best = -1;
@@ -110,34 +113,61 @@ MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEige
   return result;
 }
 
+namespace {
+
+MapRadius map_radius_by_arpack(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units) {
+  const bool pass_over = units == UnitEigenvalues::passed_over, counted = units == UnitEigenvalues::counted;
+  const ArnoldiResult arpack = arnoldi(n, map, options.arpack, pass_over ? unit_tolerance : 0);
+  // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind them.
+  const bool doubtful = !arpack.converged || (counted && is_unit(arpack.value));
+  MapRadius result;
+  result.solver = "arpack";
+  result.applications = arpack.applications;
+  result.dominant = arpack.value;
+  result.value = std::abs(arpack.value);
+  result.residual = arpack.residual;
+  result.subdominant = doubtful ? not_a_number : result.value;
+  result.unit_multiplicity = pass_over ? arpack.units : counted ? -1 : 0;
+  result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
+  if (!arpack.converged) result.failure = "Arnoldi has not converged";
+  return result;
+}
+
+}  // namespace
+
 MapRadius map_radius(Index n, const LinearMap& given, const SpectralOptions& options, UnitEigenvalues units) {
   const OneBlasThread serial_blas;
   const LinearMap map = [&](const Vector& x) {
     if (options.checkpoint) options.checkpoint();
     return given(x);
   };
+  const auto radius_by = [&](SpectralSolver solver) {
+    if (solver == SpectralSolver::arpack) return map_radius_by_arpack(n, map, options, units);
+    Matrix columns(n, n);
+    for (Index j = 0; j < n; ++j) columns.col(j) = map(Vector::Unit(n, j));
+    return map_radius(columns, options, units);
+  };
+  const auto reason = [&](const MapRadius& one) {
+    return one.failure.empty()
+               ? fmt::format("residual {:.1e} above the tolerance {:.1e}", one.residual, options.tolerance)
+               : one.failure;
+  };
+  const auto answers = [](const MapRadius& one) { return one.converged && !std::isnan(one.subdominant); };
   const SolverChoice choice = choose_inexact_solver(n, options);
-  if (choice.solver == SpectralSolver::arpack) {
-    const bool pass_over = units == UnitEigenvalues::passed_over, counted = units == UnitEigenvalues::counted;
-    const ArnoldiResult arpack = arnoldi(n, map, options.arpack, pass_over ? unit_tolerance : 0);
-    // Eigenvalues that crowd at 1 (small epsilon) defeat Arnoldi; unit ones (rigid limit) hide those behind them.
-    const bool doubtful = !arpack.converged || (counted && is_unit(arpack.value));
-    if (!doubtful || !choice.dense_fallback || pass_over) {
-      MapRadius result;
-      result.solver = "arpack";
-      result.applications = arpack.applications;
-      result.dominant = arpack.value;
-      result.value = std::abs(arpack.value);
-      result.residual = arpack.residual;
-      result.subdominant = doubtful ? not_a_number : result.value;
-      result.unit_multiplicity = pass_over ? arpack.units : counted ? -1 : 0;
-      result.converged = arpack.converged && arpack.residual <= options.tolerance * std::max(1.0, result.value);
-      return result;
-    }
+  MapRadius best = radius_by(choice.solver);
+  if (answers(best)) return best;
+  std::string tried = best.solver, failures = fmt::format("{}: {}", best.solver, reason(best));
+  for (const SpectralSolver solver : choice.fallbacks) {
+    MapRadius next = radius_by(solver);
+    if (answers(next)) return next;
+    tried += "+" + next.solver;
+    failures += fmt::format("; {}: {}", next.solver, reason(next));
+    if (!best.converged && (next.converged || !(next.residual >= best.residual))) best = std::move(next);
   }
-  Matrix columns(n, n);
-  for (Index j = 0; j < n; ++j) columns.col(j) = map(Vector::Unit(n, j));
-  return map_radius(columns, options, units);
+  if (best.converged) return best;  // by ARPACK, with unit eigenvalues that it has not counted
+  best.solver = tried;
+  best.failure = failures;
+  return best;
 }
 
 MapRadius inexact_radius(const TwoStageIteration& iteration, const SpectralOptions& options) {

@@ -58,14 +58,15 @@ struct MapRadius {
   std::complex<double> dominant;  ///< its eigenvalue; of a pair, the one with positive imaginary part
   Index unit_multiplicity = 0;    ///< unit eigenvalues; -1 where ARPACK did not count them
   double subdominant = 0;         ///< largest modulus among the others; NaN where ARPACK met a unit eigenvalue
-  std::string_view solver = "none";
-  Index applications = 0;  ///< of the map
-  double residual = 0;     ///< ||J x - lambda x|| / ||x||
-  bool converged = true;   ///< the residual is at most tolerance x max(1, value)
+  std::string solver = "none";
+  Index applications = 0;    ///< of the map
+  double residual = 0;       ///< ||J x - lambda x|| / ||x||
+  bool converged = true;     ///< the residual is at most tolerance x max(1, value)
+  std::string failure = {};  ///< if not converged: why each solver failed
 };
 
-/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. The
-/// fallback is taken if ARPACK does not converge or meets a unit eigenvalue, unless these are passed over.
+/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. A fallback is taken if
+/// a solver does not converge, or if ARPACK meets a unit eigenvalue where these are counted.
 MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units);
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units);
 

@@ -43,6 +43,7 @@ Json point_of(const SweepResult& point) {
             {"unit", r.unit_multiplicity}, {"low", r.subdominant_min},
             {"high", r.subdominant_max},   {"residual", r.residual},
             {"converged", r.converged},    {"solver", r.solver}};
+  if (!r.converged) json["failure"] = r.failure;
   if (r.certified) json["certified"] = {{"low", r.interval_min}, {"high", r.interval_max}};
   return json;
 }

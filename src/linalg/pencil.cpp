@@ -28,8 +28,25 @@ Tridiagonal tridiagonalise(Matrix c) {
   return t;
 }
 
-// Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors; empty if LAPACK fails.
-SymmetricEigen eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
+SymmetricEigen eigen_of(const SymmetricSolver& solver, Eigenvectors vectors) {
+  const Index n = solver.eigenvalues().size();
+  if (solver.info() != Eigen::Success) return {Vector::Constant(n, not_a_number), Matrix::Zero(n, n)};
+  return {solver.eigenvalues(), vectors == Eigenvectors::wanted ? solver.eigenvectors() : Matrix()};
+}
+
+// Largest || T v - lambda v || of pairs of a tridiagonal matrix T.
+double residual_of(const SymmetricEigen& pairs, const Tridiagonal& t) {
+  const Index n = t.diagonal.size();
+  const auto off = t.off.head(n - 1).asDiagonal();
+  Matrix r = t.diagonal.asDiagonal() * pairs.vectors - pairs.vectors * pairs.values.asDiagonal();
+  r.topRows(n - 1) += off * pairs.vectors.bottomRows(n - 1);
+  r.bottomRows(n - 1) += off * pairs.vectors.topRows(n - 1);
+  return r.colwise().norm().maxCoeff();
+}
+
+// Eigenvalues first ... last (from 1, ascending) of a tridiagonal matrix with unit eigenvectors, by bisection and
+// inverse iteration. Empty if LAPACK finds too few values, or no vectors for them, as happens where many are equal.
+SymmetricEigen some_pairs(const Tridiagonal& t, lapack_int first, lapack_int last) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   const Index wanted = last - first + 1;
   lapack_int found = 0, blocks = 0;
@@ -38,7 +55,7 @@ SymmetricEigen eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int las
   const double finest = 2 * LAPACKE_dlamch('S');  // as accurate as bisection can be
   if (LAPACKE_dstebz('I', 'B', n, 0, 0, first, last, finest, t.diagonal.data(), t.off.data(), &found, &blocks,
                      value.data(), block.data(), split.data()) != 0 ||
-      found < wanted)
+      found != wanted)
     return {};
   Matrix vectors = Matrix::Zero(n, wanted);
   if (LAPACKE_dstein(LAPACK_COL_MAJOR, n, t.diagonal.data(), t.off.data(), static_cast<lapack_int>(wanted),
@@ -47,7 +64,24 @@ SymmetricEigen eigenpairs(const Tridiagonal& t, lapack_int first, lapack_int las
   std::vector<Index> order(at(wanted));
   std::iota(order.begin(), order.end(), Index{0});
   std::sort(order.begin(), order.end(), [&](Index i, Index j) { return value[i] < value[j]; });
-  return {value(order), vectors(Eigen::all, order)};
+  SymmetricEigen pairs{value(order), vectors(Eigen::all, order)};
+  const double largest = std::max(t.diagonal.cwiseAbs().maxCoeff(), t.off.cwiseAbs().maxCoeff());
+  if (!(residual_of(pairs, t) <= 1e-14 * static_cast<double>(n) * largest)) return {};
+  return pairs;
+}
+
+struct BothEnds {
+  SymmetricEigen low, high;
+};
+
+// The k first and last pairs. If bisection fails, all pairs are computed by the QR iteration, of which none is missing.
+BothEnds both_ends(const Tridiagonal& t, lapack_int k) {
+  const auto n = static_cast<lapack_int>(t.diagonal.size());
+  BothEnds ends{some_pairs(t, 1, k), some_pairs(t, n - k + 1, n)};
+  if (ends.low.values.size() > 0 && ends.high.values.size() > 0) return ends;
+  const SymmetricEigen all = tridiagonal_eigen(t.diagonal, t.off.head(n - 1));
+  if (!all.values.allFinite()) return {};
+  return {{all.values.head(k), all.vectors.leftCols(k)}, {all.values.tail(k), all.vectors.rightCols(k)}};
 }
 
 }  // namespace
@@ -66,14 +100,13 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
   const auto n = static_cast<lapack_int>(a.rows());
   const auto k = static_cast<lapack_int>(std::min<Index>(wanted, n));
   Matrix lower = p, c = a;
-  ends.definite =
-      p.allFinite() && a.allFinite() && LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, lower.data(), n) == 0;  // P = L L^T
-  if (!ends.definite) return ends;
+  if (!a.allFinite() || !p.allFinite()) return ends.failure = "an entry is not finite", ends;
+  if (LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, lower.data(), n) != 0)  // P = L L^T
+    return ends.failure = "P is not positive definite in double precision", ends;
   LAPACKE_dsygst(LAPACK_COL_MAJOR, 1, 'L', n, c.data(), n, lower.data(), n);  // C = L^-1 A L^-T
   const Tridiagonal t = tridiagonalise(std::move(c));                         // T = Q^T C Q
-  const SymmetricEigen low = eigenpairs(t, 1, k), high = eigenpairs(t, n - k + 1, n);
-  ends.definite = low.values.size() > 0 && high.values.size() > 0;
-  if (!ends.definite) return ends;
+  const auto [low, high] = both_ends(t, k);
+  if (low.values.size() == 0) return ends.failure = "LAPACK finds no eigenvalues", ends;
   Matrix y(n, 2 * k);
   y << low.vectors, high.vectors;
   if (n > 1)
@@ -91,15 +124,15 @@ PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted) {
 }
 
 SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors) {
-  if (vectors == Eigenvectors::not_wanted) return {SymmetricSolver(a, Eigen::EigenvaluesOnly).eigenvalues(), Matrix()};
-  const SymmetricSolver solver(a);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  const SymmetricSolver solver(a,
+                               vectors == Eigenvectors::wanted ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+  return eigen_of(solver, vectors);
 }
 
 SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below) {
   SymmetricSolver solver;
   solver.computeFromTridiagonal(diagonal, below);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  return eigen_of(solver, Eigenvectors::wanted);
 }
 
 // A wide matrix is as good as the L of its L Q, Q orthogonal.
@@ -113,10 +146,13 @@ LeftSingular left_singular(Matrix a) {
     LAPACKE_dgelqf(LAPACK_COL_MAJOR, rows, all, a.data(), rows, scale.data());
     a = Matrix(a.leftCols(rows).triangularView<Eigen::Lower>());
   }
-  Vector descending(columns);
+  Vector descending(columns), unconverged(columns);
   Matrix u(rows, rows), v(columns, columns);
+  const Matrix kept = a;  // LAPACK overwrites it
   if (LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'A', rows, columns, a.data(), rows, descending.data(), u.data(), rows, v.data(),
-                     columns) != 0)
+                     columns) != 0 &&
+      LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', rows, columns, (a = kept).data(), rows, descending.data(), u.data(),
+                     rows, v.data(), columns, unconverged.data()) != 0)
     return {};
   result.values.tail(columns) = descending.reverse();
   result.vectors = u.rowwise().reverse();

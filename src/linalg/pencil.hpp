@@ -4,12 +4,13 @@
 #include <nscdd/core/types.hpp>
 
 #include <functional>
+#include <string_view>
 
 namespace nscdd {
 
 /// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
 struct PencilEnds {
-  bool definite = true;  ///< false where P has no Cholesky factor in double precision; the rest is then empty
+  std::string_view failure = {};  ///< why there are no eigenvalues; empty if there are
   Vector low, high;      ///< k eigenvalues from each end inwards: ascending, descending
   Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
   /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies as near as this to each value.
@@ -18,7 +19,8 @@ struct PencilEnds {
 
 /// Ends of the spectrum of (A, P), A n x n symmetric, P n x n symmetric positive definite, n >= 1 (LAPACK):
 /// tridiagonalisation of L^-1 A L^-T with P = L L^T, bisection (Sturm counts) and inverse iteration for the
-/// k = min(wanted, n) eigenvalues of each end.
+/// k = min(wanted, n) eigenvalues of each end. Where these two fail, as they may where many eigenvalues are equal, the
+/// QR iteration computes all eigenvalues. Fails if P has no Cholesky factor in double precision.
 PencilEnds pencil_ends(const Matrix& a, const Matrix& p, Index wanted = 1);
 
 /// Largest residual of such pairs for another pencil they belong to, P = L L^T given by its factor.
@@ -26,7 +28,8 @@ double pair_residual(const Matrix& a, const Matrix& p, const Matrix& lower, cons
                      const Matrix& vectors);
 
 /// All eigenvalues of a symmetric matrix, ascending, and orthonormal eigenvectors as columns (none unless they are
-/// wanted). Eigen's decompositions are slow to compile: this is the one place that does.
+/// wanted). The values are NaN if the QR iteration fails. Eigen's decompositions are slow to compile: this is the one
+/// place that does.
 struct SymmetricEigen {
   Vector values;
   Matrix vectors;
@@ -37,8 +40,9 @@ SymmetricEigen symmetric_eigen(const Matrix& a, Eigenvectors vectors = Eigenvect
 SymmetricEigen tridiagonal_eigen(const Vector& diagonal, const Vector& below);
 
 /// The singular values of an n x c matrix, n of them, ascending, with n - c zeros where it is narrower than high, and
-/// the orthonormal vectors on the left as columns (LAPACK dgesdd). In contrast to eigenvalues of A A^T, small values
-/// and the spaces that belong to them keep their digits. There are no values if the iteration of LAPACK fails.
+/// the orthonormal vectors on the left as columns (LAPACK dgesdd, or dgesvd where that fails). In contrast to
+/// eigenvalues of A A^T, small values and the spaces that belong to them keep their digits. There are no values if both
+/// fail.
 struct LeftSingular {
   Vector values;
   Matrix vectors;

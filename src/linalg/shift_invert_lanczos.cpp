@@ -41,6 +41,7 @@ class Basis {
     return length;
   }
 
+  Index rows() const { return q_.rows(); }
   auto image() const { return mq_.col(size_ - 1); }  // M q of the last vector
   Matrix combine(const Matrix& s) const { return q_.leftCols(s.rows()) * s; }
 
@@ -50,6 +51,14 @@ class Basis {
   Matrix locked_image_, q_, mq_;
   Index size_ = 0;
 };
+
+// Appends a random direction; false if none is left. Where eigenvalues are multiple, an earlier run from the same
+// random vectors has found all that is in their span. It is then locked, so one of the next vectors has to do.
+bool append_any(Basis& basis, RandomStream& random) {
+  for (Index tries = 0; tries <= basis.rows(); ++tries)
+    if (basis.append(random.normal_vector(basis.rows())) > 0) return true;
+  return false;
+}
 
 // Ritz values nu of the tridiagonal matrix on the side looked at, from the largest modulus on.
 struct RitzPairs {
@@ -114,7 +123,7 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
   Vector first = random.normal_vector(n);
   if (start.size() == n && start.norm() > 0)
     first = start / start.norm() + share_of_fixed_vector * first / first.norm();
-  if (capacity < 1 || basis.append(first) == 0) return result;
+  if (capacity < 1 || (basis.append(first) == 0 && !append_any(basis, random))) return result;
   std::vector<double> alpha, beta;
   RitzPairs pairs;
   for (Index steps = 1;; ++steps) {
@@ -123,8 +132,8 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
     ++result.applications;
     alpha.push_back(mq.dot(w));
     beta.push_back(basis.append(w));
-    const bool last = steps == capacity;
-    if (beta.back() == 0 && !last && basis.append(random.normal_vector(n)) == 0) return result;
+    const bool spent = beta.back() == 0 && (steps == capacity || !append_any(basis, random));
+    const bool last = steps == capacity || spent;
     if (!last && steps > every_step && steps % 10 != 0) continue;
     pairs = ritz_pairs(alpha, beta, end == SpectrumEnd::smallest, wanted);
     set_values(result, pairs, sigma);

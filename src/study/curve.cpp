@@ -36,7 +36,7 @@ struct Work {
         stage_one(asked.sweep.contacts == ContactSet::all ? stage_two : InterfaceFamily(*selection.stage_one)),
         options(asked.sweep.spectral) {
     // The certificate of a dense spectrum costs nothing and bounds the rounding of its ends.
-    const SolverChoice choice = choose_solver(model.parts.interface_size(), false, options);
+    const SolverChoice choice = choose_solver(model.parts.interface_size(), options);
     options.certify |= choice.solver == SpectralSolver::dense;
   }
 
@@ -102,6 +102,7 @@ class Curve {
         {}};
     compute(known, position);
     converged_ &= known.result.radius.converged;
+    if (failure_.empty()) failure_ = known.result.radius.failure;
     points_.insert(points_.begin() + position, std::move(known));
     update(position);
   }
@@ -119,7 +120,7 @@ class Curve {
       if (last.epsilon == result.point.epsilon && last.eta == result.point.eta) known.ends = last;
     }
     set_exact(result, plain, work_.options.tolerance);
-    result.radius.converged &= work_.selection.certain;
+    withdraw_if_uncertain(result.radius, work_.selection);
     factorisations_ += plain.factorisations;
     if (!result.radius.converged) return;
     known.point = curve_point(b, plain, work_.parameters.axis);
@@ -196,7 +197,7 @@ class Curve {
     return with_six_digits(from * std::pow(to / from, share), from, to);
   }
 
-  CurveReport report_as(CurveStatus status) const { return {status, count(points_), factorisations_}; }
+  CurveReport report_as(CurveStatus status) const { return {status, count(points_), factorisations_, failure_}; }
 
   Work& work_;
   SweepPoint start_;
@@ -205,6 +206,7 @@ class Curve {
   std::vector<Deviation> deviations_;
   Index factorisations_ = 0;
   bool converged_ = true;
+  std::string failure_;
 };
 
 }  // namespace

@@ -47,6 +47,7 @@ constexpr auto names_of(CurveStatus) {
 struct CurveReport {
   CurveStatus status = CurveStatus::proved;
   Index points = 0, factorisations = 0;  ///< the latter of shifted pencils; 0 for dense spectra
+  std::string failure = {};              ///< not_converged: SpectralRadius::failure of the point
 };
 
 /// Places points until the band of every curve is within the tolerance. The points of a curve are handed over in

@@ -166,15 +166,17 @@ double exact_need(const Model& model, const SweepParameters& parameters) {
   const Index size = model.parts.interface_size();
   const auto n = static_cast<double>(size);
   const bool rigid = std::ranges::count(parameters.epsilon, 0.0) > 0;
-  const SolverChoice choice = choose_solver(size, rigid, options);
+  const SolverChoice choice = choose_solver(size, options);
   if (choice.solver == SpectralSolver::dense)
     return bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n);
   const double unknowns = std::max(unknowns_of(model), 2.0);
   if (choice.solver == SpectralSolver::shift_invert) {
     const bool finite_eta = std::ranges::any_of(parameters.eta, [](double eta) { return std::isfinite(eta); });
     const double shifted = shifted_need(model, finite_eta);
-    if (!rigid) return program_bytes + shifted;
-    const double dense = choice.dense_fallback ? bytes_per_number * rigid_dense_matrices * square(n) : 0;
+    const bool falls_back = choice.may_take(SpectralSolver::dense);
+    const double dense =
+        falls_back ? bytes_per_number * (rigid ? rigid_dense_matrices : dense_matrices) * square(n) : 0;
+    if (!rigid) return program_bytes + std::max(shifted, dense);
     const bool flexible = std::ranges::any_of(parameters.epsilon, [](double epsilon) { return epsilon > 0; });
     const double limit = in_space(model) ? std::max(flexible ? shifted : 0.0, rigid_need_in_space(model, finite_eta))
                                          : rigid_shift * shifted + rigid_ranks * unknowns;
@@ -192,7 +194,7 @@ double inexact_need(const Model& model, const SweepParameters& parameters) {
   const Index unknowns = model.parts.contacts + model.parts.interface_size();
   const auto size = static_cast<double>(unknowns);
   const SolverChoice choice = choose_inexact_solver(unknowns, parameters.spectral);
-  const bool dense = choice.solver == SpectralSolver::dense || choice.dense_fallback;
+  const bool dense = choice.may_take(SpectralSolver::dense);
   const double basis = static_cast<double>(parameters.spectral.arpack.basis) + arpack_vectors;
   return bytes_per_number * (dense ? inexact_matrices * square(size) : basis * size);
 }

@@ -84,7 +84,7 @@ std::vector<Vector> StageOneAnswers::velocities(double epsilon, const Vector& f)
 Mode mode_of(const Contraction& b, const ModeOptions& asked, bool certain) {
   SpectralOptions options = asked.spectral;
   // For the dense solver a second eigenvalue costs nothing. It tells whether the mode is one of several.
-  if (choose_solver(b.rows(), b.system.eta() == 0, options).solver == SpectralSolver::dense)
+  if (choose_solver(b.rows(), options).solver == SpectralSolver::dense)
     options.eigenvalues = std::max<Index>(options.eigenvalues, 2);
   Mode mode;
   mode.spectrum = spectral_radius(b, options);

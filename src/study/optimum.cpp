@@ -2,6 +2,7 @@
 #include "study/optimum.hpp"
 
 #include "study/study.hpp"
+#include "study/sweep_points.hpp"
 
 namespace nscdd {
 
@@ -50,7 +51,10 @@ Index optima(const Model& model, const SweepParameters& sweep, const Sink<Optimu
                          optimum(model.parts, *selection.stage_one, epsilon, sweep.spectral),
                          sweep.relative_epsilon ? asked : epsilon / scale, scale};
     OptimumStatus& status = result.best.status;
-    if (!selection.certain && status != OptimumStatus::no_interface) status = OptimumStatus::not_converged;
+    if (!selection.certain && status != OptimumStatus::no_interface) {
+      status = OptimumStatus::not_converged;
+      result.best.failure = uncertain_choice;
+    }
     failed += status == OptimumStatus::not_converged;
     sink(result);
     if (!report(monitor, i + 1, total)) break;

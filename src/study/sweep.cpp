@@ -66,6 +66,7 @@ void set_inexact(SweepResult& result, const Decomposition& stage_one, const Inte
   result.radius.applications = radius.applications;
   result.radius.residual = radius.residual;
   result.radius.converged = radius.converged;
+  result.radius.failure = radius.failure;
   result.dominant = radius.dominant;
 }
 
@@ -102,6 +103,12 @@ void set_exact(SweepResult& result, const SpectralRadius& plain, double toleranc
   // With the optimal relaxation both ends are equal and opposite. Rounding must not choose between them.
   const bool low_end = std::abs(radius.eigenvalue_min) > std::abs(radius.eigenvalue_max) * (1 + 1e-9);
   result.dominant = {low_end ? radius.eigenvalue_min : radius.eigenvalue_max, computed ? 0.0 : not_a_number};
+}
+
+void withdraw_if_uncertain(SpectralRadius& radius, const Selection& selection) {
+  if (selection.certain) return;
+  radius.converged = false;
+  radius.failure = uncertain_choice;
 }
 
 SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double scale) {
@@ -202,7 +209,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
   const Index total = point_count(parameters);
   const Index per_pair = count(parameters.relaxation) * count(parameters.gauss_seidel_sweeps);
   const Index replayed = Spectra::block * per_pair;
-  const bool warm = choose_solver(model.parts.interface_size(), false, options).solver != SpectralSolver::dense;
+  const bool warm = choose_solver(model.parts.interface_size(), options).solver != SpectralSolver::dense;
   Index failed = 0;
   for (Index number = warm ? first - first % replayed : first; number < total; ++number) {
     const SweepPoint asked = sweep_point(parameters, number);
@@ -217,7 +224,7 @@ Index sweep(const Model& model, const Selection& selection, const SweepParameter
       if (!report(monitor, first, total)) return failed;
       continue;
     }
-    result.radius.converged &= selection.certain;  // a radius of uncertain contacts proves nothing
+    withdraw_if_uncertain(result.radius, selection);
     failed += !result.radius.converged;
     sink(result);
     if (!report(monitor, number + 1, total)) return failed;

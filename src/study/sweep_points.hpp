@@ -12,6 +12,11 @@ SweepPoint at_scale(SweepPoint point, const SweepParameters& parameters, double 
 /// that is asked for, the radius under the relaxation, and the dominant eigenvalue.
 void set_exact(SweepResult& result, const SpectralRadius& plain, double tolerance);
 
+inline constexpr std::string_view uncertain_choice = "the impulses that choose the contacts were not found to 1e-8";
+
+/// A radius of contacts whose choice is uncertain proves nothing: it counts as not converged.
+void withdraw_if_uncertain(SpectralRadius& radius, const Selection& selection);
+
 /// The selection for a choice of contacts that was made before, and the sweep of such a selection: for several works on
 /// one choice, which may take longer than they do. `parameters.contacts` is that of the selection.
 Selection select(const Model& model, ContactSet contacts, const ContactChoice& choice);

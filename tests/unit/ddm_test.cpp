@@ -141,31 +141,36 @@ TEST_CASE("partitioners: as --subdomains names them, and refused with the forms 
 
 TEST_CASE("the solver of a spectrum: by size, by request, and what it falls back on") {
   using enum SpectralSolver;
-  const auto chosen = [](Index size, bool rigid, SpectralSolver solver) {
-    const SolverChoice choice = choose_solver(size, rigid, {.solver = solver});
-    return std::pair(choice.solver, choice.dense_fallback);
+  using Solvers = std::vector<SpectralSolver>;  // the first one, and those it falls back on
+  const auto in_order = [](const SolverChoice& choice) {
+    Solvers all{choice.solver};
+    all.insert(all.end(), choice.fallbacks.begin(), choice.fallbacks.end());
+    return all;
+  };
+  const auto chosen = [&](Index size, SpectralSolver solver, bool alone = true) {
+    return in_order(choose_solver(size, {.solver = solver}, alone));
   };
   for (const SpectralSolver solver : {automatic, dense, arpack, shift_invert})  // too small for Lanczos
-    CHECK(chosen(4, true, solver) == std::pair(dense, false));
-  CHECK(chosen(800, true, automatic) == std::pair(dense, false));
-  CHECK(chosen(801, true, automatic) == std::pair(shift_invert, true));
-  CHECK(chosen(801, false, automatic) == std::pair(shift_invert, false));
-  CHECK(chosen(4000, true, automatic) == std::pair(shift_invert, true));
-  CHECK(chosen(4001, true, automatic) == std::pair(shift_invert, false));
-  CHECK(chosen(5, true, shift_invert) == std::pair(shift_invert, false));
-  CHECK(chosen(5, true, arpack) == std::pair(arpack, false));
-  CHECK(chosen(5000, false, dense) == std::pair(dense, false));
+    CHECK(chosen(4, solver) == Solvers{dense});
+  CHECK(chosen(800, automatic) == Solvers{dense, shift_invert, arpack});
+  CHECK(chosen(801, automatic) == Solvers{shift_invert, dense, arpack});
+  CHECK(chosen(4000, automatic) == Solvers{shift_invert, dense, arpack});
+  CHECK(chosen(4001, automatic) == Solvers{shift_invert, arpack});
+  CHECK(chosen(800, automatic, false) == Solvers{dense, shift_invert});
+  CHECK(chosen(4001, automatic, false) == Solvers{shift_invert});
+  CHECK(chosen(5, shift_invert) == Solvers{shift_invert});
+  CHECK(chosen(5, arpack) == Solvers{arpack});
+  CHECK(chosen(5000, dense) == Solvers{dense});
 
-  const auto inexact = [](Index size, SpectralSolver solver) {
-    const SolverChoice choice = choose_inexact_solver(size, {.solver = solver});
-    return std::pair(choice.solver, choice.dense_fallback);
+  const auto inexact = [&](Index size, SpectralSolver solver) {
+    return in_order(choose_inexact_solver(size, {.solver = solver}));
   };
-  CHECK(inexact(400, automatic) == std::pair(dense, false));
-  CHECK(inexact(401, automatic) == std::pair(arpack, true));
-  CHECK(inexact(2501, automatic) == std::pair(arpack, false));
-  CHECK(inexact(5, shift_invert) == std::pair(arpack, false));
-  CHECK(inexact(4, arpack) == std::pair(dense, false));
-  CHECK(inexact(5000, dense) == std::pair(dense, false));
+  CHECK(inexact(400, automatic) == Solvers{dense, arpack});
+  CHECK(inexact(401, automatic) == Solvers{arpack, dense});
+  CHECK(inexact(2501, automatic) == Solvers{arpack});
+  CHECK(inexact(5, shift_invert) == Solvers{arpack});
+  CHECK(inexact(4, arpack) == Solvers{dense});
+  CHECK(inexact(5000, dense) == Solvers{dense});
 }
 
 TEST_CASE("decomposition: masses add up, gluing has full rank, velocities that agree are glued") {

@@ -46,6 +46,7 @@ struct Optimum {
   double relaxation = not_a_number;  ///< omega at relaxed_eta
   double residual = 0;               ///< largest residual of the spectra used
   Index spectra = 0;                 ///< spectra computed
+  std::string failure = {};          ///< not_converged: at which eta there is no spectrum, and why
 };
 
 /// Searches 16 decades around the mean of diag(X), and two on either side of epsilon, by Brent's method on

@@ -5,10 +5,14 @@
 #include <nscdd/ddm/contraction.hpp>
 #include <nscdd/linalg/inertia_factor.hpp>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 namespace nscdd {
 
 enum class SpectralSolver {
-  automatic,     ///< dense up to `dense_limit` interface unknowns, shift-invert above
+  automatic,     ///< dense up to `dense_limit` interface unknowns, shift-invert above; the others if these fail
   dense,         ///< both ends of the dense pencil (LAPACK)
   arpack,        ///< both ends by Lanczos on P^-1 S and S^-1 P, matrix-free (ARPACK)
   shift_invert,  ///< both ends by Lanczos on (S - sigma P)^-1 P from shifts beyond them
@@ -43,17 +47,24 @@ struct SpectralOptions {
 /// How one spectrum is computed.
 struct SolverChoice {
   SpectralSolver solver = SpectralSolver::dense;  ///< never `automatic`
-  bool dense_fallback = false;                    ///< the dense matrix where `solver` fails
+  std::vector<SpectralSolver> fallbacks = {};     ///< tried in this order if the one before has no proved answer
+
+  /// Whether `one` may be asked, first or later.
+  bool may_take(SpectralSolver one) const { return solver == one || std::ranges::count(fallbacks, one) > 0; }
 };
 
-/// For the pencil of `size` interface unknowns. `automatic` takes the dense pencil up to `dense_limit`
-/// unknowns and shift-invert above; where that fails in the rigid limit, it falls back on the dense pencil up
-/// to 4 000 unknowns. Up to 4 unknowns, too few for Lanczos, every solver is dense.
-SolverChoice choose_solver(Index size, bool rigid, const SpectralOptions& options);
+/// For the pencil of `size` interface unknowns. `automatic` takes the dense pencil up to `dense_limit` unknowns and
+/// shift-invert above. It falls back on the other of these two and on ARPACK: on the dense pencil up to
+/// `dense_fallback_limit` unknowns, on ARPACK if one process has all subdomains (`alone`). Up to 4 unknowns, too few
+/// for Lanczos, every solver is dense.
+SolverChoice choose_solver(Index size, const SpectralOptions& options, bool alone = true);
 
-/// The same for the unsymmetric map of `size` unknowns of an inexact Stage 1: dense on request or, by
-/// `automatic`, up to 400 unknowns, else ARPACK; `automatic` falls back on dense up to 2 500 unknowns.
+/// The same for the unsymmetric map of `size` unknowns of an inexact Stage 1: dense on request or, by `automatic`, up
+/// to 400 unknowns, else ARPACK. `automatic` falls back on the other one, on dense up to 2 500 unknowns.
 SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options);
+
+/// Interface unknowns up to which a failing solver is followed by the dense pencil: what may be waited for.
+inline constexpr Index dense_fallback_limit = 4000;
 
 /// Interface unknowns up to which the matrix-free solver computes ker S, densely, in the rigid limit.
 inline constexpr Index dense_kernel_limit = 4000;
@@ -70,14 +81,18 @@ struct SpectralRadius {
   double subdominant = 0;
   double subdominant_min = not_a_number;  ///< ends of the spectrum without the unit eigenvalues
   double subdominant_max = not_a_number;
-  std::string_view solver = "none";  ///< "dense", "arpack", "shift-invert", "slepc", or "none" for an empty interface
-  Index applications = 0;            ///< products with interface operators or solves; 0 where they were assembled
+  /// "dense", "arpack", "shift-invert", "slepc", or "none" for an empty interface. If no solver has the answer that was
+  /// asked for, all that were tried, such as "shift-invert+dense+arpack".
+  std::string solver = "none";
+  Index applications = 0;  ///< products with interface operators or solves; 0 where they were assembled
   /// max over both ends of ||S x - lambda P x||_{P^-1} / ||x||_P, times omega: an eigenvalue of B lies within
   /// this distance of each end given. For shift-invert the distance of the end from a shift with no
   /// eigenvalue beyond it, times omega: the end itself lies within it. In the rigid limit, by how much S may be off is
   /// added (InterfaceOperator::uncertainty).
   double residual = 0;
   bool converged = true;  ///< the solver says so and residual <= tolerance x max(1, rho)
+  /// If no solver has the answer that was asked for: why each failed, such as "shift-invert: ...; dense: ...".
+  std::string failure = {};
 
   std::vector<double> low, high;  ///< eigenvalues of B from each end inwards, without the unit eigenvalues
   bool certified = false;         ///< inertia counts leave no eigenvalue outside the intervals given

@@ -115,7 +115,9 @@ function showPacking() {
         `Proved by counts: the lowest is in ${between(point.certified.low)}, the highest in ` +
             `${between(point.certified.high)}, and none lies further out.` :
         '';
-    return (point.converged ? '' : 'This point did not converge: its radius is not proved. ') + ends + error + proof;
+    const open = point.converged ? '' :
+        `This point did not converge: its radius is not proved${point.failure ? ` (${point.failure})` : ''}. `;
+    return open + ends + error + proof;
   }
 
   function bestText() {

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "study/case.hpp"
+
+#include <cstdint>
+
+namespace nscdd::testing {
+
+/// A random small problem whose spectrum is likely to be degenerate: a square, hexagonal or cubic lattice with or
+/// without holes, a chain, a ring, a few of these in one packing, or several copies of one of them; cut by a grid or
+/// by METIS, with unit masses or masses of two sizes.
+struct SmallProblem {
+  Case one;
+  double epsilon = 1, eta = infinity;
+  Index eigenvalues = 1;
+};
+SmallProblem small_problem(std::uint64_t seed);
+
+}  // namespace nscdd::testing
