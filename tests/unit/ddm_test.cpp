@@ -94,6 +94,39 @@ TEST_CASE("METIS: every contact in a part, parts of like size, same result twice
   CHECK(partition(MetisPartitioner{.metis = 7}, two.problem).subdomain_of_contact == std::vector<Index>{0});
 }
 
+TEST_CASE("METIS: no part is empty where there are as many contacts, and a chain falls into pieces of a line") {
+  const auto pieces = [](const std::vector<Index>& parts, Index wanted) {  // of contacts in the order of the chain
+    Index cuts = 0;
+    for (std::size_t c = 1; c < parts.size(); ++c) cuts += parts[c] != parts[c - 1];
+    return cuts + 1 == wanted && std::set<Index>(parts.begin(), parts.end()).size() == at(wanted);
+  };
+  for (const Index grains : {3, 4, 5, 8, 13, 40}) {
+    Case chain;
+    chain.spec.packing = PackingFile{"made in a test"};
+    chain.packing = {
+        .x = {}, .y = std::vector<double>(at(grains), 0), .radius = std::vector<double>(at(grains), 0.5), .mass = {}};
+    for (Index i = 0; i < grains; ++i) chain.packing.x.push_back(static_cast<double>(i));
+    const Model model = build(chain);
+    REQUIRE(model.contacts() == grains - 1);
+    for (Index parts = 1; parts < grains; ++parts)
+      for (const Index seed : {1, 7}) {
+        CAPTURE(grains);
+        CAPTURE(parts);
+        const Partition found = partition(MetisPartitioner{.metis = parts, .seed = seed}, model.problem);
+        CHECK(count(found.subdomain_of_contact) == grains - 1);
+        CHECK(std::set<Index>(found.subdomain_of_contact.begin(), found.subdomain_of_contact.end()).size() ==
+              at(parts));
+        if (parts == 2 && grains < 6) CHECK(pieces(found.subdomain_of_contact, parts));
+      }
+  }
+  const Model lattice = build(random_lattice(5, 8, 6, {1, 1}));  // METIS itself leaves most of so many parts empty
+  for (const Index parts : {lattice.contacts() / 3, lattice.contacts() - 1, lattice.contacts()}) {
+    CAPTURE(parts);
+    const Partition found = partition(MetisPartitioner{.metis = parts}, lattice.problem);
+    CHECK(std::set<Index>(found.subdomain_of_contact.begin(), found.subdomain_of_contact.end()).size() == at(parts));
+  }
+}
+
 TEST_CASE("METIS: the seed is heard: among a few of them there are different partitions") {
   const Model model = build(random_lattice(5, 30, 30, {1, 1}));
   std::set<std::vector<Index>> met;

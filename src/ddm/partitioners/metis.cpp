@@ -41,6 +41,51 @@ Graph contact_graph(const ReferenceProblem& problem, Index contacts) {
   return graph;
 }
 
+// The vertices of one part in breadth-first order from one that is far from the first: a half of them is in one piece.
+std::vector<idx_t> in_breadth(const Graph& graph, const std::vector<idx_t>& part, idx_t one) {
+  std::vector<char> taken(part.size(), 0);
+  std::vector<idx_t> order;
+  const auto visit = [&](idx_t from) {
+    std::size_t next = order.size();
+    order.push_back(from);
+    taken[static_cast<std::size_t>(from)] = 1;
+    for (; next < order.size(); ++next)
+      for (idx_t k = graph.start[static_cast<std::size_t>(order[next])];
+           k < graph.start[static_cast<std::size_t>(order[next]) + 1]; ++k) {
+        const auto other = static_cast<std::size_t>(graph.neighbours[static_cast<std::size_t>(k)]);
+        if (part[other] != one || taken[other] != 0) continue;
+        taken[other] = 1;
+        order.push_back(graph.neighbours[static_cast<std::size_t>(k)]);
+      }
+  };
+  const auto visit_all = [&] {
+    for (std::size_t v = 0; v < part.size(); ++v)
+      if (part[v] == one && taken[v] == 0) visit(static_cast<idx_t>(v));
+  };
+  visit_all();
+  const idx_t far = order.back();
+  order.clear();
+  std::ranges::fill(taken, 0);
+  visit(far);
+  visit_all();
+  return order;
+}
+
+// METIS may leave parts empty where they are to be small. Each of these takes half of the largest part.
+void fill_empty_parts(const Graph& graph, idx_t parts, std::vector<idx_t>& part) {
+  std::vector<Index> size(static_cast<std::size_t>(parts), 0);
+  for (const idx_t one : part) ++size[static_cast<std::size_t>(one)];
+  for (idx_t empty = 0; empty < parts; ++empty) {
+    if (size[static_cast<std::size_t>(empty)] > 0) continue;
+    const auto largest = std::ranges::max_element(size);
+    const std::vector<idx_t> order = in_breadth(graph, part, static_cast<idx_t>(largest - size.begin()));
+    const Index half = *largest / 2;
+    for (Index k = 0; k < half; ++k) part[static_cast<std::size_t>(order[at(k)])] = empty;
+    *largest -= half;
+    size[static_cast<std::size_t>(empty)] = half;
+  }
+}
+
 }  // namespace
 
 Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem) {
@@ -66,6 +111,7 @@ Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem&
   });
   if (status != METIS_OK)
     fail("METIS: expected a partition into {} subdomains, met status {}", partitioner.metis, status);
+  fill_empty_parts(graph, parts, part);
   for (Index c = 0; c < problem.contacts(); ++c) result.subdomain_of_contact[at(c)] = part[at(c / columns)];
   return result;
 }

@@ -8,7 +8,8 @@
 namespace nscdd {
 
 /// METIS k-way partition of the contact graph: its vertices are the contacts, joined where they share a grain, so that
-/// a cut edge is a grain to be split. The columns of a contact stay together. Equal sizes, few cuts, no geometry.
+/// a cut edge is a grain to be split. The columns of a contact stay together. Equal sizes, few cuts, no geometry. Parts
+/// that METIS leaves empty, as it may where they are small, take half of the largest part each.
 struct MetisPartitioner {
   static constexpr std::string_view name = "metis";
   static constexpr std::string_view summary = "METIS k-way partition of the contact graph";
@@ -31,7 +32,7 @@ struct MetisPartitioner {
 
 inline Index subdomains(const MetisPartitioner& partitioner) { return partitioner.metis; }
 
-/// Subdomains may come out empty where there are few contacts. Throws Error where METIS fails.
+/// Subdomains are empty only if there are fewer contacts. Throws Error where METIS fails.
 Partition partition(const MetisPartitioner& partitioner, const ReferenceProblem& problem);
 
 }  // namespace nscdd
