@@ -90,6 +90,57 @@ TEST_CASE("curve: the slopes of both ends are those of finite differences") {
     }
 }
 
+// Modes that are off by much more than those of a solver: the quotients whose tangents bound the curve are then told
+// apart from the slope that is worked out, and its error must cover the difference. The quotients of a vector f are
+//     low end:   f^T S f / f^T P f along epsilon,  f^T S P^-1 S f / f^T S f along eta
+//     high end:  f^T P f / f^T S f, of 1 / lambda
+TEST_CASE("curve: the error of a slope covers what an inexact mode is off, on each side and axis") {
+  double most_in_first_order = 0;  // what is lost without the terms 2 r + r^2 / lambda, over what is left
+  for (const Case& one : {strip(8), random_lattice(2, 8, 6, {3, 2})}) {
+    const Decomposition parts = build(one).parts;
+    const InterfaceFamily family(parts);
+    RandomStream random(5);
+    for (const CurveAxis axis : {CurveAxis::epsilon, CurveAxis::eta})
+      for (const double epsilon : {0.05, 1.0})
+        for (const double off : {1e-5, 1e-4, 1e-3}) {
+          CAPTURE(axis == CurveAxis::eta);
+          CAPTURE(epsilon);
+          CAPTURE(off);
+          const double eta = 0.4;
+          const Contraction b{family.at(eta), family.at(epsilon)};
+          SpectralRadius plain = spectral_radius(b, {.certify = true});
+          for (Vector* mode : {&plain.mode_max, &plain.mode_min})
+            *mode = *mode / mode->norm() + off * random_vector(b.rows(), random).normalized();
+          const CurvePoint point = curve_point(b, plain, axis);
+          const auto derivative = [&](auto&& quotient) {  // over the logarithm of the flexibility of the axis
+            const auto at_step = [&](double h) {
+              const double factor = std::exp(h);
+              return quotient(axis == CurveAxis::epsilon ? family.at(epsilon * factor) : b.system,
+                              axis == CurveAxis::eta ? family.at(eta * factor) : b.preconditioner);
+            };
+            const double h = 1e-3;
+            return (8 * (at_step(h) - at_step(-h)) - (at_step(2 * h) - at_step(-2 * h))) / (12 * h);
+          };
+          using X = InterfaceOperator;
+          const Vector &f = plain.mode_max, &g = plain.mode_min;
+          const double of_low = derivative([&](const X& s, const X& p) {
+            const Vector sf = s.apply(f);
+            return axis == CurveAxis::epsilon ? f.dot(sf) / f.dot(p.apply(f)) : sf.dot(p.solve(sf)) / f.dot(sf);
+          });
+          const double of_high =
+              derivative([&](const X& s, const X& p) { return g.dot(p.apply(g)) / g.dot(s.apply(g)); });
+          const auto& [low, high] = *point.ends;
+          const double rounding = 1e-10;  // of the differences
+          CHECK(std::abs(low.slope - of_low) <= low.slope_error + rounding);
+          CHECK(std::abs(-high.slope / (high.lambda * high.lambda) - of_high) <=
+                high.slope_error / (high.lambda * high.lambda) + rounding);
+          const double second_order = off * off * 10 + 10 * low.error + rounding;
+          most_in_first_order = std::max(most_in_first_order, std::abs(low.slope - of_low) / second_order);
+        }
+  }
+  CHECK(most_in_first_order > 10);  // the error is of first order along eta: a bound of second order does not do
+}
+
 TEST_CASE("curve: no eigenvalue of M_E^-1 K_E is above the bound") {
   for (const Case& one : every_problem())
     for (const Subdomain& subdomain : build(one).parts.subdomains) {
