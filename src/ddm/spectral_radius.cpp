@@ -35,7 +35,7 @@ SpectralRadius arpack_radius(const Contraction& b, const SpectralOptions& option
   const Index n = b.rows(), unit_multiplicity = b.system.nullity();
   if (unit_multiplicity > 0 && n > dense_kernel_limit)
     return not_converged(
-        "arpack", fmt::format("the kernel of S is found densely, up to {} unknowns of {}", dense_kernel_limit, n),
+        "arpack", fmt::format("the kernel of S is found densely up to {} unknowns: met {}", dense_kernel_limit, n),
         unit_multiplicity);
   SpectralRadius result;
   result.solver = "arpack";
@@ -242,7 +242,7 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     failures += fmt::format("; {}: {}", next.solver, reason(next, options));
     if (says_more(best, next)) best = std::move(next);
   }
-  best.solver = tried;
+  if (!best.converged) best.solver = tried;
   best.failure = failures;
   return relaxed(best, b.relaxation, options.tolerance);
 }

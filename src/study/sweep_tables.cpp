@@ -111,7 +111,11 @@ ResultColumns<SweepResult> sweep_columns(const SweepParameters& parameters) {
       {"dominant_imaginary", "1", "its imaginary part, of a pair the positive one",
        [](const SweepResult& result) { return result.dominant.imag(); }}};
   static const ResultColumns<Radius> certificate{
-      {"solver", "", "dense, arpack, shift-invert, slepc, or none for an empty interface", &Radius::solver},
+      {"solver", "",
+       "dense, arpack, shift-invert, slepc, or none for an empty interface; of an open row why each failed",
+       [](const Radius& radius) {
+         return radius.converged || radius.failure.empty() ? radius.solver : radius.failure;
+       }},
       {"applications", "1", "operator applications, 0 where matrices were assembled", &Radius::applications},
       {"residual", "1", "an eigenvalue lies within this of each end printed (a plain residual for inexact Stage 1)",
        &Radius::residual},

@@ -53,6 +53,46 @@ TEST_CASE("sweep: the columns of the table have their names") {
   CHECK(result.text(0, "converged") == "true");
 }
 
+// Every row is a chain of disks of unit mass that is cut in its middle grain, see
+// tests/laws/degenerate_spectra_test.cpp.
+TEST_CASE("many equal eigenvalues: every verb has the radius and the mode of a square lattice") {
+  Session session;
+  for (const int rows : {1, 8, 20, 31}) {
+    CAPTURE(rows);
+    std::string packing = "x,y,radius\n";
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < 5; ++i) packing += std::to_string(i) + "," + std::to_string(j) + ",0.5\n";
+    session.file("square.csv", packing);
+    const std::string what = " square.csv --subdomains 2x1 --epsilon 1 ";
+    for (const char* options : {"", "--solver dense", "--solver shift-invert --certify --eigenvalues 3",
+                                "--solver arpack", "--certify --eigenvalues 7"}) {
+      CAPTURE(options);
+      const CsvTable found = table(session, "sweep" + what + options);
+      CHECK(found.text(0, "converged") == "true");
+      CHECK(found.number(0, "spectral_radius") == doctest::Approx(6.0 / 11).epsilon(1e-8));
+    }
+    const CsvTable best = table(session, "optimum" + what + "--contacts all");
+    CHECK(best.number(0, "generic_radius") == doctest::Approx(6.0 / 11).epsilon(1e-8));
+    CHECK(best.text(0, "status") != "not_converged");
+    const Outcome mode = session.run(words("modes" + what + "--force --output slow"));
+    CHECK(mode.exit_code == 0);
+    CHECK(contains(mode.standard_output, "0.545454545"));
+    CHECK(!contains(mode.standard_error, "there is no mode"));
+  }
+}
+
+TEST_CASE("a row that stays open says which solvers were tried and why each failed, in a note and in its cell") {
+  const Session session;
+  const Outcome outcome = session.run(words("sweep hexagonal --epsilon 1 --eta 1e-13,1 --solver shift-invert --csv -"));
+  CHECK(outcome.exit_code == 0);
+  const CsvTable rows = read_table(outcome.standard_output);
+  CHECK(rows.text(0, "converged") == "false");
+  CHECK(rows.text(0, "solver").starts_with("shift-invert: "));
+  CHECK(contains(outcome.standard_error, "eta = 1e-13: not converged: shift-invert: "));
+  CHECK(contains(outcome.standard_error, "1 row(s) did not converge"));
+  CHECK(rows.text(1, "solver") == "shift-invert");
+}
+
 TEST_CASE("sweep: one row per epsilon and eta in the order given") {
   const Session session;
   const CsvTable result = table(session, "sweep disks8 --epsilon 0,1,0.5 --eta 0.3,inf");

@@ -31,6 +31,25 @@ def test_radius_of_the_paper():
     assert "certified=True" in repr(found)
 
 
+@pytest.mark.parametrize("rows", [1, 7, 20, 40])
+def test_many_equal_eigenvalues(rows):
+    """Rows of five disks, each cut in its middle: M + K of half a chain has the corner 5 / 5.5 of its inverse."""
+    x, y = np.meshgrid(np.arange(5.0), np.arange(float(rows)))
+    parts = nscdd.decompose(nscdd.Packing(x.ravel(), y.ravel(), np.full(5 * rows, 0.5)), (2, 1))
+    b = nscdd.contraction(parts, epsilon=1)
+    for solver in ("auto", "dense", "shift-invert", "arpack"):
+        found = nscdd.spectral_radius(b, solver=solver)
+        assert found.converged and found.failure == ""
+        close(found.value, 6 / 11, 1e-8)
+    assert nscdd.sweep(parts, epsilon=[1.0, 0.5])["converged"].all()
+
+
+def test_why_a_spectrum_stays_open():
+    parts = nscdd.decompose(lattice(7, 6, 0), (3, 2))
+    found = nscdd.spectral_radius(nscdd.contraction(parts, epsilon=1, eta=1e-13), solver="shift-invert")
+    assert not found.converged and found.failure.startswith("shift-invert: ")
+
+
 @pytest.mark.parametrize("packing, subdomains", PACKINGS)
 @pytest.mark.parametrize("epsilon, eta", [(1e-2, np.inf), (1.0, 0.3), (0.3, 5.0), (0.0, 0.7), (0.0, np.inf)])
 def test_dense_spectrum_of_numpy(packing, subdomains, epsilon, eta):
