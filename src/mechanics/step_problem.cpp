@@ -10,9 +10,6 @@
 namespace nscdd {
 namespace {
 
-// A grain that moves by more than so many of its radii in one step passes through others unseen.
-constexpr double largest_move = 10;
-
 template <int D>
 GrainVelocity<D> driven_velocity(const Direction<D>& v) {
   GrainUnknowns<D> u{};
@@ -21,17 +18,22 @@ GrainVelocity<D> driven_velocity(const Direction<D>& v) {
 }
 
 template <int D>
-void check_moves(const GranularSystem& system, const GranularState& state, Index grain, const GrainVelocity<D>& v,
-                 double h) {
+void check_moves(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                 const TimeStepping& scheme, Index grain, const GrainVelocity<D>& v) {
   const auto finite = [](double number) { return std::isfinite(number); };
   const auto name = [&] { return body_name(system, grain); };
   const Direction<D> centre = centre_of<D>(state, at(grain)), velocity = velocity_of<D>(v);
   if (!std::ranges::all_of(centre, finite))
     fail("{}: expected a finite position, met ({}) m", name(), fmt::join(centre, ", "));
-  const double move = h * speed_of<D>(v);
-  if (!(move <= largest_move * system.radius[at(grain)]) || !std::isfinite(squared_rim(v)))
-    fail("{}: expected to move by at most {} of its radii in a step, met a velocity of ({}) m/s and a step of {} s",
-         name(), largest_move, fmt::join(velocity, ", "), h);
+  const double move = scheme.step * speed_of<D>(v), far = largest_move * system.radius[at(grain)];
+  if (move <= far && std::isfinite(squared_rim(v))) return;
+  const std::string expected = fmt::format(
+      "{}: expected to move by at most {} of its radii in a step, met a velocity of ({}) m/s and a step of "
+      "{} s",
+      name(), largest_move, fmt::join(velocity, ", "), scheme.step);
+  const double safe = safe_step<D>(system, state, interaction, scheme);
+  if (safe > 0) fail("{}; dynamics.step: expected at most {:g} s", expected, safe);
+  throw Error(expected);
 }
 
 // The velocity of a grain at the beginning of a step. The state knows that of a free one; a boundary gives those of
@@ -110,13 +112,8 @@ std::vector<std::array<Index, 2>> add_wall_bodies(StepProblem<D>& problem, const
   return bodies;
 }
 
-double smaller_radius(const GranularSystem& system, const StepContact& c) {
-  const double a = system.radius[at(c.a)];
-  return c.b < system.disks() ? std::min(a, system.radius[at(c.b)]) : a;
-}
-
 bool touches(const GranularSystem& system, const StepContact& c) {
-  return c.gap <= touching_gap * smaller_radius(system, c);
+  return c.gap <= touching_gap * smaller_radius(system, c.a, c.b);
 }
 
 template <int D>
@@ -146,17 +143,6 @@ double push_speed(const TimeStepping& scheme, double smaller_radius, double boun
   return natural_push_speed * (std::sqrt(gravity * smaller_radius) + boundary_speed);
 }
 
-bool overlaps(const GranularSystem& system, const StepContact& c, double largest) {
-  return c.gap < -largest * smaller_radius(system, c);
-}
-
-void check_overlaps(const GranularSystem& system, const std::vector<StepContact>& contacts, double largest) {
-  for (const StepContact& c : contacts)
-    if (overlaps(system, c, largest))
-      fail("{} and {}: expected an overlap of at most {} of the smaller radius, met {} m", body_name(system, c.a),
-           body_name(system, c.b), largest, -c.gap);
-}
-
 std::vector<RigidVelocity> step_motions(const GranularSystem& system, const GranularState& state,
                                         const TimeStepping& scheme) {
   return boundary_velocities(system, state.time + scheme.step / 2);
@@ -183,15 +169,16 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
   ConsideredContacts considered;
   for (Index i = 0; i < system.disks(); ++i) {
     const GrainVelocity<D> v = velocity(i);
-    check_moves<D>(system, state, i, v, scheme.step);
+    check_moves<D>(system, state, interaction, scheme, i, v);
     if (v.inverse_mass == 0) considered.boundary_speed = std::max(considered.boundary_speed, speed_of<D>(v));
   }
-  const Configuration<D> where = where_contacts_are<D>(system, state, scheme);
+  const Way<D> way = way_to_contacts<D>(system, state, scheme);
+  const Configuration<D>& where = way.places.back();
   const bool pulls = touch_of(interaction, scheme.step).pulls;
   // Bodies that hold each other are found however short the alert distance.
   const double hold = pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
   for_each_contact<D>(
-      system, where, [&](Index grain) { return velocity_of<D>(velocity(grain)); }, scheme, hold,
+      system, way, [&](Index grain) { return velocity_of<D>(velocity(grain)); }, scheme, hold,
       [&](const StepContact& c) {
         // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
         if (interaction.restitution > 0 && c.gap > 0 && !(pulls && touches(system, c))) return;
@@ -200,7 +187,8 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
           considered.boundary_speed =
               std::max(considered.boundary_speed, speed_of<D>(wall_velocity<D>(system, where, c)));
         visit(c);
-      });
+      },
+      [&](const DeepOverlap& one) { considered.deep.push_back(one); });
   return considered;
 }
 
@@ -229,7 +217,7 @@ StepProblem<D> step_of_contacts(const GranularSystem& system, const GranularStat
   for (std::size_t k = 0; k < problem.geometry.size(); ++k) {
     const StepContact& c = problem.geometry[k];
     problem.contacts.push_back(solver_contact<D>(c, bodies[k], problem, interaction, scheme.penetration_correction,
-                                                 push_speed(scheme, smaller_radius(system, c), boundary_speed)));
+                                                 push_speed(scheme, smaller_radius(system, c.a, c.b), boundary_speed)));
     if (problem.pulls && touches(system, c)) problem.contacts.back().pull = touch.pull;
     scale += 1 / problem.contacts.back().inverse_w.inverse_n;
   }
@@ -249,11 +237,12 @@ void set_scale(StepProblem<D>& problem, const Interaction& interaction, double s
 
 template <int D>
 StepProblem<D> prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
-                            const TimeStepping& scheme, bool warm_start) {
+                            const TimeStepping& scheme, bool warm_start, bool shallow) {
   std::vector<StepContact> found;
   found.reserve(at(3 * system.disks()));
   const auto considered =
       for_each_step_contact<D>(system, state, interaction, scheme, [&](const StepContact& c) { found.push_back(c); });
+  if (shallow) check_overlaps<D>(system, state, interaction, scheme, considered.deep);
   std::vector<std::int32_t> grains(at(system.disks()));
   std::iota(grains.begin(), grains.end(), 0);
   return step_of_contacts<D>(system, state, interaction, scheme, sorted_by_bodies(found, system.disks()),
@@ -271,7 +260,7 @@ template StepProblem<2> step_of_contacts(const GranularSystem&, const GranularSt
                                          std::vector<std::int32_t>, const std::vector<RememberedImpulse>&);
 template void set_scale(StepProblem<2>&, const Interaction&, double);
 template StepProblem<2> prepare_step(const GranularSystem&, const GranularState&, const Interaction&,
-                                     const TimeStepping&, bool);
+                                     const TimeStepping&, bool, bool);
 template GrainVelocity<3> free_velocity(const GranularSystem&, const GranularState&, const TimeStepping&,
                                         const std::vector<RigidVelocity>&, Index);
 template ConsideredContacts for_each_step_contact<3>(const GranularSystem&, const GranularState&, const Interaction&,
@@ -282,14 +271,14 @@ template StepProblem<3> step_of_contacts(const GranularSystem&, const GranularSt
                                          std::vector<std::int32_t>, const std::vector<RememberedImpulse>&);
 template void set_scale(StepProblem<3>&, const Interaction&, double);
 template StepProblem<3> prepare_step(const GranularSystem&, const GranularState&, const Interaction&,
-                                     const TimeStepping&, bool);
+                                     const TimeStepping&, bool, bool);
 Interpenetration interpenetration(const GranularSystem& system, const std::vector<StepContact>& contacts) {
   Interpenetration result;
   Index overlaps = 0;
   for (const StepContact& c : contacts) {
     if (c.gap >= 0) continue;
     result.maximum = std::max(result.maximum, -c.gap);
-    result.relative = std::max(result.relative, -c.gap / smaller_radius(system, c));
+    result.relative = std::max(result.relative, -c.gap / smaller_radius(system, c.a, c.b));
     result.mean -= c.gap;
     ++overlaps;
   }

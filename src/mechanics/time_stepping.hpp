@@ -112,15 +112,27 @@ Index body_of(const StepProblem<D>& problem, Index grain) {
 
 /// Finds contacts and sets the problem up. Impulses start from those of the last step if `warm_start`, otherwise from
 /// zero. Throws Error naming the disk if one would move by more than ten of its radii in the step or has a velocity
-/// that is not finite, and naming both disks if two have the same centre.
+/// that is not finite, and naming both disks if two have the same centre. Bodies that overlap too far are accepted
+/// unless `shallow`; see check_overlaps.
 template <int D>
 StepProblem<D> prepare_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
-                            const TimeStepping& scheme, bool warm_start);
+                            const TimeStepping& scheme, bool warm_start, bool shallow = false);
+
+/// Two bodies that overlap by more than largest_overlap times the smaller radius, or did so since contacts were found
+/// last (in the first step of a run: since it began).
+struct DeepOverlap {
+  Index a = 0, b = 0;         ///< grains a < b, or wall b = disks + w
+  double overlap = 0;         ///< the largest, m
+  double before = 0;          ///< when contacts were found last, m; negative: a gap
+  double path = 0, time = 0;  ///< of one body seen from the other since then, m and s
+  double reached = infinity;  ///< s, from then until the overlap was nearly as large as is accepted
+};
 
 /// What a step considers.
 struct ConsideredContacts {
   Index number = 0;
-  double boundary_speed = 0;  ///< of the fastest driven grain, or wall at one of its contacts, m/s
+  double boundary_speed = 0;      ///< of the fastest driven grain, or wall at one of its contacts, m/s
+  std::vector<DeepOverlap> deep;  ///< in no order
 };
 
 /// The two halves of prepare_step, for a process that keeps some of the contacts. The first calls visit(contact) for
@@ -175,11 +187,26 @@ inline constexpr double natural_push_speed = 0.02;
 /// Overlap that ends a run, as bodies would pass each other, and one that deserves attention, times the smaller radius.
 inline constexpr double largest_overlap = 0.5, notable_overlap = 0.1;
 
-/// Whether the bodies of a contact overlap by more than `largest` times the smaller radius.
-bool overlaps(const GranularSystem& system, const StepContact& contact, double largest);
+/// Throws Error if bodies overlap too far where the contacts of the next step are found, or on their way there. It
+/// names the bodies of the first such contact; or, where bodies came together because the step is too long, the step,
+/// how far they move, and a step that is short enough. `deep`: as ConsideredContacts has them.
+template <int D>
+void check_overlaps(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                    const TimeStepping& scheme, const std::vector<DeepOverlap>& deep);
 
-/// Throws Error naming the bodies of a contact that overlaps by more than `largest` times the smaller radius.
-void check_overlaps(const GranularSystem& system, const std::vector<StepContact>& contacts, double largest);
+/// The same of the way from there to the end of the step, with the velocities of all grains at its end.
+template <int D>
+void check_end_of_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                       const TimeStepping& scheme, const std::vector<GrainUnknowns<D>>& velocities);
+
+/// A time step, s, no longer than that of the scheme, at which the next step moves no grain too far and brings no
+/// bodies together that overlap too far. Velocities must be finite.
+template <int D>
+double safe_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
+                 const TimeStepping& scheme);
+
+/// A grain moves by so many of its radii in a step at the most. What moves further is sought in vain by any grid.
+inline constexpr double largest_move = 10;
 
 /// V_free + M^-1 H r for the impulses of the contacts.
 template <int D>

@@ -242,6 +242,8 @@ template <int D>
 StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   StepReport report = step.report;
   GranularState& state = simulation.state;
+  check_end_of_step<D>(simulation.system, state, simulation.dynamics.interaction, simulation.dynamics.time,
+                       step.all_grains);
   report.energy = finish_step<D>(simulation.system, state, simulation.dynamics.time, step.all_grains, step.work);
   state.impulses = impulses_to_remember(step.problem, step.contacts);
   if (decomposes_afresh(simulation, report.step - 1)) {
@@ -255,6 +257,20 @@ StepReport take_step(Simulation& simulation, const SolvedStep<D>& step) {
   report.time = state.time;
   return report;
 }
+
+namespace {
+
+// What is known of a step that is taken; if grains would pass each other before its end, `reason` says so.
+std::optional<StepReport> take_or_explain(Simulation& simulation, const AnySolvedStep& solved, std::string& reason) {
+  try {
+    return std::visit([&](const auto& step) { return take_step(simulation, step); }, solved);
+  } catch (const Error& error) {
+    reason = fmt::format("step {}: {}", simulation.state.step + 1, error.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace
 
 double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;
@@ -273,9 +289,10 @@ RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::ve
     if (!solved) return {RunEnd::broke_down, reason};
     if (std::visit([](const auto& step) { return step.report.status; }, *solved) == SolverStatus::given_up)
       return {RunEnd::stopped};
-    const StepReport report = std::visit([&](const auto& step) { return take_step(simulation, step); }, *solved);
-    if (sinks.step) sinks.step(simulation, *solved, report);
-    speeds.push_back(mean_speed(simulation.system, report.energy.kinetic));
+    const std::optional<StepReport> report = take_or_explain(simulation, *solved, reason);
+    if (!report) return {RunEnd::broke_down, reason};
+    if (sinks.step) sinks.step(simulation, *solved, *report);
+    speeds.push_back(mean_speed(simulation.system, report->energy.kinetic));
     if (!nscdd::report(sinks.monitor, simulation.state.step, time.steps)) return {RunEnd::stopped};
   }
   return {at_rest(speeds, time.rest_speed) ? RunEnd::at_rest : RunEnd::completed};

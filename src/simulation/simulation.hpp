@@ -150,7 +150,8 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
 /// How the next step of a simulation of either dimension is solved, without taking it.
 StepReport solved_report(const Simulation& simulation, const IterationSink& sink = {});
 
-/// Takes a solved step, which moves the state on.
+/// Takes a solved step, which moves the state on. Throws Error, and takes nothing, if bodies would pass each other
+/// between the contacts and the end of the step, see check_end_of_step.
 template <int D>
 StepReport take_step(Simulation& simulation, const SolvedStep<D>& step);
 

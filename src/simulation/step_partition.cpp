@@ -89,25 +89,20 @@ template <int D>
 StepProblem<D> checked_problem(const Simulation& simulation) {
   const Dynamics& dynamics = simulation.dynamics;
   check_system(simulation, D);
-  StepProblem<D> problem = prepare_step<D>(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
-                                           dynamics.solver.warm_start);
-  check_overlaps(simulation.system, problem.geometry, largest_overlap);
-  return problem;
+  return prepare_step<D>(simulation.system, simulation.state, dynamics.interaction, dynamics.time,
+                         dynamics.solver.warm_start, true);
 }
 
 void check_next_step(const Simulation& simulation) {
   const GranularSystem& system = simulation.system;
   const Dynamics& dynamics = simulation.dynamics;
   check_system(simulation, system.dimension);
-  std::vector<StepContact> deep;
   in_dimension(system, [&](auto dimension) {
-    for_each_step_contact<dimension()>(system, simulation.state, dynamics.interaction, dynamics.time,
-                                       [&](const StepContact& c) {
-                                         if (overlaps(system, c, largest_overlap)) deep.push_back(c);
-                                       });
+    constexpr int D = dimension();
+    const auto considered = for_each_step_contact<D>(system, simulation.state, dynamics.interaction, dynamics.time,
+                                                     [](const StepContact&) {});
+    check_overlaps<D>(system, simulation.state, dynamics.interaction, dynamics.time, considered.deep);
   });
-  std::ranges::sort(deep, {}, [](const StepContact& c) { return std::pair(c.a, c.b); });
-  check_overlaps(system, deep, largest_overlap);
   const auto* grid = std::get_if<GridPartitioner>(&simulation.partitioner);
   if (grid != nullptr && decomposes(dynamics.solver.algorithm) && decomposes_afresh(simulation, simulation.state.step))
     cell_of_midpoint(*grid, free_grains(system, simulation.state, dynamics.time));

@@ -95,9 +95,8 @@ StepShare<D> share_step(const Simulation& simulation) {
   share.of_step.process_of_subdomain = state.process_of_subdomain;
   const bool afresh = decomposes_afresh(simulation, state.step) || state.process_of_subdomain.empty();
   if (afresh) share.of_step.process_of_subdomain = dealt_out<D>(simulation, subdomain);
-  std::vector<StepContact> own, deep;
-  const auto keep = [&, rank = all.rank, &grains = system](const StepContact& c) {
-    if (overlaps(grains, c, largest_overlap)) deep.push_back(c);
+  std::vector<StepContact> own;
+  const auto keep = [&, rank = all.rank](const StepContact& c) {
     if (share.of_step.process_of_subdomain[at(subdomain(c))] == rank) own.push_back(c);
   };
   const ConsideredContacts considered =
@@ -108,8 +107,7 @@ StepShare<D> share_step(const Simulation& simulation) {
                least = -all.maximum(-number);
   if (kept != number || most != least)
     throw Error("processes: expected the same step in all of them, met others: their processors may differ");
-  std::ranges::sort(deep, {}, ends_of);
-  check_overlaps(system, deep, largest_overlap);
+  check_overlaps<D>(system, state, dynamics.interaction, dynamics.time, considered.deep);
   std::ranges::sort(own, {}, ends_of);
   own.shrink_to_fit();
   for (const StepContact& c : own) share.partition.subdomain_of_contact.push_back(subdomain(c));

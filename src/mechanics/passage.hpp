@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/way.hpp"
+
+#include <optional>
+
+namespace nscdd {
+
+/// What happened to two bodies on their way.
+template <int D>
+struct Passage {
+  /// If they overlap too far at the end, or did so on the way. Or if a boundary turned back on the way, and what it hit
+  /// before would not be found.
+  std::optional<DeepOverlap> deep = {};
+  /// From a to b where they met, if the line of centres has turned by more than largest_turn since.
+  std::optional<Direction<D>> normal = {};
+};
+
+/// Follows grain a and body b, which is another grain or the wall disks() + its number, to the end of the way, where
+/// their gap is `gap`, m. What a boundary drives is seen from there: a grain that rides on a boundary does not move.
+template <int D>
+Passage<D> check_passage(const GranularSystem& system, const Way<D>& way, Index a, Index b, double gap);
+
+/// The bodies that overlap too far at the end of the way, or did so on it, in no order.
+template <int D>
+std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Way<D>& way);
+
+}  // namespace nscdd

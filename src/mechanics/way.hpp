@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/configuration.hpp"
+
+namespace nscdd {
+
+/// Where everything is from one check of the geometry to the next. Grains move straight from each place to the one
+/// after it. The last place is the one that is checked.
+template <int D>
+struct Way {
+  std::vector<double> times;             ///< s, ascending, relative to the state
+  std::vector<Configuration<D>> places;  ///< at these times
+  bool begins_run = false;               ///< no contact was sought at its beginning
+  std::size_t bend = 0;                  ///< place where boundaries take another velocity; 0 where none does
+  double reach = 0;                      ///< m: no grain moves by more relative to another or to a wall
+
+  /// Whether pairs have to be followed. Otherwise nothing moves far enough to matter, and the last place is the only
+  /// one.
+  bool followed() const { return places.size() > 1; }
+};
+
+/// The line of centres of two grains that met may turn by this angle, rad, before contacts are found: then their normal
+/// there is right to 0.1 rad. A pair that touches and leaves in between approaches at most at the speed
+/// v sin(largest_turn / 2), 5 % of its relative speed v, which is an error of the same size.
+inline constexpr double largest_turn = 0.1;
+
+/// The way to q_m, where the contacts of the next step are found: from q_m of the step before, in the first step of a
+/// run from q^-. It has one place unless something moves far enough to matter.
+template <int D>
+Way<D> way_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
+
+/// The same followed in any case, and on for another step as if nothing were met, if `onwards`.
+template <int D>
+Way<D> whole_way(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards);
+
+/// Whether nothing moves far enough from q_m to the end of a step, with the velocities of all grains there, that bodies
+/// which are apart would overlap too far.
+template <int D>
+bool way_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                  const std::vector<GrainUnknowns<D>>& velocities);
+
+/// The way from q_m to the end of a step. `after`: the state there.
+template <int D>
+Way<D> way_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme);
+
+}  // namespace nscdd
