@@ -446,6 +446,22 @@ def overlapping(folder):
         check(met == expected, f"overlap, {processes} processes: {expected} expected, {met} met")
 
 
+def too_long(folder):
+    """A step in which a grain flies through another is refused in the words of one process, with the same safe step."""
+    packing, case = os.path.join(folder, "shot.csv"), os.path.join(folder, "shot.toml")
+    with open(packing, "w") as file:
+        file.write("x,y,radius\n" + "".join(f"{k % 10 * 1.2},{k // 10 * 1.2},0.5\n" for k in range(100)))
+    with open(case, "w") as file:
+        file.write('[packing]\nfile = "shot.csv"\n[masses]\nmodel = "density"\ndensity = 1000\n[partition]\ngrid = [4, 4]\n'
+                   "[dynamics]\nsteps = 3\n[[prescribed]]\ngrain = 44\nvelocity = [400, 30]\n")
+    base = ["simulate", case, "--algorithm", "generic", "--subdomains", "4x4", "-o", os.path.join(folder, "shot.h5")]
+    expected = run(0, *base)
+    check(expected[0] == 2 and "dynamics.step: expected at most" in expected[2], f"too long a step: {expected}")
+    for processes in (2, 6):
+        met = run(processes, *base)
+        check(met == expected, f"too long a step, {processes} processes: {expected} expected, {met} met")
+
+
 def shared_memory(folder):
     """What all processes have of a run is little beside what they share out; the first one also writes."""
     def memory(processes, case):
@@ -553,7 +569,7 @@ def in_own_folder(test):
 
 # Two at a time: much of what processes do here is to begin and to end.
 tests = (same_tables, same_reports, same_counts, nothing_to_share, refusals, one_fails, killed_and_resumed, same_runs,
-         close_runs, broken_runs, overlapping, shared_memory, refused_runs, killed_and_restarted)
+         close_runs, broken_runs, overlapping, too_long, shared_memory, refused_runs, killed_and_restarted)
 with ThreadPoolExecutor(2) as pool:
     for done in [pool.submit(in_own_folder, test) for test in tests]:
         done.result()

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Steps that are too long, as users meet them: one grain would pass through another between two searches for contacts.
+#include "formats/trajectory.hpp"
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace nscdd::testing;
+
+namespace {
+
+// A disk that flies at another with 19 m/s, 2 mm before it.
+std::string shot(const std::string& packing, const std::string& more = "") {
+  return "[packing]\nfile = \"" + packing +
+         "\"\n[masses]\nmodel = \"given\"\n[partition]\ngrid = [1, 1]\n[interaction]\nlaw = \"frictionless\"\n" +
+         "[dynamics]\nstep = 0.005\nsteps = 3\ngravity = [0, 0]\n[[prescribed]]\ngrain = 0\nvelocity = [19.0, 0.0]\n" +
+         more;
+}
+
+struct ShotSession : Session {
+  ShotSession() {
+    file("two.csv", "x,y,radius,mass\n0,0,0.01,1\n0.022,0,0.01,1\n");
+    file("shot.toml", shot("two.csv"));
+  }
+};
+
+std::string safe_step(const std::string& error) {
+  const std::string before = "dynamics.step: expected at most ";
+  const std::size_t found = error.find(before);
+  REQUIRE(found != std::string::npos);
+  const std::size_t start = found + before.size();
+  return error.substr(start, error.find(' ', start) - start);
+}
+
+nscdd::GranularState last_state(const Session& session, const std::string& file) {
+  return nscdd::read_last_step((session.folder / file).string()).state;
+}
+
+std::vector<double> velocities(const Session& session, const std::string& file) {
+  const auto state = last_state(session, file);
+  return {state.velocity_x[0], state.velocity_x[1]};
+}
+
+}  // namespace
+
+TEST_CASE("simulate: a step in which a disk flies through another is refused, and the step named is right") {
+  const ShotSession session;
+  check_refused(session, "simulate shot.toml -o shot.h5",
+                {"shot.toml:10: dynamics.step: expected at most 0.000684 s, met 0.005 s, which is too long",
+                 "disk 0 and disk 1 moved by 0.0475 m", "4.75 of the smaller radius"});
+  CHECK_FALSE(session.has("shot.h5"));
+  for (const std::string step : {"0.02", "0.009", "0.005", "0.002", "0.001", "0.0008"}) {
+    CAPTURE(step);
+    const Outcome refused = session.run(words("simulate shot.toml -o shot.h5 --set dynamics.step=" + step));
+    CHECK(refused.exit_code == 2);
+    CHECK(safe_step(refused.standard_error) == "0.000684");
+  }
+  for (const std::string step : {"0.000684", "0.000677", "0.0005", "0.0001"}) {
+    CAPTURE(step);
+    answer(session, "simulate shot.toml --force -o shot.h5 --set dynamics.steps=9 --set dynamics.step=" + step);
+    for (const double v : velocities(session, "shot.h5")) CHECK(v == doctest::Approx(9.5).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("every verb that moves the first step of a case refuses one that is too long") {
+  const ShotSession session;
+  session.file("settle.toml", "[packing]\nsettled = \"shot.toml\"\n[partition]\ngrid = [1, 1]\n");
+  check_refused(session, "sweep settle.toml --epsilon 1 --csv -", {"dynamics.step: expected at most 0.000684 s"});
+  // Packings that begin with overlaps are told from steps that are too long.
+  session.file("deep.csv", "x,y,radius,mass\n0,0,0.01,1\n0.0149,0,0.01,1\n");
+  session.file("deep.toml", shot("deep.csv"));
+  check_refused(session, "simulate deep.toml -o deep.h5", {"disk 0 and disk 1: expected an overlap of at most 0.5"});
+}
+
+TEST_CASE(
+    "simulate --restart: a disk that would be passed later ends the run as in one piece, written steps are kept") {
+  const Session session;
+  session.file("three.csv", "x,y,radius,mass\n0,0,0.01,1\n0.0201,0,0.01,0.05\n0.12,0,0.01,1\n");
+  session.file("throw.toml", shot("three.csv"));
+  const std::string asked = "simulate throw.toml --set interaction.restitution=1 --set dynamics.step=0.0003 --steps ";
+  const Outcome ended = session.run(words(asked + "30 -o whole.h5"));
+  CHECK(ended.exit_code == 1);
+  CHECK(contains(ended.standard_error, "dynamics.step: expected at most "));
+  CHECK(contains(ended.standard_error, "disk 1 and disk 2 moved by"));
+  const auto last = last_state(session, "whole.h5");
+  REQUIRE(last.step > 2);
+  answer(session, asked + "2 -o parts.h5");
+  const Outcome on = session.run(words(asked + "30 --restart -o parts.h5"));
+  CHECK(on.exit_code == 1);
+  CHECK(contains(on.standard_error, "disk 1 and disk 2 moved by"));
+  const auto parts = last_state(session, "parts.h5");
+  CHECK(parts.step == last.step);
+  CHECK(parts.x == last.x);
+  CHECK(parts.velocity_x == last.velocity_x);
+  // Elastic: the light disk gets 2/1.05 of 19 m/s, and hands on 2 x 0.05/1.05 of that.
+  const std::string safe = safe_step(ended.standard_error);
+  answer(session, "simulate throw.toml --set interaction.restitution=1 --set dynamics.step=" + safe +
+                      " --set dynamics.steps=" + std::to_string(static_cast<int>(0.003 / std::stod(safe))) +
+                      " -o safe.h5");
+  const auto state = last_state(session, "safe.h5");
+  CHECK(state.velocity_x[2] == doctest::Approx(2 * 0.05 / 1.05 * 38 / 1.05).epsilon(1e-9));
+}
