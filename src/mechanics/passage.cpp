@@ -9,7 +9,7 @@ namespace {
 // A step that is called safe keeps overlaps to this part of what is accepted.
 constexpr double safe_part = 0.9;
 
-// A vector of a boundary as it turned with it to the end of the way.
+// A vector of a boundary as it turned with it to the end of the path.
 template <int D>
 Direction<D> turned_on(const Direction<D>& arm, const Pose& before, const Pose& after) {
   const auto turn_of = [](const Pose& pose) {
@@ -21,14 +21,14 @@ Direction<D> turned_on(const Direction<D>& arm, const Pose& before, const Pose& 
   return carried(arm, turn_of(before), turn_of(after));
 }
 
-// Grain a and body b at each place of a way.
+// Grain a and body b at each place of a path.
 template <int D>
 class Pair {
  public:
-  Pair(const GranularSystem& system, const Way<D>& way, Index a, Index b)
-      : way_(way), a_(at(a)), b_(at(b)), wall_(b - system.disks()), radius_(system.radius[a_]) {
+  Pair(const GranularSystem& system, const Path<D>& path, Index a, Index b)
+      : path_(path), a_(at(a)), b_(at(b)), wall_(b - system.disks()), radius_(system.radius[a_]) {
     if (wall_ >= 0)
-      boundary_ = way.places.back().walls[at(wall_)].boundary;
+      boundary_ = path.places.back().walls[at(wall_)].boundary;
     else
       boundary_ = std::max(system.driven_by[a_], system.driven_by[b_]);
     touch_ = wall_ < 0 ? radius_ + system.radius[b_] : radius_;
@@ -36,12 +36,12 @@ class Pair {
 
   // Two round bodies have a line of centres, or of a centre and an axis. The others are flat or hollow.
   bool driven() const { return boundary_ >= 0; }
-  bool round() const { return wall_ < 0 || wall(way_.places.back()).radius < 0; }
-  double touch() const { return round() && wall_ >= 0 ? radius_ - wall(way_.places.back()).radius : touch_; }
+  bool round() const { return wall_ < 0 || wall(path_.places.back()).radius < 0; }
+  double touch() const { return round() && wall_ >= 0 ? radius_ - wall(path_.places.back()).radius : touch_; }
 
   // From a to b, or to the axis of b, seen from the boundary.
   Direction<D> line(std::size_t place) const {
-    const Configuration<D>& where = way_.places[place];
+    const Configuration<D>& where = path_.places[place];
     if (wall_ < 0) return seen(place, moved_along<D>(where.centre(b_), -1, where.centre(a_)));
     const auto [foot, normal, height] = nearest_point<D>(wall(where), where.centre(a_));
     Direction<D> line{};
@@ -49,11 +49,11 @@ class Pair {
   }
   // Of a flat or hollow body.
   double gap(std::size_t place) const {
-    const Configuration<D>& where = way_.places[place];
+    const Configuration<D>& where = path_.places[place];
     return nearest_point<D>(wall(where), where.centre(a_)).height - radius_;
   }
   Direction<D> place_at_wall(std::size_t place) const {
-    const Configuration<D>& where = way_.places[place];
+    const Configuration<D>& where = path_.places[place];
     const Pose& pose = where.poses[at(boundary_)];
     if constexpr (D == 2)
       return seen(place, moved_along<D>(where.centre(a_), -1, {pose.x, pose.y}));
@@ -65,16 +65,16 @@ class Pair {
   const Wall& wall(const Configuration<D>& where) const { return where.walls[at(wall_)]; }
   Direction<D> seen(std::size_t place, const Direction<D>& arm) const {
     if (boundary_ < 0) return arm;
-    return turned_on<D>(arm, way_.places[place].poses[at(boundary_)], way_.places.back().poses[at(boundary_)]);
+    return turned_on<D>(arm, path_.places[place].poses[at(boundary_)], path_.places.back().poses[at(boundary_)]);
   }
 
-  const Way<D>& way_;
+  const Path<D>& path_;
   std::size_t a_, b_;
   Index wall_, boundary_ = -1;
   double radius_, touch_ = 0;
 };
 
-// The part of the way from `from` by `move` until the length is `end`, or none. It is longer at first.
+// The part of the path from `from` by `move` until the length is `end`, or none. It is longer at first.
 template <int D>
 std::optional<double> part_until(const Direction<D>& from, const Direction<D>& move, double end) {
   const double a = dot<D>(move, move), b = dot<D>(from, move), c = dot<D>(from, from) - end * end;
@@ -99,15 +99,15 @@ bool turned_back(const Followed& found, double small) {
 
 // Bodies with a line of centres: follows it from place to place. `limit`: the overlap whose time is wanted.
 template <int D>
-Followed follow_line(const Way<D>& way, const Pair<D>& pair, double limit, std::optional<Direction<D>>& met) {
+Followed follow_line(const Path<D>& path, const Pair<D>& pair, double limit, std::optional<Direction<D>>& met) {
   const double touch = pair.touch();
   Direction<D> from = pair.line(0);
   double distance = length<D>(from);
   Followed result{.before = touch - distance, .deepest = touch - distance};
   // Bodies that touched when contacts were found last are a contact since then.
   std::optional<Direction<D>> entered;
-  if (way.begins_run) entered = from;
-  for (std::size_t k = 1; k < way.places.size(); ++k) {
+  if (path.begins_run) entered = from;
+  for (std::size_t k = 1; k < path.places.size(); ++k) {
     const Direction<D> to = pair.line(k), move = moved_along<D>(to, -1, from);
     const double square = dot<D>(move, move);
     result.path += std::sqrt(square);
@@ -115,33 +115,33 @@ Followed follow_line(const Way<D>& way, const Pair<D>& pair, double limit, std::
       if (const auto part = part_until<D>(from, move, touch)) entered = moved_along<D>(from, *part, move);
     if (distance > touch - limit && std::isinf(result.reached))
       if (const auto part = part_until<D>(from, move, touch - limit))
-        result.reached = way.times[k - 1] + *part * (way.times[k] - way.times[k - 1]) - way.times.front();
+        result.reached = path.times[k - 1] + *part * (path.times[k] - path.times[k - 1]) - path.times.front();
     const double nearest = square > 0 ? std::clamp(-dot<D>(from, move) / square, 0.0, 1.0) : 0;
     const double overlap = touch - length<D>(moved_along<D>(from, nearest, move));
     if (overlap > result.deepest) result.deepest = overlap, met = entered;
     from = to;
     distance = length<D>(from);
-    if (k == way.bend && pair.driven()) result.at_bend = touch - distance;
+    if (k == path.bend && pair.driven()) result.at_bend = touch - distance;
   }
   result.at_end = touch - distance;
   return result;
 }
 
-// Flat and hollow bodies: nowhere on a straight way is a grain deeper than at one of its ends.
+// Flat and hollow bodies: nowhere on a straight path is a grain deeper than at one of its ends.
 template <int D>
-Followed follow_gap(const Way<D>& way, const Pair<D>& pair, double limit) {
+Followed follow_gap(const Path<D>& path, const Pair<D>& pair, double limit) {
   double before = -pair.gap(0);
   Direction<D> from = pair.place_at_wall(0);
   Followed result{.before = before, .deepest = before};
-  for (std::size_t k = 1; k < way.places.size(); ++k) {
+  for (std::size_t k = 1; k < path.places.size(); ++k) {
     const double overlap = -pair.gap(k);
     const Direction<D> to = pair.place_at_wall(k);
     result.path += length<D>(moved_along<D>(to, -1, from));
     if (before < limit && overlap >= limit && std::isinf(result.reached))
-      result.reached = way.times[k - 1] + (limit - before) / (overlap - before) * (way.times[k] - way.times[k - 1]) -
-                       way.times.front();
+      result.reached = path.times[k - 1] + (limit - before) / (overlap - before) * (path.times[k] - path.times[k - 1]) -
+                       path.times.front();
     result.deepest = std::max(result.deepest, overlap);
-    if (k == way.bend) result.at_bend = overlap;
+    if (k == path.bend) result.at_bend = overlap;
     before = overlap;
     from = to;
   }
@@ -152,27 +152,27 @@ Followed follow_gap(const Way<D>& way, const Pair<D>& pair, double limit) {
 }  // namespace
 
 template <int D>
-Passage<D> check_passage(const GranularSystem& system, const Way<D>& way, Index a, Index b, double gap) {
+Passage<D> check_passage(const GranularSystem& system, const Path<D>& path, Index a, Index b, double gap) {
   const double small = smaller_radius(system, a, b), limit = largest_overlap * small;
   Passage<D> passage;
-  if (!way.followed()) {
+  if (!path.followed()) {
     if (gap < -limit) passage.deep = {.a = a, .b = b, .overlap = -gap, .before = -gap};
     return passage;
   }
-  const Pair<D> pair(system, way, a, b);
+  const Pair<D> pair(system, path, a, b);
   std::optional<Direction<D>> met;
   const Followed found =
-      pair.round() ? follow_line<D>(way, pair, safe_part * limit, met) : follow_gap<D>(way, pair, safe_part * limit);
+      pair.round() ? follow_line<D>(path, pair, safe_part * limit, met) : follow_gap<D>(path, pair, safe_part * limit);
   if (gap < -limit || (found.deepest > limit && found.deepest > found.before) || turned_back(found, small))
     passage.deep = {.a = a,
                     .b = b,
                     .overlap = std::max(found.deepest, -gap),
                     .before = found.before,
                     .path = found.path,
-                    .time = way.times.back() - way.times.front(),
+                    .time = path.times.back() - path.times.front(),
                     .reached = found.reached};
   if (!met || !(found.deepest > touching_gap * small)) return passage;
-  const Direction<D> line = pair.line(way.places.size() - 1);
+  const Direction<D> line = pair.line(path.places.size() - 1);
   const double now = length<D>(line), then = length<D>(*met);
   if (!(dot<D>(line, *met) < std::cos(largest_turn) * now * then)) return passage;
   passage.normal.emplace();
@@ -181,18 +181,18 @@ Passage<D> check_passage(const GranularSystem& system, const Way<D>& way, Index 
 }
 
 template <int D>
-std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Way<D>& way) {
+std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Path<D>& path) {
   std::vector<DeepOverlap> deep;
-  const Configuration<D>& where = way.places.back();
+  const Configuration<D>& where = path.places.back();
   const auto check = [&](Index a, Index b, double gap) {
-    if (const auto found = check_passage<D>(system, way, a, b, gap).deep) deep.push_back(*found);
+    if (const auto found = check_passage<D>(system, path, a, b, gap).deep) deep.push_back(*found);
   };
-  const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, way.reach);
+  const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, path.reach);
   grid.for_each_pair([&](Index a, Index b) {
     if (!system.free(a) && !system.free(b)) return;
     const double distance = length<D>(moved_along<D>(where.centre(at(b)), -1, where.centre(at(a))));
     const double gap = distance - system.radius[at(a)] - system.radius[at(b)];
-    if (gap <= way.reach) check(a, b, gap);
+    if (gap <= path.reach) check(a, b, gap);
   });
   for (Index w = 0; w < count(where.walls); ++w)
     for (Index i = 0; i < system.disks(); ++i)
@@ -202,9 +202,9 @@ std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Way<D
   return deep;
 }
 
-template Passage<2> check_passage(const GranularSystem&, const Way<2>&, Index, Index, double);
-template Passage<3> check_passage(const GranularSystem&, const Way<3>&, Index, Index, double);
-template std::vector<DeepOverlap> deep_overlaps(const GranularSystem&, const Way<2>&);
-template std::vector<DeepOverlap> deep_overlaps(const GranularSystem&, const Way<3>&);
+template Passage<2> check_passage(const GranularSystem&, const Path<2>&, Index, Index, double);
+template Passage<3> check_passage(const GranularSystem&, const Path<3>&, Index, Index, double);
+template std::vector<DeepOverlap> deep_overlaps(const GranularSystem&, const Path<2>&);
+template std::vector<DeepOverlap> deep_overlaps(const GranularSystem&, const Path<3>&);
 
 }  // namespace nscdd

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "mechanics/way.hpp"
+#include "mechanics/path.hpp"
 
 #include <optional>
 
@@ -17,13 +17,13 @@ struct Passage {
   std::optional<Direction<D>> normal = {};
 };
 
-/// Follows grain a and body b, which is another grain or the wall disks() + its number, to the end of the way, where
+/// Follows grain a and body b, which is another grain or the wall disks() + its number, to the end of the path, where
 /// their gap is `gap`, m. What a boundary drives is seen from there: a grain that rides on a boundary does not move.
 template <int D>
-Passage<D> check_passage(const GranularSystem& system, const Way<D>& way, Index a, Index b, double gap);
+Passage<D> check_passage(const GranularSystem& system, const Path<D>& path, Index a, Index b, double gap);
 
-/// The bodies that overlap too far at the end of the way, or did so on it, in no order.
+/// The bodies that overlap too far at the end of the path, or did so on it, in no order.
 template <int D>
-std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Way<D>& way);
+std::vector<DeepOverlap> deep_overlaps(const GranularSystem& system, const Path<D>& path);
 
 }  // namespace nscdd

@@ -7,20 +7,20 @@
 namespace nscdd {
 
 template <int D>
-void for_each_contact(const GranularSystem& system, const Way<D>& way,
+void for_each_contact(const GranularSystem& system, const Path<D>& path,
                       const std::function<Direction<D>(Index)>& velocity, const TimeStepping& scheme,
                       double least_alert, const std::function<void(const StepContact&)>& visit,
                       const std::function<void(const DeepOverlap&)>& deep) {
-  const Configuration<D>& where = way.places.back();
+  const Configuration<D>& where = path.places.back();
   double fastest = 0;
   for (Index i = 0; i < system.disks(); ++i) fastest = std::max(fastest, length<D>(velocity(i)));
   const double smallest = *std::min_element(system.radius.begin(), system.radius.end());
   const double alert = std::max(scheme.alert * smallest, least_alert);
-  const double foreseen = std::max(alert, 2 * fastest * scheme.step);              // the fastest pair may close so much
-  const double range = way.followed() ? std::max(foreseen, way.reach) : foreseen;  // or has come apart by so much
+  const double foreseen = std::max(alert, 2 * fastest * scheme.step);  // the fastest pair may close so much
+  const double range = path.followed() ? std::max(foreseen, path.reach) : foreseen;  // or has come apart by so much
   const auto visit_if_near = [&](Index a, Index b, const Direction<D>& normal, const Direction<D>& point, double gap,
                                  bool within, const std::function<Direction<D>()>& velocity_of_b) {
-    const auto [overlap, met] = check_passage<D>(system, way, a, b, gap);
+    const auto [overlap, met] = check_passage<D>(system, path, a, b, gap);
     if (overlap) deep(*overlap);
     if (met) return visit({a, b, widened<D>(*met), widened<D>(point), std::min(gap, 0.0)});
     const auto closing = [&] { return dot<D>(normal, moved_along<D>(velocity_of_b(), -1, velocity(a))); };
@@ -36,8 +36,8 @@ void for_each_contact(const GranularSystem& system, const Way<D>& way,
     const double square = dot<D>(apart, apart);
     if (square > near * near || (!system.free(a) && !system.free(b))) return;
     const double distance = std::sqrt(square);
-    if (!(distance > 0) && way.followed()) {
-      if (const auto overlap = check_passage<D>(system, way, a, b, -touch).deep; overlap && overlap->before < touch)
+    if (!(distance > 0) && path.followed()) {
+      if (const auto overlap = check_passage<D>(system, path, a, b, -touch).deep; overlap && overlap->before < touch)
         return deep(*overlap);
     }
     if (!(distance > 0))
@@ -64,10 +64,10 @@ void for_each_contact(const GranularSystem& system, const Way<D>& way,
   }
 }
 
-template void for_each_contact<2>(const GranularSystem&, const Way<2>&, const std::function<Direction<2>(Index)>&,
+template void for_each_contact<2>(const GranularSystem&, const Path<2>&, const std::function<Direction<2>(Index)>&,
                                   const TimeStepping&, double, const std::function<void(const StepContact&)>&,
                                   const std::function<void(const DeepOverlap&)>&);
-template void for_each_contact<3>(const GranularSystem&, const Way<3>&, const std::function<Direction<3>(Index)>&,
+template void for_each_contact<3>(const GranularSystem&, const Path<3>&, const std::function<Direction<3>(Index)>&,
                                   const TimeStepping&, double, const std::function<void(const StepContact&)>&,
                                   const std::function<void(const DeepOverlap&)>&);
 

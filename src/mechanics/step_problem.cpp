@@ -172,13 +172,13 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
     check_moves<D>(system, state, interaction, scheme, i, v);
     if (v.inverse_mass == 0) considered.boundary_speed = std::max(considered.boundary_speed, speed_of<D>(v));
   }
-  const Way<D> way = way_to_contacts<D>(system, state, scheme);
-  const Configuration<D>& where = way.places.back();
+  const Path<D> path = path_to_contacts<D>(system, state, scheme);
+  const Configuration<D>& where = path.places.back();
   const bool pulls = touch_of(interaction, scheme.step).pulls;
   // Bodies that hold each other are found however short the alert distance.
   const double hold = pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
   for_each_contact<D>(
-      system, way, [&](Index grain) { return velocity_of<D>(velocity(grain)); }, scheme, hold,
+      system, path, [&](Index grain) { return velocity_of<D>(velocity(grain)); }, scheme, hold,
       [&](const StepContact& c) {
         // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
         if (interaction.restitution > 0 && c.gap > 0 && !(pulls && touches(system, c))) return;

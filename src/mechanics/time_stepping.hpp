@@ -194,7 +194,7 @@ template <int D>
 void check_overlaps(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                     const TimeStepping& scheme, const std::vector<DeepOverlap>& deep);
 
-/// The same of the way from there to the end of the step, with the velocities of all grains at its end.
+/// The same of the path from there to the end of the step, with the velocities of all grains at its end.
 template <int D>
 void check_end_of_step(const GranularSystem& system, const GranularState& state, const Interaction& interaction,
                        const TimeStepping& scheme, const std::vector<GrainUnknowns<D>>& velocities);

@@ -412,7 +412,7 @@ TEST_CASE("passages: a light grain that a heavy one throws does not fly through 
     }
 }
 
-TEST_CASE("passages: the way to the end of the last step is followed, and the step is not taken") {
+TEST_CASE("passages: the path to the end of the last step is followed, and the step is not taken") {
   // Perfect restitution: contacts act once they touch. At q_m of the second step disk 0 is 0.1 m before disk 1.
   const double h = 0.1, speed = 30;
   Simulation s = simulation_of({{.velocity_x = speed}, {.x = 1 + 1.5 * speed * h + 0.1}}, free_flight(h, 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "mechanics/way.hpp"
+#include "mechanics/path.hpp"
 
 namespace nscdd {
 namespace {
@@ -55,38 +55,38 @@ double chords(const GranularSystem& system, const GranularState& state, const st
   return std::min(most, most_chords);
 }
 
-// One part of a way: at constant velocities of the boundaries.
+// One part of a path: at constant velocities of the boundaries.
 struct Leg {
   double from = 0, to = 0;  // s, relative to the state
   std::vector<RigidVelocity> motions;
 };
 
 template <int D>
-Way<D> way_of(const GranularSystem& system, const GranularState& state, const std::vector<Leg>& legs, bool always) {
-  Way<D> way;
-  way.begins_run = state.step == 0;
+Path<D> path_of(const GranularSystem& system, const GranularState& state, const std::vector<Leg>& legs, bool always) {
+  Path<D> path;
+  path.begins_run = state.step == 0;
   const auto velocity = [&](std::size_t i) { return unknowns_of<D>(state, i, 1); };
-  for (const Leg& leg : legs) way.reach += (leg.to - leg.from) * fastest_of<D>(system, state, leg.motions, velocity);
+  for (const Leg& leg : legs) path.reach += (leg.to - leg.from) * fastest_of<D>(system, state, leg.motions, velocity);
   // Two grains that overlap by less than is refused have their centres 1.5 times the smaller radius apart.
-  const bool followed = way.reach > 1.5 * largest_turn * std::ranges::min(system.radius);
+  const bool followed = path.reach > 1.5 * largest_turn * std::ranges::min(system.radius);
   if (followed || always) {
-    way.times.push_back(legs.front().from);
-    way.places.push_back(middle<D>(system, state, legs.front().motions, way.times.back()));
+    path.times.push_back(legs.front().from);
+    path.places.push_back(middle<D>(system, state, legs.front().motions, path.times.back()));
     for (const Leg& leg : legs) {
       const double number = chords<D>(system, state, leg.motions, leg.to - leg.from);
       for (double k = 1; k < number; ++k) {
-        way.times.push_back(leg.from + k / number * (leg.to - leg.from));
-        way.places.push_back(middle<D>(system, state, leg.motions, way.times.back()));
+        path.times.push_back(leg.from + k / number * (leg.to - leg.from));
+        path.places.push_back(middle<D>(system, state, leg.motions, path.times.back()));
       }
       if (&leg == &legs.back()) break;
-      if (!system.boundaries.empty()) way.bend = way.places.size();
-      way.times.push_back(leg.to);
-      way.places.push_back(middle<D>(system, state, leg.motions, leg.to));
+      if (!system.boundaries.empty()) path.bend = path.places.size();
+      path.times.push_back(leg.to);
+      path.places.push_back(middle<D>(system, state, leg.motions, leg.to));
     }
   }
-  way.times.push_back(legs.back().to);
-  way.places.push_back(middle<D>(system, state, legs.back().motions, legs.back().to));
-  return way;
+  path.times.push_back(legs.back().to);
+  path.places.push_back(middle<D>(system, state, legs.back().motions, legs.back().to));
+  return path;
 }
 
 std::vector<RigidVelocity> motions_before(const GranularSystem& system, const GranularState& state,
@@ -105,39 +105,39 @@ std::vector<Leg> legs_to_contacts(const GranularSystem& system, const GranularSt
 }  // namespace
 
 template <int D>
-Way<D> way_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
-  return way_of<D>(system, state, legs_to_contacts(system, state, scheme), false);
+Path<D> path_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme) {
+  return path_of<D>(system, state, legs_to_contacts(system, state, scheme), false);
 }
 
 template <int D>
-Way<D> whole_way(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards) {
+Path<D> whole_path(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards) {
   std::vector<Leg> legs = legs_to_contacts(system, state, scheme);
   if (onwards) legs.push_back({legs.back().to, legs.back().to + scheme.step, legs.back().motions});
-  return way_of<D>(system, state, legs, true);
+  return path_of<D>(system, state, legs, true);
 }
 
 template <int D>
-bool way_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                  const std::vector<GrainUnknowns<D>>& velocities) {
+bool path_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                   const std::vector<GrainUnknowns<D>>& velocities) {
   const auto velocity = [&](std::size_t i) { return velocities[i]; };
   const double fastest = fastest_of<D>(system, state, step_motions(system, state, scheme), velocity);
   return scheme.theta * scheme.step * fastest <= largest_overlap * std::ranges::min(system.radius);
 }
 
 template <int D>
-Way<D> way_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme) {
-  return way_of<D>(system, after, {{-scheme.theta * scheme.step, 0, motions_before(system, after, scheme)}}, false);
+Path<D> path_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme) {
+  return path_of<D>(system, after, {{-scheme.theta * scheme.step, 0, motions_before(system, after, scheme)}}, false);
 }
 
-template Way<2> way_to_contacts(const GranularSystem&, const GranularState&, const TimeStepping&);
-template Way<3> way_to_contacts(const GranularSystem&, const GranularState&, const TimeStepping&);
-template Way<2> whole_way(const GranularSystem&, const GranularState&, const TimeStepping&, bool);
-template Way<3> whole_way(const GranularSystem&, const GranularState&, const TimeStepping&, bool);
-template bool way_is_short<2>(const GranularSystem&, const GranularState&, const TimeStepping&,
-                              const std::vector<GrainUnknowns<2>>&);
-template bool way_is_short<3>(const GranularSystem&, const GranularState&, const TimeStepping&,
-                              const std::vector<GrainUnknowns<3>>&);
-template Way<2> way_to_end(const GranularSystem&, const GranularState&, const TimeStepping&);
-template Way<3> way_to_end(const GranularSystem&, const GranularState&, const TimeStepping&);
+template Path<2> path_to_contacts(const GranularSystem&, const GranularState&, const TimeStepping&);
+template Path<3> path_to_contacts(const GranularSystem&, const GranularState&, const TimeStepping&);
+template Path<2> whole_path(const GranularSystem&, const GranularState&, const TimeStepping&, bool);
+template Path<3> whole_path(const GranularSystem&, const GranularState&, const TimeStepping&, bool);
+template bool path_is_short<2>(const GranularSystem&, const GranularState&, const TimeStepping&,
+                               const std::vector<GrainUnknowns<2>>&);
+template bool path_is_short<3>(const GranularSystem&, const GranularState&, const TimeStepping&,
+                               const std::vector<GrainUnknowns<3>>&);
+template Path<2> path_to_end(const GranularSystem&, const GranularState&, const TimeStepping&);
+template Path<3> path_to_end(const GranularSystem&, const GranularState&, const TimeStepping&);
 
 }  // namespace nscdd

@@ -8,7 +8,7 @@ namespace nscdd {
 /// Where everything is from one check of the geometry to the next. Grains move straight from each place to the one
 /// after it. The last place is the one that is checked.
 template <int D>
-struct Way {
+struct Path {
   std::vector<double> times;             ///< s, ascending, relative to the state
   std::vector<Configuration<D>> places;  ///< at these times
   bool begins_run = false;               ///< no contact was sought at its beginning
@@ -25,23 +25,23 @@ struct Way {
 /// v sin(largest_turn / 2), 5 % of its relative speed v, which is an error of the same size.
 inline constexpr double largest_turn = 0.1;
 
-/// The way to q_m, where the contacts of the next step are found: from q_m of the step before, in the first step of a
+/// The path to q_m, where the contacts of the next step are found: from q_m of the step before, in the first step of a
 /// run from q^-. It has one place unless something moves far enough to matter.
 template <int D>
-Way<D> way_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
+Path<D> path_to_contacts(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme);
 
 /// The same followed in any case, and on for another step as if nothing were met, if `onwards`.
 template <int D>
-Way<D> whole_way(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards);
+Path<D> whole_path(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme, bool onwards);
 
 /// Whether nothing moves far enough from q_m to the end of a step, with the velocities of all grains there, that bodies
 /// which are apart would overlap too far.
 template <int D>
-bool way_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
-                  const std::vector<GrainUnknowns<D>>& velocities);
+bool path_is_short(const GranularSystem& system, const GranularState& state, const TimeStepping& scheme,
+                   const std::vector<GrainUnknowns<D>>& velocities);
 
-/// The way from q_m to the end of a step. `after`: the state there.
+/// The path from q_m to the end of a step. `after`: the state there.
 template <int D>
-Way<D> way_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme);
+Path<D> path_to_end(const GranularSystem& system, const GranularState& after, const TimeStepping& scheme);
 
 }  // namespace nscdd
