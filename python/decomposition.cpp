@@ -45,7 +45,7 @@ Shared built(Case one, const std::optional<Subdomains>& subdomains, const py::ob
     one.spec.partition =
         given ? GridPartitioner{} : parse_partitioner(std::get<std::string>(*subdomains), "subdomains");
   LongWork work(progress);
-  return work.run(0, [&] {
+  const auto built_model = work.run(0, [&] {
     auto model = std::make_shared<Model>(build(one, work.monitor()));
     if (given == nullptr) return model;
     // The array is that of Python: it stays as it is as long as the call.
@@ -53,6 +53,8 @@ Shared built(Case one, const std::optional<Subdomains>& subdomains, const py::ob
     model->parts = decompose(model->problem, model->partition);
     return model;
   });
+  warn_of_rounding(built_model->network, built_model->name);
+  return built_model;
 }
 
 Shared decomposed(const Packing& packing, const Subdomains& subdomains, const Settings& settings,

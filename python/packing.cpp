@@ -3,6 +3,7 @@
 #include "core/fail.hpp"
 #include "long_work.hpp"
 #include "module.hpp"
+#include "packing/precision.hpp"
 #include "study/case.hpp"
 #include <nscdd/formats/packing_file.hpp>
 #include <nscdd/packing/generator.hpp>
@@ -103,6 +104,22 @@ void bind_network(py::module_& module) {
       .def_property_readonly(
           "grains", [](const Network& n) { return n->grains; },
           "grains of the packing, those without a contact included")
+      .def_property_readonly(
+          "digits", [](const Network& n) { return n->rounding.digits; },
+          "how coarsely the coordinates are written: \"6 decimals\", \"7 significant digits\", \"single precision\" or "
+          "\"double precision\"")
+      .def_property_readonly(
+          "uncertainty", [](const Network& n) { return n->rounding.uncertainty; },
+          "how far gaps may be off by these digits, times the smaller radius, where a contact depends on it; else 0")
+      .def_property_readonly(
+          "decided_by_rounding", [](const Network& n) { return n->rounding.decided.size; },
+          "contacts whose gap or overlap is beyond the tolerances, but within the uncertainty")
+      .def_property_readonly(
+          "open_pairs", [](const Network& n) { return n->rounding.open.size; },
+          "pairs that do not touch, by a gap of at most three times the uncertainty")
+      .def_property_readonly(
+          "ambiguous", [](const Network& n) { return n->rounding.ambiguous(); },
+          "whether more than a few contacts depend on digits that are missing")
       .def("__len__", [](const Network& n) { return n->size(); })
       .def("__repr__", [](const Network& n) {
         return fmt::format("<nscdd.ContactNetwork of {} contacts among {} grains>", n->size(), n->grains);
@@ -110,6 +127,12 @@ void bind_network(py::module_& module) {
 }
 
 }  // namespace
+
+void warn_of_rounding(const ContactNetwork& network, const std::string& name) {
+  constexpr py::ssize_t caller = 2;  // of the function in python/nscdd/
+  for (const std::string& remark : rounding_remarks(network, name))
+    if (PyErr_WarnEx(PyExc_UserWarning, remark.c_str(), caller) != 0) throw py::error_already_set();
+}
 
 void bind_packing(py::module_& module) {
   using Shared = std::shared_ptr<Packing>;
@@ -134,9 +157,14 @@ void bind_packing(py::module_& module) {
       .def("__repr__", &shown)
       .def(py::pickle(
           [](const Shared& p) {
-            return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p), depths(p));
+            return py::make_tuple(view(p, p->x), view(p, p->y), view(p, p->radius), masses(p), depths(p),
+                                  p->half_digit);
           },
-          [](const py::tuple& state) { return packing_of(state[0], state[1], state[2], state[3], state[4]); }));
+          [](const py::tuple& state) {
+            auto packing = packing_of(state[0], state[1], state[2], state[3], state[4]);
+            if (state.size() > 5) packing->half_digit = state[5].cast<double>();
+            return packing;
+          }));
   bind_network(module);
   module.def(
       "read_packing", [](const std::string& path) { return std::make_shared<Packing>(read_packing(path)); },
@@ -150,7 +178,10 @@ void bind_packing(py::module_& module) {
         ContactDetection detection;
         override_field(detection, "tolerance", field_text(tolerance), "tolerance");
         override_field(detection, "overlap_tolerance", field_text(overlap_tolerance), "overlap_tolerance");
-        return LongWork().run(0, [&] { return std::make_shared<ContactNetwork>(detect_contacts(packing, detection)); });
+        const auto found =
+            LongWork().run(0, [&] { return std::make_shared<ContactNetwork>(detect_contacts(packing, detection)); });
+        warn_of_rounding(*found, "packing");
+        return found;
       },
       py::arg("packing"), py::arg("tolerance"), py::arg("overlap_tolerance"));
 }

@@ -34,8 +34,10 @@ if generate.__doc__:  # not with python3 -OO
 
 
 def contacts(packing: Packing, *, tolerance: float = 1e-7, overlap_tolerance: float = 1e-7) -> ContactNetwork:
-    """Every pair of grains whose gap is at most `tolerance` times the smaller radius. Raises Error naming both grains
-    where a pair overlaps by more than `overlap_tolerance` times the smaller radius, or shares a centre."""
+    """Every pair of grains whose gap is at most `tolerance` times the smaller radius. Where the coordinates are written
+    more coarsely (six decimals, float32, doubles far from the origin), what their digits are worth is the tolerance of
+    gaps and overlaps; if contacts depend on it, a UserWarning says so. Raises Error naming both grains where a pair
+    overlaps by more than `overlap_tolerance` times the smaller radius, or shares a centre."""
     return _core.contacts(packing, tolerance, overlap_tolerance)
 
 

@@ -50,6 +50,16 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
   print_degrees("whole", found.whole, found.ranks);
 }
 
+// Nothing where no contact depends on it.
+void print_rounding(const RoundingDoubt& doubt) {
+  if (doubt.decided.size + doubt.open.size == 0) return;
+  fmt::print("digits               {} (gaps are known to {:.2g} of the smaller radius)\n", doubt.digits,
+             doubt.uncertainty);
+  fmt::print("  contacts by them   {} (beyond the tolerances, within the digits)\n", doubt.decided.size);
+  fmt::print("  pairs in doubt     {} ({})\n", doubt.open.size,
+             doubt.used ? "apart by at most three times that" : "apart by less: the digits are taken as exact");
+}
+
 void print_geometry(const Inspection& found, Index dimension) {
   fmt::print("\nsolid fraction       {:.6g} (grain {} over the box around all grains)\n", found.solid_fraction.box,
              dimension == 2 ? "area" : "volume");
@@ -88,6 +98,7 @@ int run(const Options& options) {
   }
   print_network(model, found, ranks_up_to);
   if (model.has_geometry()) print_geometry(found, model.problem.dimension);
+  print_rounding(model.network.rounding);
   return 0;
 }
 

@@ -41,7 +41,82 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+// Bytes of the character of UTF-8 that a text begins with; 0 where it begins with none, or with one of control beyond
+// ASCII (U+0080 to U+009F).
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(k) & 0xC0) != 0x80) return 0;
+  const bool overlong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xF0 && byte(1) < 0x90);
+  const bool beyond = (first == 0xED && byte(1) > 0x9F) || (first == 0xF4 && byte(1) > 0x8F);
+  return overlong || beyond || (first == 0xC2 && byte(1) < 0xA0) ? 0 : length;
+}
+
+bool read_all(std::string_view text, double& value) {
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc() && end == text.data() + text.size();
+}
+
 }  // namespace
+
+Error::Error(const std::string& message) : std::runtime_error(printable(message)) {}
+
+std::string printable(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    const char first = text.front();
+    const bool control = (first >= 0 && first < 0x20 && first != '\n' && first != '\t') || first == 0x7f;
+    const std::size_t length = control ? 0 : utf8_length(text);
+    if (length == 0)
+      shown += fmt::format("\\x{:02X}", static_cast<unsigned char>(first));
+    else
+      shown += text.substr(0, length);
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return shown;
+}
+
+std::optional<double> number_of(std::string_view text) {
+  double value = 0;
+  if (read_all(text, value)) return value;
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  std::string plain(text);
+  for (char& c : plain)
+    if (c == 'D' || c == 'd') c = 'e';
+  // Otherwise "nand" would be tried as "nane".
+  if (plain.empty() || plain.find_first_not_of("0123456789+-.eE") != plain.npos) return std::nullopt;
+  return read_all(plain, value) ? std::optional(value) : std::nullopt;
+}
+
+void require_utf8(std::string_view text, std::string_view name) {
+  using namespace std::string_view_literals;
+  const std::string_view begin = text.substr(0, 4);
+  const bool utf32 = begin == "\xFF\xFE\0\0"sv || begin == "\0\0\xFE\xFF"sv ||
+                     (begin.size() == 4 && (begin.substr(1) == "\0\0\0"sv || begin.substr(0, 3) == "\0\0\0"sv));
+  const bool utf16 =
+      begin.starts_with("\xFF\xFE") || begin.starts_with("\xFE\xFF") || begin.substr(0, 2).find('\0') != begin.npos;
+  if (utf32 || utf16) fail("{}: expected UTF-8, met {}; save the text as UTF-8", name, utf32 ? "UTF-32" : "UTF-16");
+}
+
+TextLines::TextLines(std::string_view text) : rest_(text), end_(text.find('\n') == text.npos ? '\r' : '\n') {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+}
+
+bool TextLines::next() {
+  line_ = {};
+  if (rest_.empty()) return false;
+  const std::size_t end = std::min(rest_.find(end_), rest_.size());
+  line_ = rest_.substr(0, end);
+  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  if (line_.ends_with('\r')) line_.remove_suffix(1);
+  ++number_;
+  return true;
+}
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");

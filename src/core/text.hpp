@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,6 +11,33 @@ namespace nscdd {
 
 /// The text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
+
+/// The number that a text of a file is, also with the exponent of Fortran, "1.0D+00"; nothing for any other text.
+std::optional<double> number_of(std::string_view text);
+
+/// The text as it may be shown: what is not text, control characters but line feeds and tabs, and bytes that are no
+/// UTF-8, is "\x1B".
+std::string printable(std::string_view text);
+
+/// Throws Error "name: expected UTF-8, met UTF-16" for a text whose first bytes are those of UTF-16 or UTF-32, with a
+/// byte order mark or a NUL byte among them.
+void require_utf8(std::string_view text, std::string_view name);
+
+/// The lines of a text that other programs wrote, one at a time. They end in a line feed, with or without a carriage
+/// return, or in a text without line feeds in a carriage return. A byte order mark of UTF-8 is left out.
+class TextLines {
+ public:
+  explicit TextLines(std::string_view text);
+  bool next();                                     ///< goes to the next line; false after the last one
+  std::string_view line() const { return line_; }  ///< without its end; empty after the last one
+  std::size_t number() const { return number_; }   ///< of the line, counted from 1
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  std::string_view rest_, line_;
+  std::size_t number_ = 0;
+  char end_;
+};
 
 /// 16 hexadecimal digits by which two contents are told apart: the 64-bit FNV-1a hash (Fowler, Noll, Vo),
 ///     h <- (h xor byte) * 1099511628211 mod 2^64, from 14695981039346656037.

@@ -109,8 +109,8 @@ void CsvWriter::finish() {
 // The names go with the first row, which is written at once.
 void CsvWriter::write(const Row& row) { file_.line(std::exchange(header_, {}) + csv_line(row)); }
 
-CsvReader::CsvReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
-  if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
+CsvReader::CsvReader(std::string_view text, std::string name) : lines_(text), name_(std::move(name)) {
+  require_utf8(text, name_);
   if (!next_line()) fail("{}: expected a line of column names, met an empty file", name_);
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (values_[i].empty()) fail("{}: expected a name for column {}, met none", where(), i + 1);
@@ -129,22 +129,17 @@ bool CsvReader::next() {
 
 // Goes to the next line that is not skipped and splits it into values.
 bool CsvReader::next_line() {
-  while (!rest_.empty()) {
-    ++line_;
-    const auto end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    const std::string_view content = trimmed(line);
+  while (lines_.next()) {
+    const std::string_view content = trimmed(lines_.line());
     if (content.empty() || content.front() == '#') continue;
     split_values(
-        line, [this] { return where(); }, values_, quoted_);
+        lines_.line(), [this] { return where(); }, values_, quoted_);
     return true;
   }
   return false;
 }
 
-std::string CsvReader::where() const { return fmt::format("{}:{}", name_, line_); }
+std::string CsvReader::where() const { return fmt::format("{}:{}", name_, lines_.number()); }
 
 CsvText parse_csv(std::string_view text, const std::string& name) {
   CsvReader reader(text, name);

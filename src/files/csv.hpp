@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "core/text.hpp"
 #include "files/output_file.hpp"
 #include <nscdd/core/table.hpp>
 
@@ -35,23 +36,22 @@ std::string csv_header(const std::vector<Column>& columns);
 std::vector<std::string> csv_values(std::string_view line, const std::string& where);
 
 /// Reads CSV text row by row, with quotes as in RFC 4180. The first line holds the names. Blank lines and
-/// lines that begin with '#' are skipped; CRLF and a byte order mark are accepted. The text must outlive the
+/// lines that begin with '#' are skipped; for line ends and a byte order mark see TextLines. The text must outlive the
 /// reader. Throws Error "name:line: ..." for a row with too few or too many values, a quote that is not
-/// closed, an empty or repeated column name, or text without a line of names.
+/// closed, an empty or repeated column name, text without a line of names, or UTF-16.
 class CsvReader {
  public:
   CsvReader(std::string_view text, std::string name);
   const std::vector<std::string>& columns() const { return columns_; }
   bool next();  ///< goes to the next row; false after the last one
   std::string_view value(std::size_t column) const { return values_[column]; }
-  std::size_t line() const { return line_; }  ///< of the row, at first of the names; counted from 1
+  std::size_t line() const { return lines_.number(); }  ///< of the row, at first of the names; counted from 1
 
  private:
   bool next_line();
   std::string where() const;
-  std::string_view rest_;
+  TextLines lines_;
   std::string name_;
-  std::size_t line_ = 0;
   std::vector<std::string> columns_;
   std::vector<std::string_view> values_;
   std::deque<std::string> quoted_;  ///< values in quotes, without them

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include <nscdd/core/fields.hpp>
 
 #include <fmt/ranges.h>
@@ -202,10 +203,13 @@ class StrictTable {
   std::set<std::string> known_;
 };
 
-/// Parses TOML text; a syntax error becomes Error "file:line: ...".
+/// Parses TOML text, in which lines may also end as TextLines has it; a syntax error becomes Error "file:line: ...".
 inline toml::table parse_toml(std::string_view text, const std::string& file) {
+  require_utf8(text, file);
+  std::string content(text);
+  if (content.find('\n') == content.npos) std::ranges::replace(content, '\r', '\n');
   try {
-    return toml::parse(text, file);
+    return toml::parse(content, file);
   } catch (const toml::parse_error& error) {
     fail("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description());
   }

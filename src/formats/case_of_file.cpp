@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
 #include "formats/datbox.hpp"
@@ -21,7 +22,9 @@ CaseSpec spec_of_file(const std::string& path, bool moving) {
   if (!format) {
     // What other programs write as text: a packing, whatever its ending, or a contact problem.
     const bool siconos = has_siconos_name(path);
-    if ((siconos || extension == ".txt") && is_text_packing(read_text(path)))
+    const std::string text = siconos || extension == ".txt" ? read_text(path) : "";
+    require_utf8(text, path);
+    if (is_text_packing(text))
       spec.packing = PackingFile{path};
     else if (siconos)
       spec.packing = ContactProblemFile{path};

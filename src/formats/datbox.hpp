@@ -112,16 +112,11 @@ enum class DatboxDisks {
   free,  ///< those that the linear study is about
 };
 
-/// The disks or spheres in the order of the files, with masses. Planks are no grains. Throws Error for a free body of
+/// The disks or spheres in the order of the files, with masses and with half of the last digit of their places. Planks are no grains. Throws Error for a free body of
 /// several disks, one whose inertia is not that of a full disk or sphere, and a packing without grains.
 Packing datbox_packing(const Datbox& datbox, DatboxDisks which);
 
-/// How far gaps of the packing are from those that were meant, at the most, because places and radii are rounded to
-/// seven digits: times the smallest radius, rounded up to one digit.
-double gap_uncertainty(const Datbox& datbox);
-
-/// The packing of a folder as a case: contacts are found to its gap_uncertainty, and the velocities at the beginning
-/// are prescribed. With `moving`, also laws, gravity and boundaries: planks as straight walls, driven disks as grains
+/// The packing of a folder as a case: the velocities at the beginning are prescribed. With `moving`, also laws, gravity and boundaries: planks as straight walls, driven disks as grains
 /// of a boundary. The steps are those of TimeStepping, as the files know none. Throws Error as datbox_packing, and with
 /// `moving` for a free disk that spins at the beginning and whatever else is not modelled: see docs/formats.md.
 CaseSpec case_of_datbox(const std::string& path, bool moving);

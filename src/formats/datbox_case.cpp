@@ -260,6 +260,7 @@ Packing datbox_packing(const Datbox& datbox, DatboxDisks which) {
   Packing packing;
   for_each_disk(datbox, which, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
     packing.radius.push_back(disk.radius);
+    packing.half_digit = std::max(packing.half_digit, body.written_digit);
     const double size = body.driven() ? disk.radius : body.average_radius;  // a driven mass has no effect
     if (datbox.dimension == 3) {
       if (!body.driven()) require_full_sphere(body);
@@ -281,19 +282,6 @@ Packing datbox_packing(const Datbox& datbox, DatboxDisks which) {
   return packing;
 }
 
-double gap_uncertainty(const Datbox& datbox) {
-  double digit = 0, smallest = infinity;
-  for_each_disk(datbox, DatboxDisks::free, [&](const DatboxBody& body, const DatboxContactor& disk, Index) {
-    digit = std::max(digit, body.written_digit);
-    smallest = std::min(smallest, disk.radius);
-  });
-  // Two places that are each off by `digit` along x, y and in space z, and two radii, which are smaller numbers.
-  const double relative = (2 * std::sqrt(static_cast<double>(datbox.dimension)) + 2) * digit / smallest;
-  if (!(relative > 0) || !std::isfinite(relative)) return relative > 0 ? relative : 0;
-  const double unit = std::pow(10.0, std::floor(std::log10(relative)));
-  return std::ceil(relative / unit) * unit;
-}
-
 Dynamics datbox_dynamics(const Datbox& datbox) {
   const Packing packing = datbox_packing(datbox, DatboxDisks::all);
   Dynamics dynamics;
@@ -313,9 +301,6 @@ CaseSpec case_of_datbox(const std::string& path, bool moving) {
   CaseSpec spec;
   spec.name = datbox_name(path);
   spec.packing = PackingFile{trimmed(path)};
-  const double uncertainty = gap_uncertainty(datbox);
-  spec.contacts.tolerance = std::min(1.0, std::max(spec.contacts.tolerance, uncertainty));
-  spec.contacts.overlap_tolerance = std::min(1.0, std::max(spec.contacts.overlap_tolerance, uncertainty));
   spec.prescribed = moving_grains(datbox, moving ? DatboxDisks::all : DatboxDisks::free);
   if (moving) spec.dynamics = datbox_dynamics(datbox);
   return spec;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "formats/datbox.hpp"
 
 #include <charconv>
@@ -13,15 +14,14 @@ namespace nscdd {
 /// that are empty or begin with ! or # are remarks. Errors name file and line.
 class FixedColumns {
  public:
-  FixedColumns(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+  FixedColumns(std::string_view text, std::string name) : lines_(text), name_(std::move(name)) {
+    require_utf8(text, name_);
+  }
 
   /// Goes to the next line; false at the end, where the line is empty.
   bool next() {
-    while (!rest_.empty()) {
-      const auto end = rest_.find('\n');
-      line_ = rest_.substr(0, end);
-      rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
-      ++number_;
+    while (lines_.next()) {
+      line_ = lines_.line();
       while (!line_.empty() && (line_.back() == '\r' || line_.back() == ' ' || line_.back() == '\t'))
         line_.remove_suffix(1);
       if (!line_.empty() && line_[0] != '!' && line_[0] != '#') return true;
@@ -36,7 +36,7 @@ class FixedColumns {
     return false;
   }
   void require_next(std::string_view what) {
-    if (!next()) fail("{}:{}: expected {}, met the end of the file", name_, number_, what);
+    if (!next()) fail("{}:{}: expected {}, met the end of the file", name_, lines_.number(), what);
   }
 
   std::string_view text(std::size_t first, std::size_t last) const {
@@ -77,9 +77,9 @@ class FixedColumns {
     return value;
   }
 
-  DatboxPlace place() const { return {name_, number_}; }
+  DatboxPlace place() const { return {name_, static_cast<Index>(lines_.number())}; }
   [[noreturn]] void refuse(std::string_view expected, std::string_view met) const {
-    fail("{}:{}: {}, met {}", name_, number_, expected, met);
+    fail("{}:{}: {}, met {}", name_, lines_.number(), expected, met);
   }
 
  private:
@@ -101,9 +101,9 @@ class FixedColumns {
     return value;
   }
 
-  std::string_view rest_, line_;
+  TextLines lines_;
+  std::string_view line_;
   std::string name_;
-  Index number_ = 0;
 };
 
 }  // namespace nscdd

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "files/csv.hpp"
 #include "files/hdf5_file.hpp"
 #include "formats/datbox.hpp"
@@ -7,7 +8,6 @@
 #include "formats/text_packing.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
-#include <charconv>
 #include <filesystem>
 
 namespace nscdd {
@@ -61,16 +61,16 @@ std::optional<PackingFormat> packing_format(const std::string& path) {
 
 // Most numbers are valid. Only for the others a text is made that says where they stand.
 double packing_value(std::string_view text, const PackingColumn& column, const std::string& name, std::size_t line) {
-  double value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status == std::errc() && end == text.data() + text.size() && in_bounds(value, column.field)) return value;
+  const std::optional<double> found = number_of(text);
+  if (found && in_bounds(*found, column.field)) return *found;
   const std::string where = fmt::format("{}:{}: {}", name, line, column.name);
-  value = parse_number(text, where);
+  const double value = found ? *found : parse_number(text, where);
   check_bounds(value, column.field, where);
   return value;
 }
 
 Packing parse_packing(std::string_view text, const std::string& name) {
+  require_utf8(text, name);
   if (is_text_packing(text)) return parse_text_packing(text, name);
   CsvReader reader = [&] {
     try {
@@ -83,6 +83,11 @@ Packing parse_packing(std::string_view text, const std::string& name) {
   std::vector<const PackingColumn*> meaning;
   for (const std::string& column : reader.columns()) {
     meaning.push_back(find_column(column));
+    if (column == "clumpId")
+      fail(
+          "{}: met '{}': clumps of YADE are not supported yet: they come with bodies of several contactors; without "
+          "this column their members are read as free grains",
+          header, column);
     if (meaning.back() == nullptr)
       fail("{}: expected columns x, y, radius and optionally z and mass, met '{}'", header, column);
   }

@@ -2,6 +2,7 @@
 #include "formats/siconos_dat.hpp"
 
 #include "core/fail.hpp"
+#include "core/text.hpp"
 #include "files/csv.hpp"
 #include "linalg/sparse_entries.hpp"
 #include <nscdd/core/fields.hpp>
@@ -19,7 +20,11 @@ bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c
 // A text word by word.
 class Words {
  public:
-  Words(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+  Words(std::string_view text, std::string name)
+      : rest_(text), name_(std::move(name)), end_(text.find('\n') == text.npos ? '\r' : '\n') {
+    require_utf8(text, name_);
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // a byte order mark
+  }
 
   // `what` the word should be, for errors.
   std::string_view word(std::string_view what) {
@@ -33,10 +38,8 @@ class Words {
   // Most numbers are right. Only for the others a text is made that says where they stand.
   double number(std::string_view what) {
     const std::string_view text = word(what);
-    double value = 0;
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (status == std::errc() && end == text.data() + text.size()) return value;
-    return parse_number(text, named(what));
+    const std::optional<double> value = number_of(text);
+    return value ? *value : parse_number(text, named(what));
   }
   Index integer(std::string_view what, Index minimum, Index maximum = largest_index) {
     return bounded(word(what), what, minimum, maximum);
@@ -62,7 +65,7 @@ class Words {
     return value;
   }
   void skip_line() {
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest_.find(end_);
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     if (end != std::string_view::npos) ++line_;
   }
@@ -78,11 +81,12 @@ class Words {
  private:
   void skip() {
     std::size_t i = 0;
-    for (; i < rest_.size() && blank(rest_[i]); ++i) line_ += rest_[i] == '\n';
+    for (; i < rest_.size() && blank(rest_[i]); ++i) line_ += rest_[i] == end_;
     rest_.remove_prefix(i);
   }
   std::string_view rest_;
   std::string name_;
+  char end_;  // of lines
   Index line_ = 1;
 };
 

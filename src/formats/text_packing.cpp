@@ -5,31 +5,24 @@
 #include "core/text.hpp"
 #include "formats/packing_columns.hpp"
 
-#include <charconv>
-
 namespace nscdd {
 namespace {
 
 // The lines of a text that say something, one at a time.
 class Lines {
  public:
-  explicit Lines(std::string_view text) : rest_(text) {
-    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-    if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
-  }
+  explicit Lines(std::string_view text) : lines_(text) {}
   bool next() {
-    while (!rest_.empty()) {
-      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-      line_ = rest_.substr(0, end);
-      rest_.remove_prefix(std::min(end + 1, rest_.size()));
-      ++number_;
-      if (line_.ends_with('\r')) line_.remove_suffix(1);
-      line_ = trimmed(line_);
+    while (lines_.next()) {
+      line_ = trimmed(lines_.line());
       if (!line_.empty() && line_.front() != '#') return true;
+      if (line_.starts_with(format_mark)) format_ = trimmed(line_.substr(format_mark.size()));
     }
     return false;
   }
-  std::size_t number() const { return number_; }
+  std::size_t number() const { return lines_.number(); }
+  bool has_commas() const { return line_.find_first_of(",;") != line_.npos; }
+  std::string_view format() const { return format_; }  // that YADE names in a remark; empty for none
   std::vector<std::string_view> words() const {
     std::vector<std::string_view> all;
     for (std::string_view rest = line_; !rest.empty();) {
@@ -41,14 +34,25 @@ class Lines {
   }
 
  private:
-  std::string_view rest_, line_;
-  std::size_t number_ = 0;
+  static constexpr std::string_view format_mark = "#format";
+  TextLines lines_;
+  std::string_view line_, format_;
 };
 
-bool is_number(std::string_view text) {
-  double value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && end == text.data() + text.size();
+bool is_number(std::string_view text) { return number_of(text).has_value(); }
+
+// Of the first line of a packing, which has other columns than "x y radius" and "x y z radius".
+[[noreturn]] void refuse_columns(const std::string& name, const Lines& lines, std::size_t numbers) {
+  const std::string where = fmt::format("{}:{}: expected lines 'x y radius' or 'x y z radius'", name, lines.number());
+  const bool clumps = lines.format().empty() ? numbers == 5 : lines.format().find("clumpId") != std::string_view::npos;
+  if (clumps)
+    fail(
+        "{}, met {} numbers{}: clumps of YADE (x_y_z_r_clumpId) are not supported yet: they come with bodies of "
+        "several "
+        "contactors; without the fifth column their members are read as free grains",
+        where, numbers, lines.format().empty() ? ", the fifth one as of a clump" : "");
+  if (!lines.format().empty()) fail("{}, met {} numbers, the format '{}' of YADE", where, numbers, lines.format());
+  fail("{}, met {} numbers", where, numbers);
 }
 
 // Of a line "x y radius" and of one "x y z radius".
@@ -62,7 +66,7 @@ bool is_text_packing(std::string_view text) {
   Lines lines(text);
   if (!lines.next()) return false;
   const std::vector<std::string_view> words = lines.words();
-  return words.size() > 1 && std::ranges::all_of(words, is_number);
+  return words.size() > 1 && !lines.has_commas() && std::ranges::any_of(words, is_number);
 }
 
 Packing parse_text_packing(std::string_view text, const std::string& name) {
@@ -75,7 +79,7 @@ Packing parse_text_packing(std::string_view text, const std::string& name) {
     if (columns.empty()) {
       first_line = lines.number();
       if (words.size() != plane_columns.size() && words.size() != space_columns.size())
-        fail("{}:{}: expected lines 'x y radius' or 'x y z radius', met {} numbers", name, first_line, words.size());
+        refuse_columns(name, lines, words.size());
       columns = words.size() == plane_columns.size() ? std::span<const PackingColumn>(plane_columns) : space_columns;
     }
     if (words.size() != columns.size())

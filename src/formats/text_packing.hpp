@@ -6,7 +6,8 @@
 namespace nscdd {
 
 /// Whether a text is a packing as YADE and ESyS-Particle exchange it: the first line that is neither blank nor a remark
-/// ('#') has two words or more, and all of them are numbers. So it is never CSV, whose first line has names.
+/// ('#') has two words or more without a comma, and one of them at least is a number. So it is never CSV, whose first
+/// line has names; and a first number that is none is named as such.
 bool is_text_packing(std::string_view text);
 
 /// A packing of lines "x y radius" or "x y z radius" (m), apart by blanks or tabs. Remarks ('#') and blank lines are

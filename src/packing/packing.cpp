@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "packing/grain_grid.hpp"
+#include "packing/precision.hpp"
 #include <nscdd/packing/packing.hpp>
 
 #include <numbers>
@@ -33,17 +34,151 @@ Contact pair_geometry(const Packing& p, Index i, Index j) {
   return contact;
 }
 
-void require_no_overlap(const Packing& p, const Contact& contact, double allowed) {
-  const auto [i, j] = std::pair(contact.a, contact.b);
-  const auto describe = [&](Index g) { return fmt::format("{} of radius {}", place(p, g), p.radius[at(g)]); };
-  if (p.centre(i) == p.centre(j))
-    fail("grains {} and {} have the same centre: {} and {}", i, j, describe(i), describe(j));
-  if (-contact.gap > allowed)
+std::string described(const Packing& p, Index grain) {
+  return fmt::format("{} of radius {}", place(p, grain), p.radius[at(grain)]);
+}
+
+// Uncertainties below this many radii are rounding for certain: nobody writes so many digits by hand.
+constexpr double surely_rounded = 1e-4;
+// No rounding is coarser than this many radii, and pairs that are so far apart are none that somebody would name.
+constexpr double coarsest = 0.1, worth_naming = 0.05;
+// Coarser digits are rounded, too, where they leave both overlaps and gaps, or so many overlaps.
+constexpr Index pairs_that_show = 3;
+constexpr Index sample = 3;  // pairs that are named
+
+// Sorts the near pairs of a packing into contacts and others, by the tolerances and by what its digits are worth.
+class NearPairs {
+ public:
+  NearPairs(const Packing& packing, const ContactDetection& detection)
+      : p_(packing), detection_(detection), precision_(precision_of(packing)) {}
+
+  // What near means: gaps up to that many times the smaller radius.
+  double reach() const {
+    const double rounding = std::min(coarsest, largest_uncertainty(precision_, p_));
+    return std::max({detection_.tolerance, std::min(detection_.overlap_tolerance, coarsest), 3 * rounding, hairline});
+  }
+
+  void add(const Contact& contact) {
+    const double smaller = std::min(p_.radius[at(contact.a)], p_.radius[at(contact.b)]);
+    const Uncertainty of_gap = gap_uncertainty(precision_, p_, contact);
+    const double certain = of_gap.certain / smaller, decimal = of_gap.decimal / smaller;
+    const bool surely = decimal <= surely_rounded || std::abs(contact.gap) <= of_gap.certain;
+    const bool maybe = surely || decimal <= coarsest;
+    const Near near{contact, contact.gap / smaller,
+                    std::min(surely && decimal > surely_rounded ? certain : std::max(certain, decimal), coarsest)};
+    if (p_.centre(contact.a) == p_.centre(contact.b)) refuse_same_centre(contact);
+    const bool apart = contact.gap > detection_.tolerance * smaller;
+    const bool overlaps = -contact.gap > detection_.overlap_tolerance * smaller;
+    if (!apart && !overlaps) {
+      keep(contact);
+      overlap_ = std::max(overlap_, -near.gap);
+    } else if (overlaps && !(maybe && -near.gap <= near.uncertainty)) {
+      refuse_overlap(near);
+    } else if (near.gap <= 3 * near.uncertainty) {
+      (surely ? sure_ : maybe ? coarse_ : exact_).push_back(near);
+      if (maybe && std::abs(near.gap) <= near.uncertainty) within_.push_back(near.gap);
+    }
+    if (apart && near.gap > near.uncertainty) apart_.push_back(near);
+  }
+
+  ContactNetwork network() {
+    doubt_.digits = precision_.text();
+    settle(sure_, true);
+    settle(coarse_, shows_rounding());
+    settle(exact_, false);
+    std::erase_if(apart_, [](const Near& near) { return near.gap <= 3 * near.uncertainty; });
+    const Index hairs = std::ranges::count_if(apart_, [](const Near& near) { return near.gap <= hairline; });
+    const double least = hairs > pairs_that_show && 100 * hairs > count(contacts_) ? hairline : 0;
+    std::erase_if(apart_, [&](const Near& near) { return near.gap > std::max(overlap_, least); });
+    doubt_.overlap = overlap_;
+    note(doubt_.decided, decided_);
+    note(doubt_.open, open_);
+    note(doubt_.one_sided, apart_);
+    // The order of cells is an accident of the grid; the order of grains is the packing's own.
+    return {.contacts = sorted_by_bodies(contacts_, p_.size()),
+            .grains = p_.size(),
+            .dimension = p_.dimension(),
+            .rounding = std::move(doubt_)};
+  }
+
+ private:
+  struct Near {
+    Contact contact;
+    double gap, uncertainty;  // times the smaller radius
+  };
+
+  // Rounding leaves overlaps, which nobody writes, or gaps that differ.
+  bool shows_rounding() const {
+    if (within_.empty()) return false;
+    const auto [low, high] = std::ranges::minmax(within_);
+    const bool differ = high - low > 0.1 * std::max(high, -low);
+    return (low < 0 && high > 0) || (count(within_) >= pairs_that_show && (low < 0 || differ || precision_.long_radii));
+  }
+
+  void keep(const Contact& contact) {
+    // As many as a plane graph can have edges; spheres of one size in a dense bed have about as many.
+    if (contacts_.empty()) contacts_.reserve(at(3 * p_.size()));
+    contacts_.push_back(contact);
+  }
+
+  // Pairs that the tolerances do not make contacts, where their numbers are rounded and where they are taken as exact.
+  void settle(const std::vector<Near>& pairs, bool rounded) {
+    const auto touches = [](const Near& near) { return near.gap <= near.uncertainty; };
+    if (!rounded)
+      if (const Near* deepest = first_overlap(pairs)) refuse_overlap(*deepest);
+    for (const Near& near : pairs) {
+      if (rounded ? !touches(near) : !(near.gap <= std::min(near.uncertainty, worth_naming))) {
+        if (rounded) open_.push_back(near);
+        continue;
+      }
+      doubt_.uncertainty = std::max(doubt_.uncertainty, near.uncertainty);
+      if (rounded) keep(near.contact);
+      (rounded ? decided_ : open_).push_back(near);
+      doubt_.used = doubt_.used && rounded;
+    }
+  }
+
+  static const Near* first_overlap(const std::vector<Near>& pairs) {
+    const Near* first = nullptr;
+    for (const Near& near : pairs)
+      if (near.gap < 0 && (first == nullptr || bodies(near) < bodies(*first))) first = &near;
+    return first;
+  }
+  static std::array<Index, 2> bodies(const Near& near) { return {near.contact.a, near.contact.b}; }
+
+  static void note(PairSample& pairs, const std::vector<Near>& all) {
+    pairs.size = count(all);
+    for (const Near& near : all) pairs.first.push_back(bodies(near));
+    std::ranges::sort(pairs.first);
+    pairs.first.resize(std::min(pairs.first.size(), at(sample)));
+  }
+
+  [[noreturn]] void refuse_same_centre(const Contact& contact) const {
+    const auto [i, j] = bodies({contact, 0, 0});
+    fail("grains {} and {} have the same centre: {} and {}", i, j, described(p_, i), described(p_, j));
+  }
+  [[noreturn]] void refuse_overlap(const Near& near) const {
+    const auto [i, j] = bodies(near);
+    const double smaller = std::min(p_.radius[at(i)], p_.radius[at(j)]);
     fail(
         "grains {} and {} overlap by {} m, more than the {} m allowed (contacts.overlap_tolerance, "
-        "--overlap-tolerance): {} and {}",
-        i, j, -contact.gap, allowed, describe(i), describe(j));
-}
+        "--overlap-tolerance): {} and {}; {} are worth {:.2g} m of this gap; where coordinates are rounded more "
+        "coarsely than they are written, raise contacts.tolerance (--tolerance) as well: it takes gaps of that size as "
+        "contacts, too",
+        i, j, -near.contact.gap, detection_.overlap_tolerance * smaller, described(p_, i), described(p_, j),
+        precision_.text(), gap_uncertainty(precision_, p_, near.contact).largest());
+  }
+
+  const Packing& p_;
+  const ContactDetection& detection_;
+  Precision precision_;
+  std::vector<Contact> contacts_;
+  // Pairs that the tolerances leave apart or refuse, by whether rounding is certain, may be, or is none; the others.
+  std::vector<Near> sure_, coarse_, exact_, apart_, decided_, open_;
+  std::vector<double> within_;  // gaps of those that may be rounding
+  double overlap_ = 0;
+  RoundingDoubt doubt_;
+};
 
 }  // namespace
 
@@ -79,28 +214,21 @@ Packing with_masses(Packing packing, const Masses& masses) {
 }
 
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection) {
-  ContactNetwork network{.contacts = {}, .grains = packing.size(), .dimension = packing.dimension()};
-  if (packing.size() == 0) return network;
-  // As many as a plane graph can have edges; spheres of one size in a dense bed have about as many.
-  network.contacts.reserve(at(3 * packing.size()));
+  if (packing.size() == 0) return {.contacts = {}, .grains = 0, .dimension = packing.dimension()};
+  NearPairs pairs(packing, detection);
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
-  const double stretch = 1 + 0.5 * detection.tolerance;
+  const double reach = pairs.reach(), stretch = 1 + 0.5 * reach;
   const GrainGrid grid({packing.x, packing.y, packing.z}, packing.radius, stretch);
   grid.for_each_pair([&](Index i, Index j) {
-    const double reach = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
+    const double distance = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
     // Most pairs end here, without a root; the margin is wide for rounding.
     const double dx = packing.x[at(j)] - packing.x[at(i)], dy = packing.y[at(j)] - packing.y[at(i)];
     const double dz = packing.z.empty() ? 0 : packing.z[at(j)] - packing.z[at(i)];
-    if (dx * dx + dy * dy + dz * dz > 1.000001 * reach * reach) return;
+    if (dx * dx + dy * dy + dz * dz > 1.000001 * distance * distance) return;
     const Contact contact = pair_geometry(packing, i, j);
-    const double smaller = std::min(packing.radius[at(i)], packing.radius[at(j)]);
-    if (contact.gap > detection.tolerance * smaller) return;
-    require_no_overlap(packing, contact, detection.overlap_tolerance * smaller);
-    network.contacts.push_back(contact);
+    if (contact.gap <= reach * std::min(packing.radius[at(i)], packing.radius[at(j)])) pairs.add(contact);
   });
-  // The order of cells is an accident of the grid; the order of grains is the packing's own.
-  network.contacts = sorted_by_bodies(network.contacts, packing.size());
-  return network;
+  return pairs.network();
 }
 
 std::vector<Index> contact_counts(const ContactNetwork& network) {

@@ -262,6 +262,7 @@ Model undivided(const Case& one, const Monitor& monitor) try {
     const auto* file = std::get_if<PackingFile>(&one.spec.packing);
     fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
   }
+  if (one.contacts_found) one.contacts_found(model.network);
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
   model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
   model.partition = distribute(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "simulation/dynamics.hpp"
+#include <nscdd/core/table.hpp>
 #include <nscdd/mechanics/friction_problem.hpp>
 #include <nscdd/packing/generator.hpp>
 #include <nscdd/study/model.hpp>
@@ -47,6 +48,8 @@ struct Case {
   /// Of a settled packing: the case it was settled from as a case file, followed by what that one was settled
   /// from in turn.
   std::string settled_from = {};
+  /// Called with the contacts of every model that is made of this case: they may be in doubt (RoundingDoubt).
+  Sink<ContactNetwork> contacts_found = {};
 };
 
 /// The place of a key for an error: "file:line: key", as far as file and line are known.

@@ -64,12 +64,14 @@ constexpr Index count(const Container& c) {
 /// Input that the program cannot use. The message says what was expected, what was met, and where (file and line, key,
 /// option or grain). An Error may be thrown anywhere; `main` catches it and returns exit code 2. A computation that
 /// does not converge throws no Error: its result has a flag for that.
+/// What a message quotes from a file may be any bytes: what() has those that are no text, such as control characters and
+/// invalid UTF-8, as "\x1B".
 class Error : public std::runtime_error {
  public:
-  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  explicit Error(const std::string& message);
   /// About the value of a key of a case ("solver.criterion"): what() is "key: message", and whoever knows the file adds
   /// its name and line.
-  Error(std::string key, const std::string& message) : std::runtime_error(key + ": " + message), key_(std::move(key)) {}
+  Error(std::string key, const std::string& message) : Error(key + ": " + message) { key_ = std::move(key); }
   const std::string& key() const { return key_; }
 
  private:

@@ -12,6 +12,8 @@ struct Packing {
   std::vector<double> radius;  ///< m
   std::vector<double> mass;    ///< kg; empty until masses are chosen
   std::vector<double> z = {};  ///< of centres, m; empty in the plane
+  /// Half of the last digit of the coordinates, m, where a reader knows it; 0: their numbers tell, see Precision.
+  double half_digit = 0;
 
   Index size() const { return count(x); }
   Index dimension() const { return z.empty() ? 2 : 3; }
@@ -48,11 +50,34 @@ struct Contact {
   double gap = 0;                    ///< m, negative for an overlap
 };
 
+/// Pairs of grains a < b: how many there are, and the first few of them by (a, b).
+struct PairSample {
+  Index size = 0;
+  std::vector<std::array<Index, 2>> first = {};
+};
+
+/// What the rounding of coordinates leaves open about contacts. The digits of a packing say how far its gaps may be off
+/// (packing/precision.hpp); that is the least tolerance of gaps and of overlaps.
+struct RoundingDoubt {
+  std::string digits;      ///< those of the coordinates: "6 decimals", "7 significant digits", "single precision", ...
+  double uncertainty = 0;  ///< of the gaps of near pairs, times the smaller radius: the largest one
+  bool used = true;        ///< false: digits so few may be exact, and the tolerances of the detection decide
+  PairSample decided;      ///< contacts beyond the tolerances of the detection, within the uncertainty
+  /// Pairs that do not touch, although the gap is at most three times the uncertainty (once if it is not used).
+  PairSample open;
+  PairSample one_sided;  ///< pairs that do not touch, although others overlap by more than their gap
+  double overlap = 0;    ///< of two grains, the largest one, times the smaller radius
+
+  /// More than a few contacts depend on digits that are not there.
+  bool ambiguous() const { return open.size > 3; }
+};
+
 /// Contacts sorted by (a, b).
 struct ContactNetwork {
   std::vector<Contact> contacts;
   Index grains = 0;     ///< grains of the packing, those without a contact included
   Index dimension = 2;  ///< of the packing
+  RoundingDoubt rounding = {};
 
   Index size() const { return count(contacts); }
 };
@@ -70,7 +95,8 @@ struct ContactDetection {
   }
 };
 
-/// Every contact, by a cell grid. Throws Error naming both grains of a pair that overlaps too much or shares a centre.
+/// Every contact, by a cell grid. Coordinates that are rounded more coarsely than the tolerances raise these, see
+/// RoundingDoubt. Throws Error naming both grains of a pair that overlaps too much or shares a centre.
 ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& detection = {});
 
 /// Number of contacts of each grain.

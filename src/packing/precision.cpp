@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "packing/precision.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace nscdd {
+namespace {
+
+// A decimal number of that many significant digits, the first of which counts 10^exponent.
+struct Decimal {
+  int digits = 0, exponent = 0;
+  int behind_point() const { return digits - 1 - exponent; }
+};
+
+// Of a text such as "8.66025e-01", without zeros at the end of its digits.
+Decimal decimal_of(std::string_view text) {
+  const std::size_t e = text.find('e');
+  std::string_view mantissa = text.substr(text.front() == '-' ? 1 : 0, e - (text.front() == '-' ? 1 : 0));
+  while (mantissa.size() > 1 && (mantissa.back() == '0' || mantissa.back() == '.')) mantissa.remove_suffix(1);
+  Decimal decimal{.digits = static_cast<int>(mantissa.size()) - (mantissa.find('.') == mantissa.npos ? 0 : 1)};
+  const char* first = text.data() + e + (text[e + 1] == '+' ? 2 : 1);
+  std::from_chars(first, text.data() + text.size(), decimal.exponent);
+  return decimal;
+}
+
+template <class... Arguments>
+Decimal printed(Arguments... arguments) {
+  std::array<char, 40> text{};
+  const auto [end, status] = std::to_chars(text.data(), text.data() + text.size(), arguments...);
+  return decimal_of({text.data(), end});
+}
+
+// The fewest digits that give back the double, or its float.
+Decimal shortest(double value) { return printed(value, std::chars_format::scientific); }
+Decimal shortest_of_float(double value) { return printed(static_cast<float>(value), std::chars_format::scientific); }
+// A change of units or a shift leaves noise of a few units in the last place; 15 digits hide it.
+Decimal without_noise(double value) { return printed(value, std::chars_format::scientific, 14); }
+
+bool is_float(double value) { return static_cast<double>(static_cast<float>(value)) == value; }
+
+using Digits = Decimal (*)(double);
+
+// What the digits of many numbers have in common.
+struct Tally {
+  int significant = 0, behind_point = -1000;  // the most that a number has
+  Index at_significant = 0, at_point = 0;     // numbers that have as many
+  Index numbers = 0, longer = 0;              // but 0; and those of them with too many digits
+
+  void add(const Decimal& decimal, int longest) {
+    ++numbers;
+    if (decimal.digits > longest) {
+      ++longer;
+      return;
+    }
+    const auto count_most = [](int value, int& most, Index& times) {
+      if (value > most) most = value, times = 0;
+      times += value == most;
+    };
+    count_most(decimal.digits, significant, at_significant);
+    count_most(decimal.behind_point(), behind_point, at_point);
+  }
+  bool too_long() const { return 20 * longer > numbers; }
+};
+
+// Of the coordinates, every `step`th of them.
+Tally tally_of(const Packing& packing, Digits digits, int longest, std::size_t step) {
+  Tally tally;
+  for (const auto* values : {&packing.x, &packing.y, &packing.z})
+    for (std::size_t i = 0; i < values->size(); i += step)
+      if ((*values)[i] != 0) tally.add(digits((*values)[i]), longest);
+  return tally;
+}
+
+std::optional<Precision> decimal_precision(const Packing& packing, Digits digits, int longest) {
+  constexpr std::size_t sample = 100;  // enough to tell numbers of full length from others
+  if (tally_of(packing, digits, longest, packing.x.size() / sample + 1).too_long()) return std::nullopt;
+  const Tally tally = tally_of(packing, digits, longest, 1);
+  if (tally.too_long()) return std::nullopt;
+  // With a fixed number of decimals, numbers with the most significant digits are among those with all decimals; with
+  // a fixed number of significant digits it is the other way round.
+  Precision precision;
+  if (tally.at_point >= tally.at_significant) precision.coordinates.decimals = std::max(0, tally.behind_point);
+  if (tally.at_point <= tally.at_significant) precision.coordinates.significant = std::max(1, tally.significant);
+  precision.radii = precision.coordinates;
+  for (const double radius : packing.radius) {
+    const Decimal own = digits(radius);
+    precision.long_radii |= own.digits >= 3 && (own.behind_point() >= precision.coordinates.decimals.value_or(1000) ||
+                                                own.digits >= precision.coordinates.significant.value_or(1000));
+    if (auto& decimals = precision.radii.decimals) decimals = std::max(*decimals, own.behind_point());
+    if (auto& significant = precision.radii.significant) significant = std::max(*significant, own.digits);
+  }
+  return precision;
+}
+
+// Whether the numbers were floats: all of them are, and one at least needs more digits as a double than as a float.
+bool were_floats(const Packing& packing) {
+  bool longer = false;
+  for (const auto* values : {&packing.x, &packing.y, &packing.z})
+    for (const double value : *values) {
+      if (!is_float(value)) return false;
+      longer = longer || shortest(value).digits > shortest_of_float(value).digits;
+    }
+  return longer;
+}
+
+Precision from_numbers(const Packing& packing) {
+  if (were_floats(packing)) {
+    Precision precision = decimal_precision(packing, shortest_of_float, 7).value_or(Precision{});
+    precision.single_coordinates = true;
+    precision.single_radii = std::ranges::all_of(packing.radius, is_float);
+    return precision;
+  }
+  if (const auto found = decimal_precision(packing, shortest, 15)) return *found;
+  if (const auto found = decimal_precision(packing, without_noise, 14)) return *found;
+  return decimal_precision(packing, shortest, 16).value_or(Precision{});
+}
+
+// Half a unit of the last digit.
+double half_unit(const Precision::Digits& digits, double value) {
+  double half = digits.decimals ? 0.5 * std::pow(10.0, -*digits.decimals) : 0;
+  if (digits.significant && value != 0)
+    half = std::max(half, 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(value))) - *digits.significant + 1));
+  return half;
+}
+
+// A unit in the last place, or two: the arithmetic behind a number has rounded, too.
+double unit_of(double value, bool single) {
+  return std::abs(value) *
+         (single ? double{std::numeric_limits<float>::epsilon()} : std::numeric_limits<double>::epsilon());
+}
+
+}  // namespace
+
+Uncertainty Precision::of_coordinate(double value) const {
+  return {std::max(half_digit, unit_of(value, single_coordinates)), half_unit(coordinates, value)};
+}
+
+Uncertainty Precision::of_radius(double value) const {
+  return {std::max(half_digit, unit_of(value, single_radii)), half_unit(radii, value)};
+}
+
+std::string Precision::text() const {
+  const auto counted = [](int digits, const char* what) {
+    return fmt::format("{} {}{}", digits, what, digits == 1 ? "" : "s");
+  };
+  if (coordinates.decimals) return counted(*coordinates.decimals, "decimal");
+  if (coordinates.significant) return counted(*coordinates.significant, "significant digit");
+  return single_coordinates ? "single precision" : "double precision";
+}
+
+Precision precision_of(const Packing& packing) {
+  Precision precision = from_numbers(packing);
+  precision.half_digit = packing.half_digit;
+  return precision;
+}
+
+Uncertainty gap_uncertainty(const Precision& precision, const Packing& packing, const Contact& contact) {
+  Uncertainty sum;
+  const auto add = [&](double weight, const Uncertainty& one) {
+    sum.certain += weight * one.certain;
+    sum.decimal += weight * (one.decimal + one.certain);
+  };
+  constexpr double curvature = 1.02;  // the normal is rounded, too
+  const std::array<const std::vector<double>*, 3> coordinates{&packing.x, &packing.y, &packing.z};
+  for (const Index grain : {contact.a, contact.b}) {
+    for (std::size_t k = 0; k < at(packing.dimension()); ++k)
+      add(curvature * std::abs(contact.normal[k]), precision.of_coordinate((*coordinates[k])[at(grain)]));
+    add(curvature, precision.of_radius(packing.radius[at(grain)]));
+  }
+  return sum;
+}
+
+double largest_uncertainty(const Precision& precision, const Packing& packing) {
+  double coordinates = 0;
+  for (const auto* values : {&packing.x, &packing.y, &packing.z})
+    if (!values->empty()) {
+      const auto [low, high] = std::ranges::minmax(*values);
+      coordinates += 2 * precision.of_coordinate(std::max(std::abs(low), std::abs(high))).largest();
+    }
+  const auto [smallest, largest] = std::ranges::minmax(packing.radius);
+  return 1.02 * (coordinates + 2 * precision.of_radius(largest).largest()) / smallest;
+}
+
+namespace {
+
+// "0 and 8, 1 and 9, ...".
+std::string named(const PairSample& pairs) {
+  std::string text;
+  for (const auto& [a, b] : pairs.first) text += fmt::format("{}{} and {}", text.empty() ? "" : ", ", a, b);
+  return text + (pairs.size > count(pairs.first) ? ", ..." : "");
+}
+
+std::string pairs_of(const PairSample& pairs) {
+  return fmt::format("{} pair{} of grains ({})", pairs.size, pairs.size == 1 ? "" : "s", named(pairs));
+}
+
+}  // namespace
+
+std::vector<std::string> rounding_remarks(const ContactNetwork& network, const std::string& name) {
+  const RoundingDoubt& doubt = network.rounding;
+  const std::string worth =
+      fmt::format("coordinates with {} tell gaps to {:.2g} of the smaller radius", doubt.digits, doubt.uncertainty);
+  const char* apart = doubt.open.size == 1 ? "is" : "are";
+  std::vector<std::string> remarks;
+  if (doubt.decided.size > 0)
+    remarks.push_back(fmt::format(
+        "{}: {}: {} of {} contacts have a gap or an overlap of that size, beyond the tolerances (grains {})", name,
+        worth, doubt.decided.size, network.size(), named(doubt.decided)));
+  if (!doubt.used && doubt.open.size > 0)
+    remarks.push_back(fmt::format(
+        "{}: {}: {} {} apart by less and count{} as apart; --tolerance {:.1g} (contacts.tolerance) makes contacts of "
+        "them",
+        name, worth, pairs_of(doubt.open), apart, doubt.open.size == 1 ? "s" : "", 1.5 * doubt.uncertainty));
+  else if (doubt.ambiguous())
+    remarks.push_back(fmt::format(
+        "warning: {}: the contacts are ambiguous: {}, and {} are apart by at most three times that: which grains touch "
+        "depends on digits that are missing; write more digits, or state contacts.tolerance (--tolerance)",
+        name, worth, pairs_of(doubt.open)));
+  else if (doubt.open.size > 0)
+    remarks.push_back(fmt::format("{}: {}: {} {} apart by at most three times that and count{} as apart", name, worth,
+                                  pairs_of(doubt.open), apart, doubt.open.size == 1 ? "s" : ""));
+  if (doubt.one_sided.size > 0 && doubt.overlap >= hairline)
+    remarks.push_back(fmt::format(
+        "warning: {}: {} do not touch, although others overlap by more (up to {:.2g} of the smaller radius) than these "
+        "are apart; if coordinates are rounded, --tolerance {:.1g} (contacts.tolerance) has to go with "
+        "--overlap-tolerance (contacts.overlap_tolerance)",
+        name, pairs_of(doubt.one_sided), doubt.overlap, std::min(1.0, 1.5 * doubt.overlap)));
+  else if (doubt.one_sided.size > 0)
+    remarks.push_back(
+        fmt::format("warning: {}: {} do not touch, although they are apart by less than {} of the smaller radius; if "
+                    "coordinates were "
+                    "rounded before they were written, --tolerance {} (contacts.tolerance) makes contacts of them",
+                    name, pairs_of(doubt.one_sided), hairline, hairline));
+  return remarks;
+}
+
+}  // namespace nscdd
