@@ -59,26 +59,13 @@ class NearPairs {
   }
 
   void add(const Contact& contact) {
-    const double smaller = std::min(p_.radius[at(contact.a)], p_.radius[at(contact.b)]);
-    const Uncertainty of_gap = gap_uncertainty(precision_, p_, contact);
-    const double certain = of_gap.certain / smaller, decimal = of_gap.decimal / smaller;
-    const bool surely = decimal <= surely_rounded || std::abs(contact.gap) <= of_gap.certain;
-    const bool maybe = surely || decimal <= coarsest;
-    const Near near{contact, contact.gap / smaller,
-                    std::min(surely && decimal > surely_rounded ? certain : std::max(certain, decimal), coarsest)};
     if (p_.centre(contact.a) == p_.centre(contact.b)) refuse_same_centre(contact);
+    const double smaller = std::min(p_.radius[at(contact.a)], p_.radius[at(contact.b)]);
     const bool apart = contact.gap > detection_.tolerance * smaller;
     const bool overlaps = -contact.gap > detection_.overlap_tolerance * smaller;
-    if (!apart && !overlaps) {
-      keep(contact);
-      overlap_ = std::max(overlap_, -near.gap);
-    } else if (overlaps && !(maybe && -near.gap <= near.uncertainty)) {
-      refuse_overlap(near);
-    } else if (near.gap <= 3 * near.uncertainty) {
-      (surely ? sure_ : maybe ? coarse_ : exact_).push_back(near);
-      if (maybe && std::abs(near.gap) <= near.uncertainty) within_.push_back(near.gap);
-    }
-    if (apart && near.gap > near.uncertainty) apart_.push_back(near);
+    if (apart || overlaps) return add_beyond(contact, smaller, overlaps);
+    keep(contact);
+    overlap_ = std::max(overlap_, -contact.gap / smaller);
   }
 
   ContactNetwork network() {
@@ -106,6 +93,21 @@ class NearPairs {
     Contact contact;
     double gap, uncertainty;  // times the smaller radius
   };
+
+  // A pair beyond the tolerances.
+  void add_beyond(const Contact& contact, double smaller, bool overlaps) {
+    const Uncertainty of_gap = gap_uncertainty(precision_, p_, contact);
+    const double certain = of_gap.certain / smaller, decimal = of_gap.decimal / smaller;
+    const bool surely = decimal <= surely_rounded || std::abs(contact.gap) <= of_gap.certain;
+    const bool maybe = surely || decimal <= coarsest;
+    const Near near{contact, contact.gap / smaller,
+                    std::min(surely && decimal > surely_rounded ? certain : std::max(certain, decimal), coarsest)};
+    const bool within = std::abs(near.gap) <= near.uncertainty;
+    if (overlaps && !(maybe && within)) refuse_overlap(near);
+    if (near.gap <= 3 * near.uncertainty) (surely ? sure_ : maybe ? coarse_ : exact_).push_back(near);
+    if (maybe && within) within_.push_back(near.gap);
+    if (!overlaps && !within) apart_.push_back(near);
+  }
 
   // Rounding leaves overlaps, which nobody writes, or gaps that differ.
   bool shows_rounding() const {

@@ -4,10 +4,12 @@ import gc
 import os
 import pickle
 import subprocess
+import warnings
 
 import numpy as np
 import pytest
 import scipy.sparse
+import scipy.spatial
 from conftest import bed, lattice
 
 import nscdd
@@ -347,3 +349,79 @@ def test_cases():
     assert other.grains == 20 and len(other.subdomains) == 3 and other.packing.radius[0] == 0.25
     with pytest.raises(nscdd.Error, match="packing.grain"):
         nscdd.read_case(case, settings={"packing.grain": 20})
+
+
+def written(text):
+    """Numbers as that format of C leaves them."""
+    return np.vectorize(lambda value: float(text % value))
+
+
+ROUNDED = {"%.6f": written("%.6f"), "%g": written("%g"), "%.4e": written("%.4e"), "%.15g": written("%.15g"),
+           "%.3f": written("%.3f"), "float32": lambda values: values.astype(np.float32), "exact": lambda values: values}
+
+
+@pytest.mark.parametrize("how", ROUNDED)
+@pytest.mark.parametrize("far", [0.0, 1e6])
+@pytest.mark.parametrize("radius", [0.5, 0.001, 1 / 3])
+@pytest.mark.filterwarnings("ignore:.*coordinates with")
+def test_rounded_packings_have_the_contacts_of_exact_ones(how, far, radius):
+    """Those of a k-d tree over the exact lattice, turned, wherever the digits tell grains apart at all."""
+    column, row = (k.ravel() for k in np.meshgrid(np.arange(12), np.arange(9)))
+    x, y = radius * (2 * column + row % 2), radius * row * np.sqrt(3)
+    angle = 0.3
+    places = np.column_stack([np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y])
+    tree = scipy.spatial.cKDTree(places)
+    expected = sorted(tree.query_pairs(2 * radius * (1 + 1e-9)))
+    changed = np.asarray(ROUNDED[how](places + far), dtype=float)
+    radii = np.asarray(ROUNDED[how](np.full(len(x), radius)), dtype=float)
+    if np.abs(changed - places - far).max() > 0.004 * radius:
+        return  # digits that tell nothing
+    network = nscdd.contacts(nscdd.Packing(changed[:, 0], changed[:, 1], radii))
+    assert list(zip(network.a.tolist(), network.b.tolist())) == expected
+    assert not network.ambiguous and network.open_pairs == 0
+
+
+def test_contacts_that_depend_on_digits_are_warned_of():
+    packing = lattice(8, 8)
+    rounded = nscdd.Packing(np.round(packing.x, 6), np.round(packing.y, 6), packing.radius)
+    with pytest.warns(UserWarning, match="coordinates with 6 decimals tell gaps to") as told:
+        network = nscdd.contacts(rounded)
+    assert len(told) == 1 and told[0].filename == __file__
+    beyond = np.abs(network.gap) > 0.5e-7
+    assert len(network) == 161 and network.decided_by_rounding == beyond.sum() > 0
+    assert network.digits == "6 decimals" and 1e-6 < network.uncertainty < 1e-5
+    with pytest.warns(UserWarning, match="6 decimals"):
+        parts = nscdd.decompose(rounded, (2, 1))
+    assert parts.contacts == 161 and parts.network.decided_by_rounding == network.decided_by_rounding
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        exact = nscdd.contacts(packing)
+        with pytest.raises(UserWarning, match="6 decimals"):
+            nscdd.contacts(rounded)
+    assert len(exact) == 161 and exact.decided_by_rounding == 0 and exact.digits == "double precision"
+    # Rows that are apart by twice what digits tell.
+    apart = nscdd.Packing(rounded.x, np.round(packing.y * (1 + 0.8e-5), 6), packing.radius)
+    with pytest.warns(UserWarning, match="warning: packing: the contacts are ambiguous"):
+        assert nscdd.contacts(apart).ambiguous
+
+
+def test_float32_of_hdf5_is_read_as_what_it_is(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    packing = lattice(8, 8)
+    with h5py.File(tmp_path / "single.h5", "w") as file:
+        for name in ("x", "y", "radius"):
+            file[f"packing/{name}"] = (getattr(packing, name) * 0.37).astype(np.float32)
+    with pytest.warns(UserWarning, match="single precision"):
+        network = nscdd.contacts(nscdd.read_packing(tmp_path / "single.h5"))
+    assert len(network) == 161 and network.digits == "single precision"
+    with pytest.warns(UserWarning, match="single precision"):
+        assert nscdd.read_case(tmp_path / "single.h5", (2, 1)).contacts == 161
+
+
+def test_messages_show_bytes_that_are_no_text(tmp_path):
+    (tmp_path / "latin.csv").write_bytes("x,y,größe\x1b[2J\n0,0,1\n".encode("latin-1"))
+    with pytest.raises(nscdd.Error, match=r"gr\\xF6\\xDFe\\x1B\[2J"):
+        nscdd.read_packing(tmp_path / "latin.csv")
+    (tmp_path / "wide.csv").write_bytes("x,y,radius\n0,0,1\n".encode("utf-16"))
+    with pytest.raises(nscdd.Error, match="expected UTF-8, met UTF-16"):
+        nscdd.read_packing(tmp_path / "wide.csv")

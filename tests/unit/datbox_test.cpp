@@ -418,12 +418,19 @@ TEST_CASE("DATBOX: contacts are found in spite of seven digits") {
     }
   const Datbox datbox = read(texts);
   const Packing packing = datbox_packing(datbox, DatboxDisks::free);
-  const double uncertainty = gap_uncertainty(datbox);
-  CHECK(uncertainty > 1e-6);
-  CHECK(uncertainty < 1e-3);
-  CHECK_THROWS_AS(detect_contacts(packing), Error);  // overlaps beyond 1e-7
-  const ContactNetwork network = detect_contacts(packing, {uncertainty, uncertainty});
+  CHECK(packing.half_digit == doctest::Approx(0.5e-5));  // of 70.33333
+  const ContactNetwork network = detect_contacts(packing);
   CHECK(network.size() == rows * (columns - 1) + (rows - 1) * (2 * columns - 1));
+  CHECK(network.rounding.decided.size > 0);
+  // Numbers of full length, such as sums of places and displacements, are worth no more.
+  Packing turned = packing;
+  for (std::size_t i = 0; i < turned.x.size(); ++i) {
+    turned.x[i] = std::cos(0.3) * packing.x[i] - std::sin(0.3) * packing.y[i];
+    turned.y[i] = std::sin(0.3) * packing.x[i] + std::cos(0.3) * packing.y[i];
+  }
+  CHECK(detect_contacts(turned).size() == network.size());
+  turned.half_digit = 0;
+  CHECK_THROWS_AS(detect_contacts(turned), Error);
 }
 
 TEST_CASE("DATBOX: what is not modelled or cannot be read is refused by file and line") {

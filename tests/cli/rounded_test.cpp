@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Packings whose numbers are coarser than their contacts, and texts of other systems, as a user meets them.
+#include "session.hpp"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+using namespace nscdd::testing;
+
+namespace {
+
+// 64 disks of a triangular lattice with 161 contacts, each number as it is written by `text`.
+template <class Text>
+std::string lattice(double radius, double offset, std::string_view separator, const std::string& begin, Text&& text) {
+  std::string lines = begin;
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i)
+      lines += fmt::format("{1}{0}{2}{0}{3}\n", separator, text(offset + radius * (2 * i + j % 2)),
+                           text(offset + radius * std::numbers::sqrt3 * j), text(radius));
+  return lines;
+}
+std::string in_full(double value) { return fmt::format("{}", value); }
+std::string six_digits(double value) { return fmt::format("{:g}", value); }
+
+std::string rounded() { return lattice(0.5, 0, ",", "x,y,radius\n", six_digits); }
+std::string exact() { return lattice(0.5, 0, ",", "x,y,radius\n", in_full); }
+
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+// Standard output of a run that does its job and makes one remark.
+std::string remarked(const Session& session, const std::string& line, const std::string& remark) {
+  const Outcome outcome = session.run(words(line));
+  CAPTURE(line);
+  CHECK(outcome.exit_code == 0);
+  CAPTURE(outcome.standard_error);
+  CHECK(times(outcome.standard_error, remark) == 1);
+  CHECK(times(outcome.standard_error, "\n") == 1);
+  return outcome.standard_output;
+}
+
+}  // namespace
+
+TEST_CASE("a rounded packing has the contacts and the radii of the exact one, and every verb says so once") {
+  const Session session;
+  session.file("rounded.csv", rounded());
+  session.file("exact.csv", exact());
+  const std::string remark = "nscdd: rounded: coordinates with 6 significant digits tell gaps to";
+  const std::string sweep = " --subdomains 2x2 --epsilon 0,1 --csv -";
+  const CsvTable found = read_table(remarked(session, "sweep rounded.csv" + sweep, remark));
+  const CsvTable expected = read_table(answer(session, "sweep exact.csv" + sweep));
+  REQUIRE(found.rows.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(found.number(k, "contacts") == 161);
+    for (const char* name : {"spectral_radius", "subdominant"})
+      CHECK(found.number(k, name) == doctest::Approx(expected.number(k, name)).epsilon(1e-5));
+  }
+  const std::string cut = " rounded.csv --subdomains 2x2";
+  remarked(session, "optimum --contacts all" + cut, remark);
+  remarked(session, "modes" + cut + " --epsilon 1 --output modes", remark);
+  remarked(session, "network" + cut + " --csv links.csv --prescribed 0:1:0", remark);
+  remarked(session, "report" + cut + " -o page.html", remark);
+  remarked(session, "export" + cut + " --operators ops", remark);
+  const std::string report = remarked(session, "inspect" + cut, remark);
+  CHECK(value(report, "contacts") == "161");
+  CHECK(contains(report, "digits               6 significant digits"));
+  CHECK(value(report, "  pairs in doubt") == "0");
+  CHECK(!contains(answer(session, "inspect exact.csv"), "digits"));
+}
+
+TEST_CASE("text and HDF5 files, cases and studies know the digits of their packing") {
+  const Session session;
+  session.file("rounded.txt", lattice(0.5, 0, " ", "# six digits\n", six_digits));
+  session.file("rounded.toml", "[packing]\nfile = \"rounded.txt\"\n[partition]\ngrid = [2, 1]\n");
+  const std::string remark = "coordinates with 6 significant digits tell gaps to";
+  CHECK(value(remarked(session, "inspect rounded.txt", remark), "contacts") == "161");
+  CHECK(value(remarked(session, "inspect rounded.toml", remark), "contacts") == "161");
+  answer(session, "generate rounded.toml -o rounded.h5");
+  CHECK(value(remarked(session, "inspect rounded.h5", remark), "contacts") == "161");
+  session.file("work/study.toml",
+               "title = \"rounded\"\n[[table]]\nname = \"one\"\ncases = [\"rounded.toml\"]\nepsilon = \"1\"\n"
+               "[[table]]\nname = \"two\"\ncases = [\"rounded.toml\"]\nobservable = \"grains\"\n");
+  session.file("work/rounded.toml", "[packing]\nfile = \"../rounded.txt\"\n[partition]\ngrid = [2, 1]\n");
+  const Outcome run = session.run(words("run work --output results"));
+  CHECK(run.exit_code == 0);
+  CAPTURE(run.standard_error);
+  CHECK(times(run.standard_error, remark) == 1);
+}
+
+TEST_CASE("grains of a millimetre in the coordinates of a map have all contacts") {
+  const Session session;
+  session.file("far.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", in_full));
+  CHECK(value(remarked(session, "inspect far.csv", "coordinates with double precision tell gaps to"), "contacts") ==
+        "161");
+  session.file("map.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", [](double v) { return fmt::format("{:.7f}", v); }));
+  CHECK(value(remarked(session, "inspect map.csv", "coordinates with 7 decimals"), "contacts") == "161");
+}
+
+TEST_CASE("an ambiguous packing is told apart, and tolerances that lose contacts are named") {
+  const Session session;
+  const auto stretched = [](double value) { return fmt::format("{:.6f}", value * (1 + 2e-5)); };
+  session.file("open.csv", lattice(0.5, 0, ",", "x,y,radius\n",
+                                   [&](double value) { return value == 0.5 ? std::string("0.5") : stretched(value); }));
+  remarked(session, "inspect open.csv", "nscdd: warning: open: ");
+  // Rounded, then turned into other units: the digits show nothing.
+  session.file("scaled.csv", lattice(0.5, 0, ",", "x,y,radius\n", [](double value) {
+                 return fmt::format("{}", std::stod(six_digits(value)) / 0.37);
+               }));
+  check_refused(session, "inspect scaled.csv",
+                {"contacts.overlap_tolerance", "--overlap-tolerance", "contacts.tolerance", "--tolerance"});
+  remarked(session, "inspect scaled.csv --overlap-tolerance 1e-5", "do not touch, although others overlap by more");
+  CHECK(value(answer(session, "inspect scaled.csv --overlap-tolerance 1e-5 --tolerance 1e-5"), "contacts") == "161");
+}
+
+TEST_CASE("texts of other systems: line ends, encodings, and nothing that a terminal obeys") {
+  const Session session;
+  session.file("mac.csv", "x,y,radius\r0,0,0.5\r1.0D+00,0,0.5\r");
+  CHECK(value(answer(session, "inspect mac.csv"), "contacts") == "1");
+  session.file("mac.txt", "0 0 0.5\r1.0D+00 0 5D-1\r");
+  CHECK(value(answer(session, "inspect mac.txt"), "contacts") == "1");
+  session.file("mac.toml", "[packing]\rfile = \"mac.csv\"\r[partition]\rgrid = [1, 1]\r");
+  CHECK(value(answer(session, "inspect mac.toml"), "contacts") == "1");
+  std::string wide = "\xFF\xFE";
+  for (const char c : std::string("x,y,radius\n0,0,1\n")) (wide += c) += '\0';
+  for (const char* name : {"wide.csv", "wide.txt", "wide.dat", "wide.toml"}) {
+    session.file(name, wide);
+    check_refused(session, {"inspect", name}, {name, "expected UTF-8, met UTF-16"});
+  }
+  session.file("bad.csv", "x,y,radius\n0,\x1B[31m" + std::string(1, '\0') + ",1\n");
+  const Outcome bad = session.run(words("inspect bad.csv"));
+  CHECK(bad.exit_code == 2);
+  CHECK(bad.standard_error == "nscdd: error: bad.csv:2: y: expected a number, met '\\x1B[31m\\x00'\n");
+  session.file("clumps.txt", "#format x_y_z_r_clumpId\n0 0 0 0.5 1\n1 0 0 0.5 1\n");
+  check_refused(session, "inspect clumps.txt", {"clumps.txt:2", "x_y_z_r_clumpId", "not supported yet"});
+}
