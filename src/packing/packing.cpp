@@ -38,8 +38,6 @@ std::string described(const Packing& p, Index grain) {
   return fmt::format("{} of radius {}", place(p, grain), p.radius[at(grain)]);
 }
 
-// Uncertainties below this many radii are rounding for certain: nobody writes so many digits by hand.
-constexpr double surely_rounded = 1e-4;
 // No rounding is coarser than this many radii, and pairs that are so far apart are none that somebody would name.
 constexpr double coarsest = 0.1, worth_naming = 0.05;
 // Coarser digits are rounded, too, where they leave both overlaps and gaps, or so many overlaps.

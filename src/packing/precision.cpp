@@ -183,6 +183,18 @@ double largest_uncertainty(const Precision& precision, const Packing& packing) {
   return 1.02 * (coordinates + 2 * precision.of_radius(largest).largest()) / smallest;
 }
 
+double certain_offset(const Packing& packing, std::span<const double> coordinates) {
+  const Precision precision = precision_of(packing);
+  Uncertainty largest;
+  const auto [low, high] = std::ranges::minmax(coordinates);
+  for (const double value : {low, high}) {
+    const Uncertainty one = precision.of_coordinate(value);
+    largest = {std::max(largest.certain, one.certain), std::max(largest.decimal, one.decimal)};
+  }
+  const bool rounded = largest.decimal > 0 && largest.decimal <= surely_rounded * std::ranges::min(packing.radius);
+  return rounded ? largest.largest() : largest.certain;
+}
+
 namespace {
 
 // "0 and 8, 1 and 9, ...".

@@ -43,6 +43,12 @@ Uncertainty gap_uncertainty(const Precision& precision, const Packing& packing, 
 /// The largest uncertainty that a gap of the packing can have, over its smallest radius.
 double largest_uncertainty(const Precision& precision, const Packing& packing);
 
+/// Decimal digits worth less than so many radii are rounded for certain: nobody writes so many by hand.
+inline constexpr double surely_rounded = 1e-4;
+
+/// How far coordinates of those values, one of the coordinates of the packing, are off for certain, m.
+double certain_offset(const Packing& packing, std::span<const double> coordinates);
+
 /// Gaps up to so many radii are small enough to be rounding that no digit shows any more: of numbers that were rounded
 /// and then shifted or scaled. Where they are more than a few (pairs, and a hundredth of the contacts), they are worth
 /// a word.

@@ -3,9 +3,9 @@
 #include "session.hpp"
 
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 using namespace nscdd::testing;
@@ -14,16 +14,21 @@ namespace {
 
 // 64 disks of a triangular lattice with 161 contacts, each number as it is written by `text`.
 template <class Text>
-std::string lattice(double radius, double offset, std::string_view separator, const std::string& begin, Text&& text) {
+std::string lattice(double radius, double offset, const std::string& separator, const std::string& begin, Text&& text) {
   std::string lines = begin;
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 8; ++i)
-      lines += fmt::format("{1}{0}{2}{0}{3}\n", separator, text(offset + radius * (2 * i + j % 2)),
-                           text(offset + radius * std::numbers::sqrt3 * j), text(radius));
+      lines += text(offset + radius * (2 * i + j % 2)) + separator + text(offset + radius * std::numbers::sqrt3 * j) +
+               separator + text(radius) + "\n";
   return lines;
 }
-std::string in_full(double value) { return fmt::format("{}", value); }
-std::string six_digits(double value) { return fmt::format("{:g}", value); }
+std::string printed(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+std::string in_full(double value) { return printed("%.17g", value); }
+std::string six_digits(double value) { return printed("%g", value); }
 
 std::string rounded() { return lattice(0.5, 0, ",", "x,y,radius\n", six_digits); }
 std::string exact() { return lattice(0.5, 0, ",", "x,y,radius\n", in_full); }
@@ -98,20 +103,19 @@ TEST_CASE("grains of a millimetre in the coordinates of a map have all contacts"
   session.file("far.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", in_full));
   CHECK(value(remarked(session, "inspect far.csv", "coordinates with double precision tell gaps to"), "contacts") ==
         "161");
-  session.file("map.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", [](double v) { return fmt::format("{:.7f}", v); }));
+  session.file("map.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", [](double v) { return printed("%.7f", v); }));
   CHECK(value(remarked(session, "inspect map.csv", "coordinates with 7 decimals"), "contacts") == "161");
 }
 
 TEST_CASE("an ambiguous packing is told apart, and tolerances that lose contacts are named") {
   const Session session;
-  const auto stretched = [](double value) { return fmt::format("{:.6f}", value * (1 + 2e-5)); };
+  const auto stretched = [](double value) { return printed("%.6f", value * (1 + 2e-5)); };
   session.file("open.csv", lattice(0.5, 0, ",", "x,y,radius\n",
                                    [&](double value) { return value == 0.5 ? std::string("0.5") : stretched(value); }));
   remarked(session, "inspect open.csv", "nscdd: warning: open: ");
   // Rounded, then turned into other units: the digits show nothing.
-  session.file("scaled.csv", lattice(0.5, 0, ",", "x,y,radius\n", [](double value) {
-                 return fmt::format("{}", std::stod(six_digits(value)) / 0.37);
-               }));
+  session.file("scaled.csv", lattice(0.5, 0, ",", "x,y,radius\n",
+                                     [](double value) { return in_full(std::stod(six_digits(value)) / 0.37); }));
   check_refused(session, "inspect scaled.csv",
                 {"contacts.overlap_tolerance", "--overlap-tolerance", "contacts.tolerance", "--tolerance"});
   remarked(session, "inspect scaled.csv --overlap-tolerance 1e-5", "do not touch, although others overlap by more");
@@ -130,7 +134,7 @@ TEST_CASE("texts of other systems: line ends, encodings, and nothing that a term
   for (const char c : std::string("x,y,radius\n0,0,1\n")) (wide += c) += '\0';
   for (const char* name : {"wide.csv", "wide.txt", "wide.dat", "wide.toml"}) {
     session.file(name, wide);
-    check_refused(session, {"inspect", name}, {name, "expected UTF-8, met UTF-16"});
+    check_refused(session, std::string("inspect ") + name, {name, "expected UTF-8, met UTF-16"});
   }
   session.file("bad.csv", "x,y,radius\n0,\x1B[31m" + std::string(1, '\0') + ",1\n");
   const Outcome bad = session.run(words("inspect bad.csv"));

@@ -9,7 +9,6 @@
 #include <nscdd/formats/packing_file.hpp>
 
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 
 using namespace nscdd;
 using namespace std::string_literals;
@@ -74,7 +73,7 @@ std::vector<Reader> readers() {
          return field_text(local.w.coeff(0, 1)) + " " + field_text(local.q[1]) + " " + field_text(local.friction[0]);
        }},
       {"TOML",
-       "title = \"a\"\n\n# a remark\n[packing]\ngenerator = \"triangular\"\ngrains = 8\n\n[partition]\ngrid = [2, 1]\n",
+       "title = \"a\"\n\n# a remark\n[packing]\ngenerator = \"strip\"\ngrains = 8\n\n[partition]\ngrid = [2, 1]\n",
        [](const std::string& text) { return to_toml(parse_case(text, "foreign")); }},
       {"DATBOX",
        "$bdyty\n RBDY2      1\n$blmty\n PLAIN      1  behav  STONE  avrd= 0.2000000D+00  gyrd= 0.1414214D+00\n$nodty\n"
@@ -194,7 +193,7 @@ TEST_CASE("what a message quotes is text, whatever a file holds") {
 TEST_CASE("lines of a text, whatever ends them") {
   const auto lines = [](std::string_view text) {
     std::string all;
-    for (TextLines lines(text); lines.next();) all += fmt::format("{}:{};", lines.number(), lines.line());
+    for (TextLines one(text); one.next();) all += std::to_string(one.number()) + ":" + std::string(one.line()) + ";";
     return all;
   };
   CHECK(lines("a\nb\n") == "1:a;2:b;");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
+#include "packing/precision.hpp"
 #include <nscdd/ddm/partitioners/grid.hpp>
 
 #include <fmt/ranges.h>
@@ -13,19 +14,25 @@ constexpr Index most_cells = 1'000'000;
 struct Direction {
   double low, high;
   Index cells;
+  double allowance;  // of rounding, in cells
 };
 
-Direction direction_over(const std::vector<double>& centres, Index cells) {
+Direction direction_over(const Packing& packing, const std::vector<double>& centres, Index asked) {
   const auto [low, high] = std::minmax_element(centres.begin(), centres.end());
-  return {*low, *high, std::max<Index>(cells, 1)};  // a grid of one cell may leave z out
+  const Index cells = std::max<Index>(asked, 1);  // a grid of one cell may leave z out
+  constexpr double of_arithmetic = 1e-9;
+  if (cells == 1 || *high <= *low) return {*low, *high, cells, of_arithmetic};
+  // Of a midpoint and of the two ends.
+  const double of_numbers = 2 * certain_offset(packing, centres) / (*high - *low) * static_cast<double>(cells);
+  return {*low, *high, cells, std::clamp(of_numbers, of_arithmetic, 0.5)};
 }
 
 // Cell 0 ... cells-1 of a coordinate; lines belong to the cell below them. Rounding must not send a midpoint
-// that lies on a line to the upper cell, hence the small allowance.
+// that lies on a line to the upper cell, hence the allowance.
 Index cell(double coordinate, const Direction& along) {
   if (along.high <= along.low) return 0;
   const double position = (coordinate - along.low) / (along.high - along.low) * static_cast<double>(along.cells);
-  return std::clamp(static_cast<Index>(std::ceil(position - 1e-9)) - 1, Index{0}, along.cells - 1);
+  return std::clamp(static_cast<Index>(std::ceil(position - along.allowance)) - 1, Index{0}, along.cells - 1);
 }
 
 }  // namespace
@@ -49,7 +56,7 @@ std::function<Index(const std::array<double, 3>&)> cell_of_midpoint(const GridPa
   if (subdomains(partitioner) > 1) require_components(grid, packing.dimension(), "partition.grid");
   std::vector<Direction> directions;
   for (const std::vector<double>* centres : {&packing.x, &packing.y, &packing.z})
-    if (!centres->empty()) directions.push_back(direction_over(*centres, grid[directions.size()]));
+    if (!centres->empty()) directions.push_back(direction_over(packing, *centres, grid[directions.size()]));
   return [directions](const std::array<double, 3>& midpoint) {
     Index subdomain = 0;
     for (std::size_t k = directions.size(); k-- > 0;)
