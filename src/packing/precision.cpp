@@ -233,18 +233,17 @@ std::vector<std::string> rounding_remarks(const ContactNetwork& network, const s
   else if (doubt.open.size > 0)
     remarks.push_back(fmt::format("{}: {}: {} {} apart by at most three times that and count{} as apart", name, worth,
                                   pairs_of(doubt.open), apart, doubt.open.size == 1 ? "s" : ""));
-  if (doubt.one_sided.size > 0 && doubt.overlap >= hairline)
+  if (doubt.one_sided.size > 0) {
+    const bool overlaps = doubt.overlap > ContactDetection{}.overlap_tolerance;
+    const double apart_by = std::max(doubt.overlap, hairline);
     remarks.push_back(fmt::format(
-        "warning: {}: {} do not touch, although others overlap by more (up to {:.2g} of the smaller radius) than these "
-        "are apart; if coordinates are rounded, --tolerance {:.1g} (contacts.tolerance) has to go with "
-        "--overlap-tolerance (contacts.overlap_tolerance)",
-        name, pairs_of(doubt.one_sided), doubt.overlap, std::min(1.0, 1.5 * doubt.overlap)));
-  else if (doubt.one_sided.size > 0)
-    remarks.push_back(
-        fmt::format("warning: {}: {} do not touch, although they are apart by less than {} of the smaller radius; if "
-                    "coordinates were "
-                    "rounded before they were written, --tolerance {} (contacts.tolerance) makes contacts of them",
-                    name, pairs_of(doubt.one_sided), hairline, hairline));
+        "warning: {}: {} are apart by at most {:.2g} of the smaller radius and do not touch{}; if coordinates were "
+        "rounded, --tolerance {:.1g} (contacts.tolerance) makes contacts of them{}",
+        name, pairs_of(doubt.one_sided), apart_by,
+        overlaps ? fmt::format(", although others overlap by up to {:.2g}", doubt.overlap) : "",
+        std::min(1.0, apart_by > hairline ? 1.5 * apart_by : hairline),
+        overlaps ? ": it has to go with --overlap-tolerance (contacts.overlap_tolerance)" : ""));
+  }
   return remarks;
 }
 
