@@ -185,16 +185,15 @@ TEST_CASE("DATBOX: read wherever a packing is") {
     CHECK(packing.mass[i] == doctest::Approx(system.mass[i]).epsilon(1e-6));
     CHECK(packing.radius[i] == doctest::Approx(system.radius[i]).epsilon(1e-6));
   }
-  CHECK(contains(answer(session, "inspect box/DATBOX"), "box"));
-  const CsvTable swept = table(session, "sweep box/DATBOX --subdomains 2x1 --epsilon 1");
+  const std::string remark = "coordinates with 7 significant digits";
+  CHECK(contains(remarked(session, "inspect box/DATBOX", remark), "box"));
+  const CsvTable swept = read_table(remarked(session, "sweep box/DATBOX --subdomains 2x1 --epsilon 1 --csv -", remark));
   CHECK(swept.text(0, "case") == "box");
   CHECK(swept.number(0, "grains") == static_cast<double>(packing.size()));
   answer(session, "generate box/DATBOX -o packing.csv");
   CHECK(read_packing(path_of(session, "packing.csv")).x == packing.x);
-  session.file("mine.toml",
-               "[packing]\nfile = \"box/DATBOX\"\n[contacts]\ntolerance = 1e-5\noverlap_tolerance = 1e-5\n"
-               "[partition]\ngrid = [2, 1]\n");
-  CHECK(contains(answer(session, "inspect mine.toml"), "mine"));
+  session.file("mine.toml", "[packing]\nfile = \"box/DATBOX\"\n[partition]\ngrid = [2, 1]\n");
+  CHECK(value(remarked(session, "inspect mine.toml", remark), "contacts") == swept.text(0, "contacts"));
 }
 
 TEST_CASE("export --lmgc90: places, velocities and forces obey Newton's law by the files alone") {
@@ -381,8 +380,9 @@ TEST_CASE("export --lmgc90: a folder of spheres reads back to the case that it w
   const Packing packing = read_packing(path_of(session, "out"));
   CHECK(packing.dimension() == 3);
   CHECK(packing.size() == 59);
-  CHECK(contains(answer(session, "inspect out"), "grains               59"));
-  answer(session, "sweep out --subdomains 2x1x1 --epsilon 1 --eta inf --csv swept.csv");
+  const std::string remark = "coordinates with 7 significant digits";
+  CHECK(contains(remarked(session, "inspect out", remark), "grains               59"));
+  remarked(session, "sweep out --subdomains 2x1x1 --epsilon 1 --eta inf --csv swept.csv", remark);
 }
 
 TEST_CASE("export --lmgc90: what of spheres LMGC90 would compute otherwise is said") {
@@ -437,7 +437,7 @@ TEST_CASE("DATBOX: what is not modelled is refused with its file and line") {
   refused("box/DATBOX/DOF.INI", spinning, {"DOF.INI:8: V(3)", "met 1"});
   session.file("box/DATBOX/DOF.INI", spinning);
   check_refused(session, "sweep box --epsilon 1 --csv box/DATBOX/DRV_DOF.DAT --force", {"would be lost"});
-  answer(session, "inspect box/DATBOX");  // the linear study has no spins
+  remarked(session, "inspect box/DATBOX", "7 significant digits");  // the linear study has no spins
   session.file("empty/DATBOX/other", "");
   check_refused(session, "inspect empty/DATBOX", {"empty/DATBOX", "BODIES.DAT"});
 }

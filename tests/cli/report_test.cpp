@@ -23,12 +23,6 @@ Json data_of(const std::string& page) {
   return Json::parse(page.substr(start, page.find("</script>", start) - start));
 }
 
-std::size_t times(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
-
 const Json& column(const Json& table, const std::string& name) {
   for (const Json& one : table)
     if (one["name"] == name) return one["values"];

@@ -33,23 +33,6 @@ std::string six_digits(double value) { return printed("%g", value); }
 std::string rounded() { return lattice(0.5, 0, ",", "x,y,radius\n", six_digits); }
 std::string exact() { return lattice(0.5, 0, ",", "x,y,radius\n", in_full); }
 
-std::size_t times(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
-
-// Standard output of a run that does its job and makes one remark.
-std::string remarked(const Session& session, const std::string& line, const std::string& remark) {
-  const Outcome outcome = session.run(words(line));
-  CAPTURE(line);
-  CHECK(outcome.exit_code == 0);
-  CAPTURE(outcome.standard_error);
-  CHECK(times(outcome.standard_error, remark) == 1);
-  CHECK(times(outcome.standard_error, "\n") == 1);
-  return outcome.standard_output;
-}
-
 }  // namespace
 
 TEST_CASE("a rounded packing has the contacts and the radii of the exact one, and every verb says so once") {
@@ -66,6 +49,9 @@ TEST_CASE("a rounded packing has the contacts and the radii of the exact one, an
     for (const char* name : {"spectral_radius", "subdominant_radius"})
       CHECK(found.number(k, name) == doctest::Approx(expected.number(k, name)).epsilon(1e-5));
   }
+  // To six digits, by the lattice with each of its numbers in full.
+  CHECK(found.number(0, "subdominant_radius") == doctest::Approx(0.923022).epsilon(1e-6));
+  CHECK(found.number(1, "spectral_radius") == doctest::Approx(0.824949).epsilon(1e-6));
   const std::string cut = " rounded.csv --subdomains 2x2";
   remarked(session, "optimum --contacts all" + cut, remark);
   remarked(session, "modes" + cut + " --epsilon 1 --output modes", remark);
@@ -103,6 +89,16 @@ TEST_CASE("grains of a millimetre in the coordinates of a map have all contacts"
   session.file("far.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", in_full));
   CHECK(value(remarked(session, "inspect far.csv", "coordinates with double precision tell gaps to"), "contacts") ==
         "161");
+  // Contacts on the lines of a grid lie in the same subdomains as near the origin.
+  session.file("near.csv", lattice(0.001, 0, ",", "x,y,radius\n", in_full));
+  for (const char* grid : {"2x2", "3x3", "4x2", "5x1"}) {
+    CAPTURE(grid);
+    const std::string options = std::string(" --epsilon 1 --csv - --subdomains ") + grid;
+    const CsvTable far = read_table(remarked(session, "sweep far.csv" + options, "double precision")),
+                   near = read_table(answer(session, "sweep near.csv" + options));
+    CHECK(far.text(0, "interface_dofs") == near.text(0, "interface_dofs"));
+    CHECK(far.number(0, "spectral_radius") == doctest::Approx(near.number(0, "spectral_radius")).epsilon(1e-6));
+  }
   session.file("map.csv", lattice(0.001, 1e6, ",", "x,y,radius\n", [](double v) { return printed("%.7f", v); }));
   CHECK(value(remarked(session, "inspect map.csv", "coordinates with 7 decimals"), "contacts") == "161");
 }
@@ -118,7 +114,8 @@ TEST_CASE("an ambiguous packing is told apart, and tolerances that lose contacts
                                      [](double value) { return in_full(std::stod(six_digits(value)) / 0.37); }));
   check_refused(session, "inspect scaled.csv",
                 {"contacts.overlap_tolerance", "--overlap-tolerance", "contacts.tolerance", "--tolerance"});
-  remarked(session, "inspect scaled.csv --overlap-tolerance 1e-5", "and do not touch, although others overlap by up to");
+  remarked(session, "inspect scaled.csv --overlap-tolerance 1e-5",
+           "and do not touch, although others overlap by up to");
   CHECK(value(answer(session, "inspect scaled.csv --overlap-tolerance 1e-5 --tolerance 1e-5"), "contacts") == "161");
 }
 

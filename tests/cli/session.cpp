@@ -50,6 +50,22 @@ CsvTable table(const Session& session, const std::string& line) {
   return read_table(answer(session, line + " --csv -"));
 }
 
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+std::string remarked(const Session& session, const std::string& line, const std::string& part) {
+  const Outcome outcome = session.run(words(line));
+  CAPTURE(line);
+  CAPTURE(outcome.standard_error);
+  CHECK(times(outcome.standard_error, part) == 1);
+  CHECK(times(outcome.standard_error, "\n") == 1);
+  REQUIRE(outcome.exit_code == 0);
+  return outcome.standard_output;
+}
+
 void check_refused(const Session& session, const std::vector<std::string>& arguments,
                    std::initializer_list<std::string> parts, const RunOptions& options) {
   const auto before = content_of(session.folder.path());

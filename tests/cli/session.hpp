@@ -32,6 +32,12 @@ bool contains(const std::string& text, const std::string& part);
 std::string answer(const Session& session, const std::vector<std::string>& arguments);
 std::string answer(const Session& session, const std::string& line);
 
+/// How often a text holds another one.
+std::size_t times(const std::string& text, const std::string& part);
+
+/// Output of a run that must do its job and make one remark on standard error, which has `part`.
+std::string remarked(const Session& session, const std::string& line, const std::string& part);
+
 /// The table of a run with `--csv -`.
 CsvTable table(const Session& session, const std::string& line);
 
