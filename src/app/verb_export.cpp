@@ -2,6 +2,7 @@
 #include "app/export_operators.hpp"
 #include "app/export_steps.hpp"
 #include "app/step_range.hpp"
+#include "core/text.hpp"
 #include "files/output_file.hpp"
 #include "formats/export.hpp"
 #include "formats/siconos_dat.hpp"
@@ -79,7 +80,7 @@ Provenance provenance_of(const Context& context, const TrajectoryHeader& header)
 }
 
 void print_report(const Options& options, const FclibFile& file, const LocalFrictionProblem& local) {
-  fmt::print("title                {}\n", *file.info.title);
+  fmt::print("title                {}\n", printable(*file.info.title));
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
     fmt::print("problem              global, {} velocities of bodies\n", global->mass.rows());
   else

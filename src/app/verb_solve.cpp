@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/solve_trials.hpp"
+#include "core/text.hpp"
 #include "files/csv.hpp"
 #include "formats/contact_solution.hpp"
 #include "formats/siconos_dat.hpp"
@@ -55,7 +56,7 @@ Vector starting_impulses(const FclibFile& file, const Options& options) {
 const char* in_space(const LocalFrictionProblem& local) { return local.dimension == 3 ? ", in space" : ""; }
 
 void print_problem(const FclibFile& file, const LocalFrictionProblem& local) {
-  if (file.info.title) fmt::print("title                {}\n", *file.info.title);
+  if (file.info.title) fmt::print("title                {}\n", printable(*file.info.title));
   if (const auto* global = std::get_if<GlobalFrictionProblem>(&file.problem))
     fmt::print("problem              global, {} velocities of bodies{}\n", global->mass.rows(), in_space(local));
   else

@@ -162,9 +162,9 @@ class NearPairs {
     const double smaller = std::min(p_.radius[at(i)], p_.radius[at(j)]);
     fail(
         "grains {} and {} overlap by {} m, more than the {} m allowed (contacts.overlap_tolerance, "
-        "--overlap-tolerance): {} and {}; {} are worth {:.2g} m of this gap; where coordinates are rounded more "
-        "coarsely than they are written, raise contacts.tolerance (--tolerance) as well: it takes gaps of that size as "
-        "contacts, too",
+        "--overlap-tolerance): {} and {}; by their digits ({}) this gap is known to {:.2g} m; where coordinates are "
+        "rounded more coarsely than they are written, raise contacts.tolerance (--tolerance) as well: it takes gaps of "
+        "that size as contacts, too",
         i, j, -near.contact.gap, detection_.overlap_tolerance * smaller, described(p_, i), described(p_, j),
         precision_.text(), gap_uncertainty(precision_, p_, near.contact).largest());
   }

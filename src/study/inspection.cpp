@@ -79,9 +79,9 @@ std::string why_empty(const Model& model) {
 }
 
 Case with_overlaps_of_motion(Case one) {
+  if (!one.spec.dynamics) return one;
   double& tolerance = one.spec.contacts.overlap_tolerance;
-  if (!one.spec.dynamics || tolerance != ContactDetection{}.overlap_tolerance) return one;
-  tolerance = largest_overlap;
+  if (tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
   if (one.contacts_found)  // grains that move overlap and part: small gaps are none of rounding
     one.contacts_found = [told = one.contacts_found](ContactNetwork network) {
       network.rounding.one_sided = {};
