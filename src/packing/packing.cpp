@@ -104,7 +104,8 @@ class NearPairs {
     if (overlaps && !(maybe && within)) refuse_overlap(near);
     if (near.gap <= 3 * near.uncertainty) (surely ? sure_ : maybe ? coarse_ : exact_).push_back(near);
     if (maybe && within) within_.push_back(near.gap);
-    if (!overlaps && !within) apart_.push_back(near);
+    const double worth_a_word = std::max(hairline, std::min(detection_.overlap_tolerance, coarsest));
+    if (!overlaps && !within && near.gap <= worth_a_word) apart_.push_back(near);
   }
 
   // Rounding leaves overlaps, which nobody writes, or gaps that differ.
@@ -217,7 +218,7 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
   if (packing.size() == 0) return {.contacts = {}, .grains = 0, .dimension = packing.dimension()};
   NearPairs pairs(packing, detection);
   // r_i + r_j + tolerance min(r_i, r_j) is at most stretch (r_i + r_j).
-  const double reach = pairs.reach(), stretch = 1 + 0.5 * reach;
+  const double stretch = 1 + 0.5 * pairs.reach();
   const GrainGrid grid({packing.x, packing.y, packing.z}, packing.radius, stretch);
   grid.for_each_pair([&](Index i, Index j) {
     const double distance = stretch * (packing.radius[at(i)] + packing.radius[at(j)]);
@@ -225,8 +226,7 @@ ContactNetwork detect_contacts(const Packing& packing, const ContactDetection& d
     const double dx = packing.x[at(j)] - packing.x[at(i)], dy = packing.y[at(j)] - packing.y[at(i)];
     const double dz = packing.z.empty() ? 0 : packing.z[at(j)] - packing.z[at(i)];
     if (dx * dx + dy * dy + dz * dz > 1.000001 * distance * distance) return;
-    const Contact contact = pair_geometry(packing, i, j);
-    if (contact.gap <= reach * std::min(packing.radius[at(i)], packing.radius[at(j)])) pairs.add(contact);
+    pairs.add(pair_geometry(packing, i, j));
   });
   return pairs.network();
 }

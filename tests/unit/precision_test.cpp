@@ -240,6 +240,13 @@ TEST_CASE("an overlap tolerance that leaves gaps of the same size apart is told"
   const ContactNetwork both = detect_contacts(scaled, {.tolerance = 1e-5, .overlap_tolerance = 1e-5});
   CHECK((pairs_of(both) == brute_force(triangular(8, 8, 0.5))));
   CHECK(rounding_remarks(both, "p").empty());
+  // The same with gaps that are no hairlines.
+  const double scale = 1 / 0.37, half_width = 0.5 * scale;
+  const Packing chain{
+      {0, 0.995 * scale, 1.996 * scale, 3 * scale}, {0, 0, 0, 0}, {half_width, half_width, half_width, half_width}, {}};
+  const RoundingDoubt some = detect_contacts(chain, {.tolerance = 1e-7, .overlap_tolerance = 0.02}).rounding;
+  CHECK(some.overlap == doctest::Approx(0.01));
+  CHECK((some.one_sided.first == std::vector<std::array<Index, 2>>{{1, 2}, {2, 3}}));  // apart by 0.002 and 0.008 radii
   // Hairline gaps alone are told, too: here the radii were rounded down.
   Packing shrunk = triangular(8, 8, 1.0 / 3);
   for (double& radius : shrunk.radius) radius = 0.3333333 * (1 + 1e-15);
