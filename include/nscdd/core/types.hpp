@@ -64,8 +64,8 @@ constexpr Index count(const Container& c) {
 /// Input that the program cannot use. The message says what was expected, what was met, and where (file and line, key,
 /// option or grain). An Error may be thrown anywhere; `main` catches it and returns exit code 2. A computation that
 /// does not converge throws no Error: its result has a flag for that.
-/// What a message quotes from a file may be any bytes: what() has those that are no text, such as control characters and
-/// invalid UTF-8, as "\x1B".
+/// What a message quotes from a file may be any bytes: what() has those that are no text, such as control characters
+/// and invalid UTF-8, as "\x1B".
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message);
