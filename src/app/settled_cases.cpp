@@ -4,8 +4,8 @@
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
 #include "formats/datbox.hpp"
-#include "packing/precision.hpp"
 #include "simulation/simulation.hpp"
+#include "study/inspection.hpp"
 #include <nscdd/formats/packing_file.hpp>
 
 #include <cstdlib>
@@ -227,9 +227,8 @@ std::string find_study(const std::string& name) {
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
   require_no_input(outputs, files_behind(spec));
   Case one = resolve_nested(spec, {});
-  one.contacts_found = [name = spec.name,
-                        told = std::make_shared<std::set<std::string>>()](const ContactNetwork& found) {
-    for (const std::string& remark : rounding_remarks(found, name))
+  one.made = [told = std::make_shared<std::set<std::string>>()](const Model& model) {
+    for (const std::string& remark : remarks_on(model))
       if (told->insert(remark).second) note("{}", remark);  // a study makes many models of one packing
   };
   return one;

@@ -244,7 +244,7 @@ Model of_process(Model model, const Processes& processes) {
 namespace {
 
 // All of a model but its decomposition.
-Model undivided(const Case& one, const Monitor& monitor) try {
+Model without_parts(const Case& one, const Monitor& monitor) try {
   Model model;
   model.name = one.spec.name;
   if (const auto* file = std::get_if<ContactProblemFile>(&one.spec.packing)) {
@@ -262,7 +262,6 @@ Model undivided(const Case& one, const Monitor& monitor) try {
     const auto* file = std::get_if<PackingFile>(&one.spec.packing);
     fail("{}: {}", file != nullptr ? file->path : "case " + one.spec.name, error.what());
   }
-  if (one.contacts_found) one.contacts_found(model.network);
   const std::vector<PrescribedVelocity> prescribed = numbered(one.spec.prescribed, model.packing);
   model.problem = assemble(model.packing, model.network, prescribed, one.spec.loads);
   model.partition = distribute(
@@ -277,7 +276,8 @@ Model undivided(const Case& one, const Monitor& monitor) try {
 }  // namespace
 
 Model cut_up(const Case& one, const Processes& processes, const Monitor& monitor) {
-  Model model = undivided(one, monitor);
+  Model model = without_parts(one, monitor);
+  if (one.made) one.made(model);
   if (!processes.alone()) model.network = {.contacts = {}, .grains = model.network.grains};
   model.parts = cut(model.problem, model.partition);
   if (model.problem.contacts() > 0) model.flexibility = mean_normal_delassus(model.problem);

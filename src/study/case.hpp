@@ -48,8 +48,9 @@ struct Case {
   /// Of a settled packing: the case it was settled from as a case file, followed by what that one was settled
   /// from in turn.
   std::string settled_from = {};
-  /// Called with the contacts of every model that is made of this case: they may be in doubt (RoundingDoubt).
-  Sink<ContactNetwork> contacts_found = {};
+  /// Called with every model that is made of this case, before it is decomposed: its contacts may be in doubt
+  /// (RoundingDoubt), its subdomains empty.
+  Sink<Model> made = {};
 };
 
 /// The place of a key for an error: "file:line: key", as far as file and line are known.

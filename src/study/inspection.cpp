@@ -3,6 +3,7 @@
 
 #include "core/disjoint_sets.hpp"
 #include "ddm/rigid_motions.hpp"
+#include "packing/precision.hpp"
 #include "study/dimension_columns.hpp"
 #include "study/study.hpp"
 
@@ -78,14 +79,29 @@ std::string why_empty(const Model& model) {
   return why;
 }
 
+std::vector<std::string> remarks_on(const Model& model) {
+  std::vector<std::string> remarks = rounding_remarks(model.network, model.name);
+  const Index subdomains = model.partition.subdomains, contacts = model.contacts();
+  if (subdomains > contacts && contacts > 0)
+    remarks.push_back(fmt::format("{}: {} contacts cannot fill {} subdomains: {} or more of these are empty",
+                                  model.name, contacts, subdomains, subdomains - contacts));
+  return remarks;
+}
+
 Case with_overlaps_of_motion(Case one) {
   if (!one.spec.dynamics) return one;
   double& tolerance = one.spec.contacts.overlap_tolerance;
   if (tolerance == ContactDetection{}.overlap_tolerance) tolerance = largest_overlap;
-  if (one.contacts_found)  // grains that move overlap and part: small gaps are none of rounding
-    one.contacts_found = [told = one.contacts_found](ContactNetwork network) {
-      network.rounding.one_sided = {};
-      told(network);
+  if (one.made)  // grains that move overlap and part: small gaps are none of rounding
+    one.made = [told = one.made](const Model& model) {
+      Model without_gaps{.name = model.name,
+                         .packing = {},
+                         .network = model.network,
+                         .problem = model.problem,
+                         .partition = model.partition,
+                         .parts = {}};
+      without_gaps.network.rounding.one_sided = {};
+      told(without_gaps);
     };
   return one;
 }
