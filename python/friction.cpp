@@ -74,7 +74,14 @@ void bind_solution(py::module_& module) {
           "converged, stalled, maximum_reached, diverged, not_finite or stopped")
       .def_property_readonly("converged", [](const S& s) { return s.status == FrictionStatus::converged; })
       .def_property_readonly("residual", of_state(&FrictionState::residual),
-                             "natural map with rho = 1/W_nn of each contact, relative to the impulses")
+                             "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|), r^1: the "
+                             "impulse of each contact alone")
+      .def_property_readonly("driven_residual", of_state(&FrictionState::driven_residual),
+                             "the same natural map relative to what drives the contacts, which does not fall as "
+                             "impulses grow")
+      .def_readonly("credible", &S::credible,
+                    "False where the residual may be small only because impulses are large: they may grow without "
+                    "bound, as they do where there is no solution")
       .def_property_readonly("siconos_residual", of_state(&FrictionState::siconos_residual),
                              "natural map with rho = 1, as Siconos has it")
       .def_property_readonly("open", of_state(&FrictionState::open), "contacts without an impulse")

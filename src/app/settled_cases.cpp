@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
+#include "app/simulate_output.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"
@@ -101,17 +102,16 @@ void remember(const fs::path& entry, const std::string& text) {
 Packing simulate_to_the_end(const Case& one) {
   const Packing packing = packing_of(one);
   Simulation simulation = simulation_of(one);
-  double kinetic = 0;
+  RunTotals totals;
   RunSinks sinks;
-  sinks.step = [&](const Simulation&, const AnySolvedStep&, const StepReport& report) {
-    kinetic = report.energy.kinetic;
-  };
+  sinks.step = [&](const Simulation&, const AnySolvedStep&, const StepReport& report) { totals.add(report); };
   sinks.monitor = progress("settle " + one.spec.name, 0, "step");
   const RunOutcome outcome = run_simulation(simulation, sinks);
   if (outcome.end == RunEnd::broke_down) fail("case '{}': cannot be settled: {}", one.spec.name, outcome.reason);
   if (outcome.end == RunEnd::completed && one.spec.dynamics->time.rest_speed > 0)
     note("case '{}': not at rest after {} steps, mean speed {:.3g} m/s", one.spec.name, simulation.state.step,
-         mean_speed(simulation.system, kinetic));
+         mean_speed(simulation.system, totals.last.energy.kinetic));
+  if (const std::string words = lack_of_room(totals); !words.empty()) note("case '{}': {}", one.spec.name, words);
   return free_grains(simulation.system, simulation.state, packing.size());
 }
 

@@ -16,7 +16,10 @@ struct NamedTrial {
 
 const ResultColumns<NamedTrial>& columns() {
   static const auto all = joined<NamedTrial>(
-      {{{"problem", "", "name of the file", &NamedTrial::problem}}, columns_of(&NamedTrial::trial, trial_columns())});
+      {{{"problem", "", "name of the file", &NamedTrial::problem}},
+       columns_of(&NamedTrial::trial, trial_columns()),
+       {{"driven_residual", "1", "the natural map of `residual` relative to what drives the contacts, max(|r^1|, p)",
+         [](const NamedTrial& one) { return one.trial.driven_residual; }}}});
   return all;
 }
 

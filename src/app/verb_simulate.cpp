@@ -132,6 +132,7 @@ void check_names(const Options& options) {
 }
 
 int close(const Options& options, const Simulation& simulation, const RunOutcome& outcome, const RunTotals& totals) {
+  if (const std::string words = lack_of_room(totals); !words.empty()) note("{}: {}", options.files.output, words);
   if (outcome.end == RunEnd::stopped) {
     note("{}: interrupted after {} of {} steps; --restart goes on with it", options.files.output, simulation.state.step,
          simulation.dynamics.time.steps);

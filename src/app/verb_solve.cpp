@@ -21,7 +21,7 @@ struct Options {
 
 ResultColumns<FrictionSolution> check_columns() {
   const ResultColumns<FrictionState> of_state{
-      {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses",
+      {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
        &FrictionState::residual},
       {"siconos_residual", "1",
        "natural map with rho = 1, relative to the largest of |r|, |u| and |q|, absolute where that is at "
@@ -29,7 +29,9 @@ ResultColumns<FrictionSolution> check_columns() {
        &FrictionState::siconos_residual},
       {"open", "1", "contacts without an impulse", &FrictionState::open},
       {"stick", "1", "contacts with an impulse inside the cone of friction", &FrictionState::stick},
-      {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionState::slide}};
+      {"slide", "1", "contacts with an impulse on the edge of the cone", &FrictionState::slide},
+      {"driven_residual", "1", "the natural map of `residual` relative to what drives the contacts, max(|r^1|, p)",
+       &FrictionState::driven_residual}};
   const ResultColumns<FrictionStep> of_step{
       {"proximal_weight", "1", "alpha of Newton's steps, rho of admm, over W_nn of each contact; nan for other steps",
        &FrictionStep::proximal_weight},
@@ -75,6 +77,8 @@ void print_solution(const FrictionSolution& solution, double tolerance, double d
   fmt::print("factorisations       {}\n", solution.factorisations);
   fmt::print("residual             {:.3e} (natural map, rho = 1/W_nn, relative to the impulses; tolerance {})\n",
              state.residual, field_text(tolerance));
+  fmt::print("  over what drives   {:.3e} (the same natural map, relative to max(|r^1|, p), before impulses act)\n",
+             state.driven_residual);
   fmt::print(
       "residual of Siconos  {:.3e} (natural map, rho = 1, {})\n", state.siconos_residual,
       state.siconos_relative ? "relative to the largest of r, u and q" : "absolute: r, u and q are at most 2.2e-16");
@@ -88,6 +92,15 @@ std::string first_of(const std::vector<Index>& contacts) {
   constexpr std::size_t most = 8;
   const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(std::min(most, contacts.size()));
   return fmt::format("{}{}", fmt::join(contacts.begin(), end, ", "), contacts.size() > most ? ", ..." : "");
+}
+
+// A residual may be small because impulses are large, as they grow where there is no solution.
+void print_doubt(const FrictionSolution& solution) {
+  if (solution.credible || solution.status != FrictionStatus::converged) return;
+  note(
+      "the residual is small relative to impulses that are large beside what drives the contacts; relative to that it "
+      "is {:.3g}. Where no solution exists impulses grow so: a smaller --tolerance tells",
+      solution.state.driven_residual);
 }
 
 // Which contacts keep a run from converging, by their numbers in the file, from 0.
@@ -201,6 +214,7 @@ int run(const Options& options, const Context& context) {
   print_problem(file, local);
   print_solution(solution, solver.tolerance, duration);
   print_trouble(local, solution);
+  print_doubt(solution);
   if (output) write_result(file, solution, options, context, *output);
   return solution.status == FrictionStatus::converged ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 #include "ddm/divided_contacts.hpp"
 
 #include "linalg/threads.hpp"
+#include "mechanics/impulse_scale.hpp"
 
 namespace nscdd {
 namespace {
@@ -179,9 +180,11 @@ ContactProblem<D> problem_of(DividedContacts<D>& contacts, const Partition& part
   ContactProblem<D> problem;
   problem.q = contacts.without_impulses();
   problem.friction.resize(number);
+  problem.speeds.resize(number);
   problem.normal.resize(D * number);
   for (Index c = 0; c < number; ++c) {
     problem.friction[c] = step.contacts[at(c)].friction;
+    problem.speeds[c] = meeting_speed<D>(step.contacts[at(c)], step.free);
     problem.normal.template segment<D>(D * c).setConstant(1 / step.contacts[at(c)].inverse_w.inverse_n);
   }
   problem.sums = ContactSums(partition.subdomain_of_contact, partition.subdomains, contacts.processes());

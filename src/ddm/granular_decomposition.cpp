@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/granular_decomposition.hpp"
 
+#include "core/sum_of_parts.hpp"
 #include "linalg/threads.hpp"
 #include "mechanics/connectivity.hpp"
+#include "mechanics/impulse_scale.hpp"
 
 namespace nscdd {
 namespace {
@@ -71,6 +73,18 @@ Interface interface_of(const GranularDecomposition<D>& parts, const StepProblem<
   return {unknowns_of_grain<D>, grains, known, free};
 }
 
+// Added up subdomain by subdomain: no bit depends on the processes.
+template <int D>
+ImpulseScale scale_of(const StepProblem<D>& problem, const Partition& partition, const Processes& processes) {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, partition.subdomains);
+  for (std::size_t c = 0; c < problem.contacts.size(); ++c) {
+    const ImpulseScale one = impulse_scale<D>(problem.law, problem.contacts[c], problem.free);
+    sums.col(partition.subdomain_of_contact[c]) += Eigen::Vector4d(one.alone, one.momenta, one.speeds, one.energies);
+  }
+  const Vector sum = sum_of_parts(std::move(sums), processes);
+  return {.alone = sum[0], .momenta = sum[1], .speeds = sum[2], .energies = sum[3]};
+}
+
 template <int D>
 const GrainVelocity<D>& copy_of(const GranularDecomposition<D>& parts, const GrainCopy& copy) {
   return parts.subdomains[at(copy.subdomain)].velocities[at(copy.grain)];
@@ -90,6 +104,7 @@ GranularDecomposition<D> decompose(const StepProblem<D>& problem, const Partitio
   check(partition, count(problem.contacts));
   GranularDecomposition<D> parts;
   parts.contacts = count(problem.contacts);
+  parts.scale = scale_of(problem, partition, processes);
   parts.subdomains.resize(at(partition.subdomains));
   for (Index c = 0; c < count(problem.contacts); ++c)
     parts.subdomains[at(partition.subdomain_of_contact[at(c)])].numbers.push_back(c);

@@ -26,6 +26,7 @@ struct GranularDecomposition {
   Interface interface;  ///< of StepProblem::numbers; unknowns are those of a grain, see GrainUnknowns
   /// kg, for each row of the gluing that of either copy, the share of its grain; 0 of grains of other processes
   std::vector<double> copy_mass;
+  ImpulseScale scale;  ///< of all contacts, of other processes too; of whole grains
 
   Index interface_size() const { return interface.size(); }  ///< n_Gamma
 };

@@ -11,20 +11,18 @@ namespace {
 
 constexpr double rounding_of_impulses = 1e-24;  // squared, relative
 
-// Sum over the free bodies of a subdomain of |M V|^2, rims included.
-template <int D>
-double momentum_squared_of(const GranularSubdomain<D>& subdomain) {
-  constexpr double rim = rim_mass_ratio<D>;
-  double sum = 0;
-  for (const GrainVelocity<D>& v : subdomain.velocities) {
-    if (v.inverse_mass == 0) continue;
-    sum += (squared_velocity(v) + squared_rim(v) / (rim * rim)) / (v.inverse_mass * v.inverse_mass);
-  }
-  return sum;
-}
-
 // The larger of both, but a value that is not a number remains: it must not pass for converged.
 double at_least(double floor, double value) { return value < floor ? floor : value; }
+
+// F over the mass of a copy, of each row of the gluing, m/s.
+template <int D>
+Vector speeds_of_interface_impulses(const GranularDecomposition<D>& parts, const Vector& f) {
+  Vector speeds = Vector::Zero(f.size());
+  for (Index row = 0; row < count(parts.copy_mass); ++row)
+    if (const double mass = parts.copy_mass[at(row)]; mass > 0)
+      for (Index k = unknowns_of_grain<D> * row; k < unknowns_of_grain<D> * (row + 1); ++k) speeds[k] = f[k] / mass;
+  return speeds;
+}
 
 double ratio(double change, double whole) { return change == 0 ? 0.0 : std::sqrt(change / whole); }
 
@@ -56,7 +54,7 @@ GranularTwoStage<D>::GranularTwoStage(GranularDecomposition<D> parts, const Cont
       law_(law),
       solver_(solver),
       enriched_(std::move(enriched)),
-      impulse_floor_squared_(rounding_of_impulses * momentum_squared()) {
+      impulse_floor_squared_(rounding_of_impulses * parts_.scale.momenta) {
   if (enriched_ && !enriched_->parts().interface.same_rows(parts_.interface))
     throw Error("enriched Stage 2: expected an operator of the gluing of this step, met another");
 }
@@ -138,13 +136,6 @@ double GranularTwoStage<D>::glued_speed_squared() const {
 }
 
 template <int D>
-double GranularTwoStage<D>::momentum_squared() const {
-  Eigen::MatrixXd parts(1, count(parts_.subdomains));
-  for (Index e = 0; e < parts.cols(); ++e) parts(0, e) = momentum_squared_of(parts_.subdomains[at(e)]);
-  return summed(std::move(parts))[0];
-}
-
-template <int D>
 bool GranularTwoStage<D>::enriched_now() const {
   return enriched_ && (solver_.enrichment == Enrichment::every_iteration || iteration_ == 1);
 }
@@ -194,10 +185,13 @@ void GranularTwoStage<D>::iterate() {
   const Index subdomains = count(parts_.subdomains);
   Eigen::MatrixXd parts = Eigen::MatrixXd::Zero(quantities, subdomains);
   if (parts_.interface_size() > 0) {
+    const Vector pushed = speeds_of_interface_impulses(parts_, interface_impulses_);
     const Vector g = enriched_now() ? all_interface_jumps(parts_) : interface_jumps(parts_);
     for_each_in_parallel(subdomains, [&](Index e) {
       parts(jumps, e) = interface.part_of_dot(e, g, g);
-      parts(speeds, e) = nscdd::glued_speed_squared(parts_, e);
+      // Where copies rest, their velocities are what rounding leaves of M_E^-1 A_E^T F.
+      parts(speeds, e) = std::max(nscdd::glued_speed_squared(parts_, e),
+                                  rounding_of_impulses * interface.part_of_dot(e, pushed, pushed));
     });
     if (solver_.enrichment != Enrichment::semi_implicit || !enriched_ || iteration_ == 1) {
       Vector change;
@@ -226,12 +220,13 @@ void GranularTwoStage<D>::iterate() {
 template <int D>
 IterationRecord GranularTwoStage<D>::record() const {
   const Vector sum = summed(last_parts_);
+  const double interface = at_least(impulse_floor_squared_, sum[interface_squares]);
   // Copies may come to rest, or an impact may set them going: the larger speed is the scale.
   return {.iteration = iteration_,
           .sweeps = sweeps_,
           .zeta = ratio(sum[changes], at_least(impulse_floor_squared_, sum[impulses])),
-          .interface_change = ratio(sum[interface_changes], sum[interface_squares]),
-          .interface_second_change = ratio(sum[interface_second_changes], sum[interface_squares]),
+          .interface_change = ratio(sum[interface_changes], interface),
+          .interface_second_change = ratio(sum[interface_second_changes], interface),
           .gluing = ratio(sum[jumps], at_least(free_speed_squared_, sum[speeds])),
           .impulses = sum[impulses]};
 }
@@ -243,7 +238,7 @@ ContactResidual GranularTwoStage<D>::residual() const {
     parts[at(e)] = contact_residual(law_, parts_.subdomains[at(e)].contacts, parts_.subdomains[at(e)].velocities);
   });
   ContactResidual sum = added_up(parts, parts_.interface.processes());
-  sum.impulses = at_least(impulse_floor_squared_, sum.impulses);
+  sum.scale = parts_.scale;
   return sum;
 }
 

@@ -5,8 +5,8 @@
 
 namespace nscdd {
 
-/// How one iteration went, [ADI12] eqs. (39), (40). |r| counts as at least 1e-12 times the impulses that the
-/// grains bring (|M V_free|): if contacts exchange less than that, nothing is left to converge.
+/// How one iteration went, [ADI12] eqs. (39), (40). |r| and |F| count as at least 1e-12 times the momenta of the bodies
+/// that meet (ImpulseScale): if contacts exchange less than that, nothing is left to converge.
 struct IterationRecord {
   Index iteration = 0, sweeps = 0;  ///< from 1; Gauss-Seidel sweeps per subdomain so far
   double zeta = 0;                  ///< |r_i - r_{i-1}| / |r_i| over all contacts
@@ -105,7 +105,6 @@ class GranularTwoStage {
   Vector summed(Eigen::MatrixXd parts) const;
   double dot(const Vector& f, const Vector& g) const;
   double glued_speed_squared() const;
-  double momentum_squared() const;
   void gather_interface_impulses();
   SweepSums sweeps(GranularSubdomain<D>& subdomain) const;
   std::vector<SweepSums> stage_one();
@@ -122,7 +121,7 @@ class GranularTwoStage {
   Vector direction_, last_jumps_, last_preconditioned_;  // of conjugate gradients
   std::vector<ModelSwitch<D>> switches_;                 // of the subdomains; empty unless models are switched
   double free_speed_squared_ = glued_speed_squared();    // |V_free|^2 over the copies of shared grains
-  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of those that grains bring
+  double impulse_floor_squared_ = 0;                     // impulses below it are rounding of the momenta
   Index iteration_ = 0, sweeps_ = 0;
   // Of the last record, a row per Quantity and a column per subdomain.
   Eigen::MatrixXd last_parts_ = Eigen::MatrixXd::Zero(quantities, count(parts_.subdomains));

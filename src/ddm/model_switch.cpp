@@ -21,13 +21,15 @@ bool turns(const GranularSubdomain<D>& subdomain, const std::vector<ContactStatu
   return false;
 }
 
+constexpr double squared_rounding = 1e-24;  // of impulses, relative to the momenta of the copies
+
 // Keeps the larger distances between the velocities of a model and those of the law on the copies of shared grains.
 template <int D>
 void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model,
              const std::vector<GrainVelocity<D>>& law, const Surroundings& around) {
   constexpr Index size = unknowns_of_grain<D>;
   const Vector gluing = around.interface.distribute(around.subdomain, around.impulses);
-  double gap = 0, impulse = 0, whole = 0;  // squared
+  double gap = 0, impulse = 0, whole = 0, momenta = 0;  // squared
   Index before = -1, copies = 0;
   std::vector<Index> shared;
   for (const Tie& tie : around.interface.ties(around.subdomain)) shared.push_back(tie.grain);
@@ -45,13 +47,14 @@ void compare(RememberedModel& record, const std::vector<GrainVelocity<D>>& model
     gap += apart;
     ++copies;
     impulse += mass * mass * pushed;
+    momenta += mass * mass * (squared_velocity(law[at(grain)]) + squared_rim(law[at(grain)]));
     whole += gluing.segment<size>(size * grain).squaredNorm();
   }
   const auto keep_larger = [](double& kept, double part, double of) {
     if (part > 0) kept = std::max(kept, std::sqrt(part / of));
   };
   keep_larger(record.velocity_distance, gap, static_cast<double>(copies));
-  keep_larger(record.impulse_distance, impulse, whole);
+  keep_larger(record.impulse_distance, impulse, std::max(whole, squared_rounding * momenta));
 }
 
 }  // namespace

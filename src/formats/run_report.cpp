@@ -19,6 +19,8 @@ const std::vector<std::string> shown_of_summary{"step",
                                                 "interface_change",
                                                 "gluing",
                                                 "natural_map",
+                                                "driven_residual",
+                                                "no_room",
                                                 "quad_dv",
                                                 "mean_dv_over_r",
                                                 "active",
@@ -137,7 +139,7 @@ std::optional<RunReport> report_run(const std::string& path, const std::vector<I
   report.name = name_of_case(path, report.header);
   report.kept = count(trajectory_steps(path));
   for (const std::string& name : shown_of_summary)
-    report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
+    if (has_summary(path, name)) report.summary.push_back({heading_of(name, step_columns()), read_summary(path, name)});
   std::optional<Simulation> run;
   for (const Index number : steps) {
     TrajectoryStep step = read_trajectory_step(path, number);

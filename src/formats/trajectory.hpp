@@ -133,6 +133,8 @@ std::string read_end(const std::string& path);
 
 /// A column of numbers of /summary, one per step from 1.
 std::vector<double> read_summary(const std::string& path, const std::string& column);
+/// Whether /summary has a column: trajectories of older versions lack some.
+bool has_summary(const std::string& path, const std::string& column);
 /// The column `status` of /summary: how each step ended.
 std::vector<std::string> read_statuses(const std::string& path);
 

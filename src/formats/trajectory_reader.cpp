@@ -166,6 +166,10 @@ std::vector<double> read_summary(const std::string& path, const std::string& col
   return group.numbers<double>(column);
 }
 
+bool has_summary(const std::string& path, const std::string& column) {
+  return open_trajectory(path).root().group("summary").has(column);
+}
+
 std::vector<std::string> read_statuses(const std::string& path) {
   const hdf5::File file = open_trajectory(path);
   const Group group = file.root().group("summary");

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mechanics/contact_law.hpp"
 
-#include "mechanics/grain_contacts.hpp"
+#include "mechanics/impulse_scale.hpp"
 
 namespace nscdd {
 namespace {
 
 // Rounding of a sum of impulses may leave the edge of the cone by some units in the last place.
 constexpr double edge_tolerance = 1e-12;
+
+constexpr double squared_rounding = 1e-28;  // of velocities of a step, relative to those that it begins with
 
 template <class Law, int D>
 ContactStatus status_under(const Law&, const GrainContact<D>& c) {
@@ -17,11 +19,11 @@ ContactStatus status_under(const Law&, const GrainContact<D>& c) {
 
 template <class Law, int D>
 void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVelocities<D> v) {
-  const LocalVector<D> r = c.impulse;
+  const LocalVector<D> r = c.impulse, shifted{r.n + c.pull, r.t};
   const LocalVector<D> next = law_at(law, c.pull).impulse(stopping_impulse(c, v), c.inverse_w, c.friction);
   const LocalVector<D> change = c.inverse_w.apply(next - r);
   const LocalVector<D> here = c.inverse_w.apply(r), there = c.inverse_w.apply(next);
-  sum.impulses += squared(r);
+  sum.impulses += squared(shifted);
   sum.violation += squared(change);
   sum.work += dot(0.5 * (next + r), change);
   sum.scale_work += (dot(here, r) + dot(there, next)) / 2;
@@ -30,8 +32,7 @@ void add(ContactResidual& sum, const Law& law, const GrainContact<D>& c, GrainVe
     sum.natural_map += squared(next - r);
   } else {
     const LocalVector<D> velocity = relative_velocity(c, v) + c.bias;
-    sum.natural_map +=
-        squared(natural_map(LocalVector<D>{r.n + c.pull, r.t}, velocity, c.friction, c.inverse_w.inverse_n));
+    sum.natural_map += squared(natural_map(shifted, velocity, c.friction, c.inverse_w.inverse_n));
   }
   if (!carries(r)) return;
   ++sum.active;
@@ -68,12 +69,21 @@ ContactResidual& ContactResidual::operator+=(const ContactResidual& other) {
 }
 
 double ContactResidual::relative_natural_map() const {
-  return natural_map == 0 ? 0.0 : std::sqrt(natural_map / impulses);
+  if (natural_map == 0) return 0;
+  return std::sqrt(natural_map / natural_map_scale(natural_map, impulses, scale.alone, scale.momenta, true));
 }
 
-double ContactResidual::quad_dv() const { return violation == 0 ? 0.0 : std::sqrt(violation / scale_velocity); }
+double ContactResidual::quad_dv() const {
+  if (violation == 0) return 0;
+  const bool noise = violation <= squared_rounding * scale.speeds;
+  return std::sqrt(violation / (noise ? std::max(scale_velocity, scale.speeds) : scale_velocity));
+}
 
-double ContactResidual::mean_dv_over_r() const { return work == 0 ? 0.0 : work / scale_work; }
+double ContactResidual::mean_dv_over_r() const {
+  if (work == 0) return 0;
+  const bool noise = std::abs(work) <= squared_rounding * scale.energies;
+  return work / (noise ? std::max(scale_work, scale.energies) : scale_work);
+}
 
 template <int D>
 ContactResidual contact_residual(const ContactLaw& law, const ContactRows<D>& contacts, GrainVelocities<D> v) {

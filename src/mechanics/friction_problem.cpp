@@ -254,6 +254,8 @@ LocalFrictionProblem reduce(const GlobalFrictionProblem& problem, const std::str
   LocalFrictionProblem local;
   local.w = w.matrix(problem.h.cols(), problem.h.cols());
   local.q = problem.h.transpose() * free + problem.w;
+  const Vector speeds = problem.h.cwiseAbs().transpose() * free.cwiseAbs() + problem.w.cwiseAbs();
+  local.speeds = speeds.reshaped(problem.dimension, problem.contacts()).colwise().norm().transpose();
   local.friction = problem.friction;
   local.mass = problem.mass;
   local.h = problem.h;

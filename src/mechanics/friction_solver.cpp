@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fail.hpp"
 #include "mechanics/contact_solvers/contact_solver.hpp"
+#include "mechanics/impulse_scale.hpp"
 
 namespace nscdd {
 namespace {
 
-constexpr double largest_natural_maps = 1e-3;  // of a solution, relative to the impulses of the contacts each alone
+constexpr double credible_natural_maps = 1e-3;  // relative to max(|| r^1 ||, p)
 
 // The length of a tangential impulse in space that is on the edge of the cone may come out below it.
 template <int D>
 constexpr double edge_rounding = D == 3 ? 1e-12 : 0;
 
 constexpr double largest_impulses = 1e8;  // over those that are to be expected
+constexpr double drift_of_guess = 1.001;  // a guess that is larger may change, not grow
 
 constexpr Index checks_looked_back = 10;
 
@@ -37,9 +39,19 @@ double trace(const FullDelassus<D>& w) {
 // || r^1 ||: impulses of the contacts, each alone.
 template <int D>
 double lone_impulses(const ContactProblem<D>& problem) {
+  if (problem.alone) return *problem.alone;
   return std::sqrt(problem.sums.add_up(1, problem.contacts(), [&](Index c, auto&& squares) {
     const FullDelassus<D> w = problem.diagonal(c);
     squares[0] += squared(Coulomb{}.impulse(stopping(w, {}, component<D>(problem.q, c)), w, problem.friction[c]));
+  })[0]);
+}
+
+// p: what the bodies that meet at the contacts bring.
+template <int D>
+double momenta(const ContactProblem<D>& problem) {
+  return std::sqrt(problem.sums.add_up(1, problem.contacts(), [&](Index c, auto&& squares) {
+    const double momentum = problem.speeds[c] / problem.normal[D * c];
+    squares[0] += momentum * momentum;
   })[0]);
 }
 
@@ -68,7 +80,8 @@ std::vector<ContactCheck> checked_contacts(const ContactProblem<D>& problem, con
 
 // The state under impulses of the norm `size`.
 template <int D>
-FrictionState state_of(const ContactProblem<D>& problem, double alone, const Vector& impulses, double size) {
+FrictionState state_of(const ContactProblem<D>& problem, double alone, double momenta, const Vector& impulses,
+                       double size, double believed) {
   FrictionState state;
   state.velocities = problem.product(impulses) + problem.q;
   const std::vector<ContactCheck> checks = checked_contacts(problem, impulses, state.velocities);
@@ -86,7 +99,14 @@ FrictionState state_of(const ContactProblem<D>& problem, double alone, const Vec
   state.open = static_cast<Index>(sums[2]);
   state.stick = static_cast<Index>(sums[3]);
   state.slide = static_cast<Index>(sums[4]);
-  state.residual = sums[0] == 0 ? 0 : std::sqrt(sums[0]) / std::max(size, alone);
+  // Velocities under impulses that grew beyond measure may vanish by rounding alone.
+  const double unknown = size > believed ? rounding_of_sums * size : 0;
+  const double maps = std::sqrt(sums[0]) + unknown, driving = std::max(alone, momenta);
+  state.scale = natural_map_scale(maps, size, alone, momenta, false, believed);
+  if (maps != 0) {  // nor a number
+    state.residual = maps / state.scale;
+    state.driven_residual = maps / driving;
+  }
   state.siconos_residual = std::sqrt(sums[1]);
   const double scale = std::max({size, problem.sums.norm(state.velocities), problem.sums.norm(problem.q)});
   state.siconos_relative = scale > std::numeric_limits<double>::epsilon();
@@ -114,7 +134,7 @@ void check_options(Index dimension, Index contacts, const FrictionSolverOptions&
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses) {
   return in_dimension_of(problem, [&]<int D>() {
     const ContactProblem<D> stored = stored_contacts<D>(problem);
-    return state_of(stored, lone_impulses(stored), impulses, impulses.norm());
+    return state_of(stored, lone_impulses(stored), momenta(stored), impulses, impulses.norm(), infinity);
   });
 }
 
@@ -143,24 +163,37 @@ std::vector<Index> contacts_with_residual(const LocalFrictionProblem& problem, c
 template <int D>
 SolverRun<D>::SolverRun(const ContactProblem<D>& given, const FrictionSolverOptions& chosen, const Vector& guess,
                         const FrictionObserver& observer)
-    : problem(given), options(chosen), alone(lone_impulses(given)), observer_(observer) {
+    : problem(given), options(chosen), alone(lone_impulses(given)), observer_(observer), momenta_(momenta(given)) {
   now.impulses = guess.size() == 0 ? Vector::Zero(D * given.contacts()) : guess;
   now.status = FrictionStatus::maximum_reached;
-  scale_ = std::max(alone, given.sums.norm(now.impulses));
+  expected_ = std::max(alone, momenta_);
+  guessed_ = given.sums.norm(now.impulses);
   const double traces =
       given.sums.add_up(1, given.contacts(), [&](Index c, auto&& sum) { sum[0] += trace(given.diagonal(c)); })[0];
   const Index contacts = given.sums.total(given.contacts());
-  if (contacts > 0) scale_ = std::max(scale_, given.sums.norm(given.q) * static_cast<double>(D * contacts) / traces);
+  if (contacts > 0)
+    expected_ = std::max(expected_, given.sums.norm(given.q) * static_cast<double>(D * contacts) / traces);
 }
 
 template <int D>
 double SolverRun<D>::natural_maps() const {
-  return now.state.residual * std::max(problem.sums.norm(now.impulses), alone);
+  return now.state.residual * now.state.scale;
 }
 
 template <int D>
 bool SolverRun<D>::plausible(const Vector& impulses) const {
-  return problem.sums.norm(impulses) <= largest_impulses * scale_;
+  return plausible(problem.sums.norm(impulses));
+}
+
+// A guess may be the state of a network at rest. One that grew without bound must not make room for more growth.
+template <int D>
+double SolverRun<D>::largest_plausible() const {
+  return std::max(largest_impulses * expected_, drift_of_guess * guessed_);
+}
+
+template <int D>
+bool SolverRun<D>::plausible(double size) const {
+  return size <= largest_plausible();
 }
 
 template <int D>
@@ -200,21 +233,22 @@ template <int D>
 bool SolverRun<D>::decide(const Vector& impulses, const FrictionStep& step) {
   now.impulses = impulses;
   const double size = problem.sums.norm(impulses);
-  now.state = state_of(problem, alone, impulses, size);
-  const double maps = now.state.residual * std::max(size, alone);
-  const bool plausible_size = size <= largest_impulses * scale_;
+  now.state = state_of(problem, alone, momenta_, impulses, size, largest_plausible());
+  const double maps = natural_maps();
   now.step = step;
   now.status_changes = changes_of_status();
-  if (plausible_size && maps < best_maps_) {
+  if (plausible(size) && maps < best_maps_) {
     best_ = now;
     best_maps_ = maps;
   }
-  const bool small = alone == 0 || maps <= std::max(largest_natural_maps, options.tolerance) * alone;
-  now.credible = small && plausible_size;
+  const double rounding = rounding_of_sums * std::min(size, drift_of_guess * guessed_);  // of a network at rest
+  now.credible = maps <= rounding || expected_ == 0 || size <= expected_ ||
+                 (maps <= std::max(credible_natural_maps, options.tolerance) * std::max(alone, momenta_) &&
+                  size <= largest_impulses * expected_);
   const bool go_on = !observer_ || observer_(now);
   if (!std::isfinite(now.state.residual))
     now.status = FrictionStatus::not_finite;
-  else if (now.state.residual <= options.tolerance && now.credible)
+  else if (now.state.residual <= options.tolerance)
     now.status = FrictionStatus::converged;
   else if (!go_on)
     now.status = FrictionStatus::stopped;

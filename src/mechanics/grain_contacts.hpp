@@ -193,22 +193,36 @@ template <int D>
 SweepSums gauss_seidel_sweep(const ContactLaw& law, ContactRows<D>& contacts,
                              std::type_identity_t<std::span<GrainVelocity<D>>> v, double relaxation = 1);
 
+/// What drives the contacts of a step, before any impulse acts: sums over contacts. r^1 is the impulse that a contact
+/// takes while the others have none, s the sum of the speeds of its two bodies, rims included.
+struct ImpulseScale {
+  double alone = 0;     ///< |r^1|^2, (N s)^2
+  double momenta = 0;   ///< p^2, the sum of (s/W_nn)^2, (N s)^2
+  double speeds = 0;    ///< the sum of s^2, (m/s)^2
+  double energies = 0;  ///< the sum of s^2/W_nn, J
+
+  /// max(|r^1|, p), N s: velocities that impulses must change are no larger than those of the bodies.
+  double driving() const { return std::sqrt(std::max(alone, momenta)); }
+};
+
 /// How well impulses and velocities obey the contact law: sums over contacts, so that subdomains add up.
 struct ContactResidual {
   double natural_map = 0;     ///< |natural map|^2 with rho = 1/W_nn of each contact, (N s)^2
-  double impulses = 0;        ///< |r|^2, (N s)^2
+  double impulses = 0;        ///< |r|^2, (N s)^2, with a law that pulls |r + pull n|^2
   double violation = 0;       ///< |W_c (r_c' - r_c)|^2, r_c' the law's answer now; SumDVDV of LMGC90, (m/s)^2
   double work = 0;            ///< (r_c' + r_c)/2 . W_c (r_c' - r_c); SumDVoR of LMGC90, J
   double scale_work = 0;      ///< mean of r_c . W_c r_c and r_c' . W_c r_c'; SumWRR of LMGC90, J
   double scale_velocity = 0;  ///< mean of |W_c r_c|^2 and |W_c r_c'|^2; SumWRWR of LMGC90, (m/s)^2
   Index active = 0;           ///< contacts with an impulse
   Index stick = 0, slide = 0;
+  ImpulseScale scale = {};  ///< of the step; `+=` leaves it
 
   ContactResidual& operator+=(const ContactResidual& other);
 
-  /// |natural map| / |r|: error of the contact law in the form of De Saxce; 0 if there is no impulse.
+  /// |natural map| / natural_map_scale: error of the contact law in the form of De Saxce; 0 if the natural map is 0.
   double relative_natural_map() const;
-  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not yet divided by its tolerance.
+  /// LMGC90's criteria "Quad /DV" and "mean DV over r", not yet divided by its tolerance. They are relative to W r and
+  /// to r W r; what is rounding of the velocities is relative to `speeds` and `energies` instead.
   double quad_dv() const;
   double mean_dv_over_r() const;
 };

@@ -99,6 +99,7 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
   const StepProblem<D>& problem = step.problem;
   StepReport& report = step.report;
   const auto start = Clock::now();
+  const ImpulseScale scale = parts.scale;
   const Processes& all = simulation.processes;
   std::optional<LocalFrictionProblem> stored;
   std::optional<CutContacts<D>> cut;
@@ -115,11 +116,14 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
     stored = contact_problem(problem, simulation.system);
     contacts = stored_contacts<D>(*stored);
   }
+  // A contact is alone where the others have no impulse; with none of r + pull they pull.
+  if (problem.pulls) contacts.alone = std::sqrt(scale.alone);
   // Contacts and velocities of the bodies for impulses r + pull, and how well they obey the law.
   const auto take = [&](const Vector& shifted) {
     step.contacts = with_impulses(problem.contacts, shifted);
     step.velocities = divided ? divided->velocities(shifted) : velocities_of(problem, step.contacts);
     report.residual = residual_of_subdomains(problem.law, step.partition, step.contacts, step.velocities, all);
+    report.residual.scale = scale;
   };
   std::vector<ContactStatus> statuses;
   double looking = 0;  // s, for the indicators alone
@@ -158,6 +162,7 @@ void solve_by_contact_solver(SolvedStep<D>& step, GranularDecomposition<D> parts
   }
   if (sink.row && !sink.looks_at(report.last.iteration)) look(solution.impulses);
   report.status = status_of_step(solution.status);
+  report.doubtful = report.status == SolverStatus::converged && !solution.credible;
   take(solution.impulses);
 }
 

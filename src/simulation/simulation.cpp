@@ -2,6 +2,7 @@
 #include "simulation/simulation.hpp"
 
 #include "simulation/contact_solver_step.hpp"
+#include "simulation/room.hpp"
 #include "simulation/step_decomposition.hpp"
 
 #include <fmt/format.h>
@@ -14,37 +15,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-// Contacts dissipate. Only driven bodies bring energy, which hand on their speed at most twice over, and pushes: a
-// contact whose bodies overlap does the work r_n times the speed at which it pushes them apart. (Speeds of pushes add
-// up along a chain of overlaps, but so do the impulses.) A step that ends with so many times as much energy as all of
-// these went wrong, even after few iterations.
-constexpr double energy_explosion = 10;
-
-// `pushes`: the work that pushes may do, J.
-template <int D>
-bool energy_exploded(const Simulation& before, const SolvedStep<D>& step, double pushes, const Processes& all) {
-  const auto motions = step_motions(before.system, before.state, before.dynamics.time);
-  double mass = 0, at_first = 0, free_flight = 0, in_the_end = 0;  // of all free grains
-  double speed_squared = 0;                                        // of the fastest driven body or push
-  for (Index i = 0; i < before.system.disks(); ++i) {
-    const GrainVelocity<D> free = free_velocity<D>(before.system, before.state, before.dynamics.time, motions, i);
-    if (free.inverse_mass == 0) {
-      speed_squared = std::max(speed_squared, squared_velocity(free) + squared_rim(free));
-      continue;
-    }
-    const auto kinetic = [&](const GrainUnknowns<D>& v) { return kinetic_energy(with_unknowns(v, free.inverse_mass)); };
-    mass += 1 / free.inverse_mass;
-    at_first += kinetic(unknowns_of<D>(before.state, at(i), before.system.radius[at(i)]));
-    free_flight += kinetic(unknowns(free));
-    in_the_end += kinetic(step.all_grains[at(i)]);
-  }
-  for (const GrainVelocity<D>& v : step.problem.start)
-    if (v.inverse_mass == 0) speed_squared = std::max(speed_squared, squared_velocity(v) + squared_rim(v));
-  for (const GrainContact<D>& c : step.contacts) speed_squared = std::max(speed_squared, squared(c.bias));
-  const double reference = at_first + free_flight + mass * all.maximum(speed_squared) / 2 + pushes;
-  return reference > 0 && in_the_end > energy_explosion * reference;
-}
 
 // The next step; if there is none, `reason` says why.
 template <int D>
@@ -100,6 +70,7 @@ DividedStep<D> divide_step(const Simulation& simulation) {
     step.report.contacts = static_cast<Index>(sums[0]);
     step.report.interface_size = step.parts.interface_size();
     step.report.scale = step.problem.scale;
+    step.report.residual.scale = step.parts.scale;
     return step;
   });
 }
@@ -170,10 +141,11 @@ void iterate(SolvedStep<D>& step, GranularTwoStage<D>& iteration, const Simulati
   step.contacts = std::move(contacts);
   step.velocities = std::move(velocities);
   if (report.interface_size > 0) {  // of the velocities that are kept, not of copies that may still differ
-    const double scale = report.residual.impulses;
+    const ContactResidual of_copies = report.residual;
     report.residual =
         residual_of_subdomains(step.problem.law, step.partition, step.contacts, step.velocities, simulation.processes);
-    report.residual.impulses = scale;
+    report.residual.impulses = of_copies.impulses;
+    report.residual.scale = of_copies.scale;
   }
   step.gluing = iteration.gluing();
   step.models = iteration.models();
@@ -207,7 +179,7 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
   if (report.status == SolverStatus::given_up) return step;
   const Processes& all = simulation.processes;
   step.all_grains = velocities_of_grains(simulation, step.problem, step.velocities, all);
-  const Vector sums = sums_over_contacts(step.partition, 5, all, [&](Index k, auto&& sum) {
+  const Vector sums = sums_over_contacts(step.partition, 6, all, [&](Index k, auto&& sum) {
     const GrainContact<D>& c = step.contacts[at(k)];
     const ContactWork work = work_of(step.problem, c, step.velocities);
     sum[0] += work.boundary;
@@ -215,6 +187,7 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
     sum[2] += c.impulse.n * std::max(0.0, -c.bias.n);
     sum[3] += std::max(0.0, -step.problem.geometry[at(k)].gap);
     sum[4] += step.problem.geometry[at(k)].gap < 0;
+    sum[5] += c.impulse.n * std::max(0.0, -relative_velocity<D>(c, step.velocities).n - c.bias.n);
   });
   step.work = {sums[0], sums[1]};
   report.overlap = interpenetration(simulation.system, step.problem.geometry);
@@ -225,10 +198,11 @@ SolvedStep<D> solve_step(const Simulation& simulation, const IterationSink& sink
   const auto finite = [](const GrainUnknowns<D>& v) {
     return std::ranges::all_of(v, [](double one) { return std::isfinite(one); });
   };
-  if (!std::ranges::all_of(step.all_grains, finite))
-    report.status = SolverStatus::no_number;
-  else if ((step.energy_exploded = energy_exploded(simulation, step, sums[2], all)))
-    report.status = SolverStatus::diverged;
+  if (!std::ranges::all_of(step.all_grains, finite)) report.status = SolverStatus::no_number;
+  const StepRoom room = room_of(simulation, step, sums[2], sums[5]);
+  step.energy_exploded = report.status != SolverStatus::no_number && energy_exploded(room);
+  if (step.energy_exploded) report.status = SolverStatus::diverged;
+  report.no_room = no_room(room, report.residual);
   report.step = simulation.state.step + 1;
   return step;
 }
@@ -276,7 +250,7 @@ double mean_speed(const GranularSystem& system, double kinetic_energy) {
   double mass = 0;
   for (Index i = 0; i < system.disks(); ++i)
     if (system.free(i)) mass += system.mass[at(i)];
-  return std::sqrt(2 * kinetic_energy / mass);
+  return mass == 0 ? 0.0 : std::sqrt(2 * kinetic_energy / mass);
 }
 
 RunOutcome run_simulation(Simulation& simulation, const RunSinks& sinks, std::vector<double> speeds) {

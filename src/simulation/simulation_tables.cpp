@@ -17,7 +17,8 @@ ResultColumns<Result> indicators(IterationRecord Result::*record) {
       {"gluing", "1", "|sum A_E V_E| / max(|V_free|, |V|) over the copies of shared grains, after Stage 1",
        &Record::gluing}};
   const ResultColumns<Residual> of_law{
-      {"natural_map", "1", "|natural map| / |r|, error of the contact law", &Residual::relative_natural_map},
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|), error of the contact law",
+       &Residual::relative_natural_map},
       {"quad_dv", "1", "LMGC90's criterion Quad/DV", &Residual::quad_dv},
       {"mean_dv_over_r", "1", "LMGC90's criterion mean DV over r", &Residual::mean_dv_over_r},
       {"active", "1", "contacts with an impulse", &Residual::active},
@@ -27,6 +28,10 @@ ResultColumns<Result> indicators(IterationRecord Result::*record) {
 }
 
 }  // namespace
+
+double StepReport::driven_residual() const {
+  return residual.natural_map == 0 ? 0.0 : std::sqrt(residual.natural_map) / residual.scale.driving();
+}
 
 const ResultColumns<IterationRow>& iteration_columns() {
   using Iteration = IterationRow;
@@ -56,6 +61,13 @@ const ResultColumns<StepReport>& step_columns() {
         {"iterations", "1", "of the step", [](const Step& step) { return step.last.iteration; }}},
        indicators(&Step::last),
        {{"impulses", "N s", "|r| over all contacts", [](const Step& step) { return std::sqrt(step.last.impulses); }},
+        {"driving", "N s",
+         "max(|r^1|, p), what drives the contacts of the step; r^1: impulses of the contacts each alone",
+         [](const Step& step) { return step.residual.scale.driving(); }},
+        {"driven_residual", "1", "|natural map| over `driving`, which does not fall as impulses grow",
+         &Step::driven_residual},
+        {"no_room", "1", "1 where impulses grew and contacts close nevertheless: boundaries may leave no room, or 0",
+         [](const Step& step) { return Index{step.no_room}; }},
         {"contacts", "1", "considered in the step", &Step::contacts},
         {"interface_size", "1", "n_Gamma, 3 per gluing", &Step::interface_size},
         {"overlap_maximum", "m", "largest overlap when contacts are found",

@@ -35,7 +35,7 @@ const ResultColumns<CutStep>& cut_columns() {
       {"subdomains", "1", "number of subdomains", &Found::subdomains},
       {"stick", "1", "contacts that stick at the end", &Found::stick},
       {"slide", "1", "contacts that slide at the end", &Found::slide},
-      {"natural_map", "1", "|natural map| / |r| at the end",
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|) at the end",
        [](const Found& f) { return f.report.residual.relative_natural_map(); }},
       {"outer_steps", "1", "matrices factorised in the step", [](const Found& f) { return f.report.factorisations; }},
       {"outer_steps_undivided", "1", "the same on one subdomain", &Found::undivided_factorisations},

@@ -25,6 +25,9 @@ struct RunTotals {
   double boundary_work = 0, dissipation = 0, numerical = 0;  ///< energies, J
   double gain = 0;                                           ///< energy that contacts added, J
   Index gaining_steps = 0;                                   ///< in which they did
+  double contact_energy = 0;                                 ///< the largest r W r of any step, J
+  Index no_room = 0, first_no_room = 0;  ///< steps whose boundaries may leave no room; the first one
+  Index doubtful = 0;                    ///< steps, see StepReport
   double setup_seconds = 0, solve_seconds = 0;
   double visits = 0;  ///< contacts times sweeps
   std::map<std::string_view, Index> statuses;

@@ -213,7 +213,8 @@ const ResultColumns<WholeRun>& run_columns() {
   static const ResultColumns<Totals> totals{
       {"converged_steps", "1", "of them those that converged", &Totals::converged},
       {"iterations", "1", "of all steps", &Totals::iterations},
-      {"natural_map", "1", "|natural map| / |r| of the velocities kept, the worst of all steps", &Totals::natural_map},
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|) of the velocities kept, the worst of all steps",
+       &Totals::natural_map},
       {"gluing", "1", "jump at the interface at the last iteration, the largest of all steps", &Totals::gluing},
       {"kinetic", "J", "energy of the free grains at the end", [](const Totals& t) { return t.last.energy.kinetic; }}};
   static const auto columns =

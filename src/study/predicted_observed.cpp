@@ -121,7 +121,9 @@ PredictedObserved compare_rates(const Simulation& simulation) {
 
 }  // namespace
 
-double relative_gap(double observed, double predicted) { return std::abs((observed - predicted) / (1 - predicted)); }
+double relative_gap(double observed, double predicted) {
+  return observed == predicted ? 0.0 : std::abs((observed - predicted) / (1 - predicted));
+}
 
 bool rates_agree(double observed, double predicted, double error) {
   return relative_gap(observed, predicted) <= 0.01 || std::abs(observed - predicted) <= 3 * error;

@@ -30,13 +30,15 @@ SolvedStep<D> solution_of(Simulation simulation) {
 
 template <int D>
 void describe(RateAtSolution& result, const SolvedStep<D>& solution) {
-  double squares = 0;
+  double squares = 0, alone = solution.report.residual.scale.alone;
   std::vector<double> margins;
   for (const GrainContact<D>& contact : solution.contacts) {
     squares += squared(contact.impulse);
     margins.push_back(status_margin<D>(solution.problem.law, contact, solution.velocities));
   }
-  const double scale = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, margins.size())));
+  const double scale =
+      std::sqrt(std::max(squares, alone) / static_cast<double>(std::max<std::size_t>(1, margins.size())));
+  if (scale == 0) return;  // no contact carries, nor would any alone
   for (double& margin : margins) margin /= scale;
   if (!margins.empty()) result.margin = *std::ranges::min_element(margins);
   result.near_edge = std::ranges::count_if(margins, [](double margin) { return margin <= near; });
@@ -185,7 +187,10 @@ RateAtSolution rate_in(const Simulation& simulation) {
   const Vector z = restart_at(step.iteration, solution.contacts);
   const Vector before = free_velocities(step.iteration.parts());
   step.iteration.iterate();
-  result.drift = (free_velocities(step.iteration.parts()) - before).norm() / before.norm();
+  const double moved = (free_velocities(step.iteration.parts()) - before).norm();
+  result.drift = moved == 0 ? 0.0 : moved / before.norm();
+  if (before.isZero(0) || z.tail(step.iteration.parts().interface_size()).isZero(0))
+    return result;  // no error to watch
   step.iteration.restart(z);
   NearbyRun<D> run(step.iteration, z, solver.maximum_iterations);
   const std::vector<ContactStatus>& statuses = run.statuses();
@@ -231,7 +236,7 @@ struct SolvedRate {
 const ResultColumns<SolvedRate>& solved_rate_columns() {
   using At = RateAtSolution;
   static const ResultColumns<At> rates{
-      {"natural_map", "1", "|natural map| / |r| of the solution",
+      {"natural_map", "1", "|natural map| / max(|r|, |r^1|) of the solution",
        [](const At& r) { return r.report.residual.relative_natural_map(); }},
       {"drift", "1", "|V_1 - V| / |V| of one iteration from the solution", &At::drift},
       {"active", "1", "contacts with an impulse at the solution", &At::active},

@@ -31,6 +31,7 @@ SolverTrial try_once(const LocalFrictionProblem& problem, const FrictionSolverOp
   });
   trial.status = late && solution.status == FrictionStatus::stopped ? "time_limit" : to_string(solution.status);
   trial.residual = solution.state.residual;
+  trial.driven_residual = solution.state.driven_residual;
   trial.all = {solution.seconds, solution.operations / sweep};
   trial.check_seconds = seconds_since(start) - solution.seconds;
   trial.sweeps = solution.sweeps;
@@ -47,7 +48,8 @@ const ResultColumns<SolverTrial>& trial_columns() {
         {"contacts", "1", "contacts of the problem", &Trial::contacts},
         {"solver", "", "contact solver", &Trial::solver},
         {"status", "", "how it ended; time_limit, or refused for a problem that cannot be read", &Trial::status},
-        {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to the impulses", &Trial::residual},
+        {"residual", "1", "natural map with rho = 1/W_nn of each contact, relative to max(|r|, |r^1|)",
+         &Trial::residual},
         {"seconds", "s", "of the solver by the clock, without its checks",
          [](const Trial& t) { return t.all.seconds; }},
         {"check_seconds", "s", "of its checks by the clock", &Trial::check_seconds},

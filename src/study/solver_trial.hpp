@@ -21,8 +21,8 @@ struct SolverTrial {
   Index contacts = 0;
   /// A FrictionStatus; "time_limit" where the time given was over first; "refused" for a problem that cannot be read.
   std::string status = "refused";
-  double residual = not_a_number;  ///< of the impulses returned
-  Effort all = {};                 ///< of the whole run
+  double residual = not_a_number, driven_residual = not_a_number;  ///< of the impulses returned
+  Effort all = {};                                                 ///< of the whole run
   double check_seconds = not_a_number;
   Index sweeps = 0, factorisations = 0;
   std::array<Effort, compared_residuals.size()> first =

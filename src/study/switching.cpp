@@ -31,6 +31,7 @@ double SwitchedStep::largest(double RememberedModel::*distance) const {
 
 template <int D>
 double share_of(const SolvedStep<D>& step, bool at_end) {
+  if (step.report.contacts == 0) return 0;
   double sum = 0;
   for (const Index e : step.partition.subdomain_of_contact) {
     const RememberedModel& model = step.models[at(e)];
@@ -39,6 +40,9 @@ double share_of(const SolvedStep<D>& step, bool at_end) {
   }
   return sum / static_cast<double>(step.report.contacts);
 }
+
+// Squares below these parts of what the bodies bring are rounding.
+constexpr double squared_rounding = 1e-24;
 
 // |V - V'| / max(|V'|, |V_free|) over the free bodies: those of a packing at rest hardly move.
 template <int D>
@@ -55,13 +59,15 @@ double velocity_error(const SolvedStep<D>& switched, const SolvedStep<D>& plain)
     speed += squared(b);
     free_speed += squared(plain.problem.free[i]);
   }
-  return error == 0 ? 0.0 : std::sqrt(error / std::max(speed, free_speed));
+  const double floor = squared_rounding * plain.report.residual.scale.speeds;
+  return error == 0 ? 0.0 : std::sqrt(error / std::max({speed, free_speed, floor}));
 }
 
 template <int D>
 double impulse_error(const SolvedStep<D>& switched, const SolvedStep<D>& plain) {
   const double error = (switched.interface_impulses - plain.interface_impulses).norm();
-  return error == 0 ? 0.0 : error / plain.interface_impulses.norm();
+  const double floor = std::sqrt(squared_rounding * plain.report.residual.scale.momenta);
+  return error == 0 ? 0.0 : error / std::max(plain.interface_impulses.norm(), floor);
 }
 
 const ResultColumns<SwitchedStep>& switching_columns() {
@@ -82,7 +88,7 @@ const ResultColumns<SwitchedStep>& switching_columns() {
         {"iterations", "1", "of the step", [](const Step& s) { return s.report.last.iteration; }},
         {"iterations_plain", "1", "of the same step without switching",
          [](const Step& s) { return s.plain.last.iteration; }},
-        {"natural_map", "1", "|natural map| / |r|",
+        {"natural_map", "1", "|natural map| / max(|r|, |r^1|)",
          [](const Step& s) { return s.report.residual.relative_natural_map(); }},
         {"natural_map_plain", "1", "the same without switching",
          [](const Step& s) { return s.plain.residual.relative_natural_map(); }},

@@ -67,9 +67,14 @@ TEST_CASE("simulate: overlaps above a tenth of a radius are noticed, above a hal
                "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n"
                "[[boundary]]\nname = \"lid\"\nshape = \"wall\"\nfrom = [1, 1]\nto = [0, 1]\n"
                "centre = [0, 1]\nvelocity = [0, -0.5]\n");
-  CHECK_FALSE(contains(answer(session, "simulate press.toml --steps 5 -o little.h5"), "overlap by"));
-  CHECK(
-      contains(answer(session, "simulate press.toml --steps 60 -o some.h5"), "attention: bodies overlap by up to 0.1"));
+  const auto said = [&](const std::string& command) {  // standard error names the lack of room
+    const Outcome outcome = session.run(words(command));
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.standard_error, "at first in step 1, contacts close although"));
+    return outcome.standard_output;
+  };
+  CHECK_FALSE(contains(said("simulate press.toml --steps 5 -o little.h5"), "overlap by"));
+  CHECK(contains(said("simulate press.toml --steps 60 -o some.h5"), "attention: bodies overlap by up to 0.1"));
   const Outcome crushed = session.run(words("simulate press.toml --steps 400 -o crushed.h5"));
   CHECK(crushed.exit_code == 1);
   CHECK(contains(crushed.standard_error, "expected an overlap of at most 0.5 of the smaller radius"));
@@ -426,4 +431,62 @@ TEST_CASE("simulate: says that a semi-implicit step leaves jumps") {
              "solver.enrichment=semi_implicit");
   CHECK(contains(text, "3 converged"));
   CHECK(contains(text, "attention: grains were left with jumps of "));
+}
+
+namespace {
+
+// A disk, or two that meet head on, with a case that begins with `packing`.
+std::string case_of(const std::string& packing, const std::string& rest) {
+  return "[packing]\nfile = \"" + packing +
+         "\"\n[masses]\nmodel = \"given\"\n[partition]\ngrid = [1, 1]\n[interaction]\nfriction = 0.3\n" + rest;
+}
+
+}  // namespace
+
+TEST_CASE("simulate: grains that go on together leave no residual") {
+  const Session session;
+  session.file("two.csv", "x,y,radius,mass\n0,0.5,0.5,1\n1.001,0.5,0.5,1\n");
+  session.file("two.toml", case_of("two.csv",
+                                   "[dynamics]\nstep = 0.005\nsteps = 6\n"
+                                   "[[prescribed]]\ngrain = 0\nvelocity = [1.0, 0.0]\n"));
+  for (const std::string algorithm : {"auto", "newton", "nlgs", "apgd"}) {
+    CAPTURE(algorithm);
+    const std::string text = answer(session, "simulate two.toml -o " + algorithm + ".h5 --algorithm " + algorithm +
+                                                 " --convergence " + algorithm + ".csv --convergence-every 1");
+    CHECK(contains(text, "steps: 6 converged"));
+    CHECK_FALSE(contains(text, "attention"));
+    for (const double map : nscdd::read_summary(path_of(session, algorithm + ".h5"), "natural_map")) CHECK(map <= 1e-8);
+    const CsvTable rows = read_table(session.read(algorithm + ".csv"));
+    for (std::size_t k = 0; k < rows.rows.size(); ++k) CHECK(rows.number(k, "natural_map") <= 1.0001);
+    CHECK(rows.number(rows.rows.size() - 1, "natural_map") <= 1e-8);
+  }
+}
+
+TEST_CASE("simulate: walls that leave no room are named in the summary, the file, the page and on standard error") {
+  const Session session;
+  session.file("one.csv", "x,y,radius,mass\n0,0.5,0.5,1\n");
+  session.file("closing.toml",
+               case_of("one.csv",
+                       "[dynamics]\nstep = 0.005\nsteps = 20\ngravity = [0, -9.81]\n"
+                       "[[boundary]]\nname = \"left\"\nshape = \"wall\"\nfrom = [-0.5, 5]\nto = [-0.5, -5]\n"
+                       "[[boundary]]\nname = \"right\"\nshape = \"wall\"\nfrom = [0.5, -5]\nto = [0.5, 5]\n"
+                       "velocity = [-0.1, 0]\n"));
+  const Outcome closing = session.run(words("simulate closing.toml -o closing.h5"));
+  const std::string said = "in 20 of 20 steps, at first in step 1, contacts close although";
+  CHECK(closing.exit_code == 0);
+  CHECK(contains(closing.standard_output, "attention: " + said));
+  CHECK(contains(closing.standard_output, "check first that the boundaries leave room"));
+  CHECK_FALSE(contains(closing.standard_output, "--iterations allows more"));
+  CHECK(contains(closing.standard_error, "closing.h5: " + said));
+  const std::string file = path_of(session, "closing.h5");
+  for (const double flag : nscdd::read_summary(file, "no_room")) CHECK(flag == 1);
+  for (const double map : nscdd::read_summary(file, "natural_map")) CHECK(map > 1e-8);
+  // E = max(|r^1|, p): the wall closes at 0.1 m/s on a disk of 1 kg.
+  for (const double driving : nscdd::read_summary(file, "driving")) CHECK(driving >= 0.1);
+  for (const double residual : nscdd::read_summary(file, "driven_residual")) CHECK(residual > 0.1);
+  answer(session, "report closing.h5 -o closing.html");
+  CHECK(contains(session.read("closing.html"), "no_room"));
+  const Outcome few = session.run(words("simulate closing.toml -o few.h5 --algorithm nlgs --iterations 300 --steps 3"));
+  CHECK(contains(few.standard_error, "in 3 of 3 steps, at first in step 1"));
+  CHECK_FALSE(contains(few.standard_output, "--iterations allows more"));
 }

@@ -220,3 +220,32 @@ TEST_CASE("solve: a tolerance that says nothing is refused") {
     check_refused(session, "solve local.hdf5 --tolerance " + tolerance, {"--tolerance: expected"});
   }
 }
+
+TEST_CASE("solve: ends at the tolerance that was asked for, and says what to doubt beside it") {
+  // Two contacts ask for impulses that cancel: after k sweeps r = (2 k - 1, 2 k) N s and the natural map is 2 N s.
+  LocalFrictionProblem squeezed;
+  squeezed.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
+  squeezed.q = (Vector(4) << -1, 0, -1, 0).finished();
+  squeezed.friction = Vector::Constant(2, 0.3);
+  const Session session;
+  session.file("squeezed.hdf5", raw_local(squeezed, Storage::triplets).bytes());
+  const Outcome loose =
+      session.run(words("solve squeezed.hdf5 --solver nlgs --check-every 1 --tolerance 3e-3 --convergence c.csv"));
+  CHECK(loose.exit_code == 0);
+  CHECK(value(loose.standard_output, "status") == "converged");
+  CHECK(value(loose.standard_output, "sweeps") == "236");  // 2 / |(471, 472)| is the first below 3e-3
+  CHECK(loose.standard_error.find("Where no solution exists impulses grow so") != std::string::npos);
+  const CsvTable checks = read_table(session.read("c.csv"));
+  const std::size_t last = checks.rows.size() - 1;
+  CHECK(checks.number(last, "residual") <= 3e-3);
+  CHECK(checks.number(last - 1, "residual") > 3e-3);
+  CHECK(checks.number(last, "driven_residual") == doctest::Approx(std::sqrt(2)));
+  const Outcome tight = session.run(words("solve squeezed.hdf5"));
+  CHECK(tight.exit_code == 1);
+  CHECK(value(tight.standard_output, "status") != "converged");
+  session.file("p.hdf5", raw_global(box()).bytes());
+  const Outcome sound = session.run(words("solve p.hdf5"));
+  CHECK(sound.standard_error.find("Where no solution exists") == std::string::npos);
+  answer(session, "solve squeezed.hdf5 --solver nlgs --tolerance 3e-3 --csv t.csv");
+  CHECK(read_table(session.read("t.csv")).number(0, "driven_residual") == doctest::Approx(std::sqrt(2)));
+}

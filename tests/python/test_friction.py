@@ -237,3 +237,19 @@ def test_a_contact_in_space_slides_in_the_direction_of_its_load(tmp_path):
     back = nscdd.read_contact_problem(tmp_path / "space.hdf5")
     assert back.dimension == 3
     np.testing.assert_array_equal(back.solution["r"], solution.impulses)
+
+
+def test_a_run_ends_at_its_tolerance_and_doubts_stand_beside():
+    """Two contacts that squeeze a body: after k sweeps r = (2 k - 1, 2 k) N s, and the natural map is 2 N s."""
+    w = np.array([[1.0, 0, -1, 0], [0, 1, 0, 1], [-1, 0, 1, 0], [0, 1, 0, 1]])
+    q, sweeps = [-1, 0, -1, 0], np.arange(1, 2000)
+    expected = 2 / np.hypot(2 * sweeps - 1, 2 * sweeps)
+    for tolerance in (0.1, 3e-3):
+        found = nscdd.solve(w, q, 0.3, solver="nlgs", tolerance=tolerance, check_every=1)
+        first = np.argmax(expected <= tolerance)
+        assert found.converged and found.sweeps == sweeps[first]
+        assert found.residual == pytest.approx(expected[first], rel=1e-12)
+        assert not found.credible and found.driven_residual == pytest.approx(np.sqrt(2))
+    assert not nscdd.solve(w, q, 0.3).converged
+    sound = nscdd.solve(w + np.diag([1, 0, 1, 0]), q, 0.3)
+    assert sound.converged and sound.credible and sound.driven_residual <= 1e-8

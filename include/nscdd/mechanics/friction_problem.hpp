@@ -18,6 +18,9 @@ struct LocalFrictionProblem {
   /// are faster with them.
   SparseMatrix mass{}, h{};
   Index dimension = 2;  ///< D: 2 or 3
+  /// Of each contact the speeds |H|^T |M^-1 f| + |w| that cancel in q, as `reduce` knows them, m/s; else none. Rounding
+  /// of them is rounding of q.
+  Vector speeds{};
 
   Index contacts() const { return friction.size(); }
   Index size() const { return dimension * contacts(); }  ///< D c

@@ -52,9 +52,13 @@ struct FrictionSolverOptions {
 struct FrictionState {
   Vector velocities;  ///< u = W r + q, D c entries
   /// Natural map m_c of every contact with rho_c = 1 / W_nn of that contact, N s:
-  ///     || m || / max(|| r ||, || r^1 ||),   r^1_c the impulse of contact c if it were the only one.
-  /// The latter is a scale for impulses near zero. The residual is 0 if m = 0.
+  ///     || m || / max(|| r^1 ||, min(|| r ||, 10^5 max(|| r^1 ||, p))),
+  /// r^1_c the impulse of contact c if it were the only one, p_c = s_c / W_nn with the speeds s_c of the problem, or
+  /// |q_c|. So neither impulses near zero nor impulses that grow without bound are the scale. Where || m || is at most
+  /// 10^-14 max(|| r ||, p), which is rounding, this is the scale. The residual is 0 if m = 0.
   double residual = 0;
+  double scale = 0;            ///< what || m || was divided by, N s
+  double driven_residual = 0;  ///< || m || / max(|| r^1 ||, p), which does not fall as impulses grow
   /// As Siconos 4.4 computes it (fc2d_compute_error, fc3d_compute_error, called with the norm of q): || m || with rho =
   /// 1 for every contact, divided by max(|| r ||, || u ||, || q ||) unless that is below 2.2e-16. (Before it was
   /// divided by || q ||.) It mixes velocities and impulses: its value depends on the units.
@@ -68,7 +72,7 @@ struct FrictionState {
 FrictionState friction_state(const LocalFrictionProblem& problem, const Vector& impulses);
 
 enum class FrictionStatus {
-  converged,        ///< residual <= tolerance, and it is `credible`
+  converged,        ///< residual <= tolerance
   stalled,          ///< sweeps do not get on (`patience`), or no turn of a solver came to an end
   maximum_reached,  ///< of the sweeps
   diverged,         ///< impulses grew to 10^12 times those that contacts or the guess began with
@@ -98,9 +102,9 @@ struct FrictionSolution {
   /// and solves as their library counts them. Checks, orderings and work per contact are left out.
   double operations = 0;
   double seconds = 0;  ///< of the solver without its checks, by the clock; alone in this, it differs from run to run
-  /// Whether the residual counts: || m || <= 10^-3 || r^1 || (or the tolerance, if that is larger), and impulses are
-  /// not beyond all measure. Where there is no solution they may grow without end and make every relative residual
-  /// small.
+  /// False where the residual may be small only because impulses are large: they are larger than what drives the
+  /// problem, max(|| r^1 ||, p), and || m || exceeds 10^-3 of it (or the tolerance, if that is larger), or they are
+  /// 10^8 times as large. So it is where there is no solution and impulses grow without bound. It ends no run.
   bool credible = false;
   FrictionStatus status = FrictionStatus::converged;
   std::vector<Index> unsettled;  ///< contacts whose status changed in the last 10 checks; of what is returned alone

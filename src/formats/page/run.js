@@ -96,6 +96,7 @@ function showRun() {
     return `${Grain} ${i}: ${kind}, radius ${told(radius[i])} m${where}`;
   }
 
+  const lacksRoom = (row) => (summary.no_room?.[row] ?? 0) > 0;  // older trajectories lack the column
   const rowOf = (step) => summary.step.indexOf(step);
   const overSteps = (column, scaled = (v) => v) =>
       summary.step.map((step, row) => [step, scaled(summary[column][row])]);
@@ -206,7 +207,8 @@ function showRun() {
         `${summary.gluing[row] ? ', gluing ' + told(summary.gluing[row], 3) : ''}. ` +
         `${plural(contacts.a.length, 'contact')} of ${summary.contacts[row]} carry an impulse, ${
                summary.slide[row]} slide. ` +
-        `Largest overlap ${told(summary.overlap_maximum[row], 3)} m.`;
+        `Largest overlap ${told(summary.overlap_maximum[row], 3)} m.` +
+        `${lacksRoom(row) ? ' Contacts close although impulses have grown: the boundaries may leave no room.' : ''}`;
   }
 
   function go(next) {
@@ -217,7 +219,7 @@ function showRun() {
     byId('step-value').textContent = words;
     byId('step-text').textContent = stepText();
     const row = rowOf(step);
-    byId('result').classList.toggle('diverges', row >= 0 && data.status[row] !== 'converged');
+    byId('result').classList.toggle('diverges', row >= 0 && (data.status[row] !== 'converged' || lacksRoom(row)));
     draw();
     showChains();
   }
@@ -266,6 +268,12 @@ function showRun() {
     fact(list, 'How it ended', data.ended);
     const converged = data.status.filter((status) => status === 'converged').length;
     fact(list, 'Steps that converged', `${converged} of ${data.status.length}`);
+    const narrow = data.status.filter((_, row) => lacksRoom(row)).length;
+    if (narrow)
+      fact(
+          list, 'Steps that may have no room',
+          `${narrow} of ${data.status.length}: contacts close although impulses have grown far beyond what drives the ` +
+              'step; no impulses may be a solution, and more iterations do not help');
     fact(list, 'Iterations in all', String(summary.iterations.reduce((sum, n) => sum + n, 0)));
     byId('left-out').textContent = `Left out: ${
                                        shown.length < data.kept ?

@@ -27,10 +27,12 @@ struct Couplings {
 template <int D>
 struct ContactProblem {
   Vector q, friction;  ///< as those of a LocalFrictionProblem
+  Vector speeds;       ///< of each contact those of both bodies without contact impulses, or of q, m/s
   Vector normal;       ///< W_nn of its contact at each component, 1/kg
   ContactSums sums = {};
   std::function<Vector(const Vector& r)> product;          ///< W r
   std::function<FullDelassus<D>(Index contact)> diagonal;  ///< its block of W
+  std::optional<double> alone = {};                        ///< || r^1 || where q does not tell it, N s
   double product_operations = 0;                           ///< of a product with W and of a sweep, in all processes
   std::shared_ptr<const ContactBlocks<D>> rows = nullptr;  ///< W by rows of blocks, where it is stored
   /// Does so many sweeps on impulses r, those with the numbers `first`, `first` + 1, ..., and returns r.

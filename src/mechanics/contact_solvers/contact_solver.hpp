@@ -48,6 +48,8 @@ class SolverRun {
 
  private:
   bool decide(const Vector& impulses, const FrictionStep& step);
+  double largest_plausible() const;  // norm of impulses, N s
+  bool plausible(double size) const;
   Index changes_of_status();  // since the last call
 
   const FrictionObserver& observer_;
@@ -55,7 +57,8 @@ class SolverRun {
   std::vector<ContactStatus> statuses_;  // at the last check
   std::vector<Index> changed_;           // the check at which each of them was new
   Index checks_ = 0;
-  double best_maps_ = infinity, scale_ = 0;  // N s; scale_: of impulses that are to be expected
+  double momenta_ = 0, expected_ = 0, guessed_ = 0;  // N s: p, impulses that are to be expected, those of the guess
+  double best_maps_ = infinity;                      // N s
   std::chrono::steady_clock::time_point resumed_ = std::chrono::steady_clock::now();  // the end of the last check
 };
 

@@ -16,6 +16,12 @@ typename ContactProblem<D>::Sweeps stored_sweeps(const LocalFrictionProblem& pro
   };
 }
 
+// |q_c| of each contact: no less than that meets.
+template <int D>
+Vector speeds_of(const Vector& q) {
+  return q.reshaped(D, q.size() / D).colwise().norm().transpose();
+}
+
 template <int D>
 Couplings<D> stored_couplings(const LocalFrictionProblem& problem) {
   const auto symmetric = std::make_shared<const SparseMatrix>(0.5 * (problem.w + SparseMatrix(problem.w.transpose())));
@@ -44,6 +50,7 @@ ContactProblem<D> stored_contacts(const LocalFrictionProblem& problem) {
   const auto rows = std::make_shared<const ContactBlocks<D>>(problem.w);
   return {.q = problem.q,
           .friction = problem.friction,
+          .speeds = problem.speeds.size() > 0 ? problem.speeds : speeds_of<D>(problem.q),
           .normal = std::move(normal),
           .product = [rows](const Vector& r) { return *rows * r; },
           .diagonal = [&problem](Index contact) { return diagonal_block<D>(problem, contact); },

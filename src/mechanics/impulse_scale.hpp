@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mechanics/grain_contacts.hpp"
+
+namespace nscdd {
+
+/// Rounding of the velocities of a body, which are sums over its contacts, relative to what is added up.
+inline constexpr double rounding_of_sums = 1e-14;
+
+/// The scale of natural maps of the norm `maps`, N s, for impulses of the norm `impulses` (docs/theory.md, section 7):
+///     max(|r^1|, min(|r|, 10^5 max(|r^1|, p))).
+/// Natural maps up to 10^-14 max(|r|, p) are rounding. They are measured against max(|r|, |r^1|, p).
+/// `alone`: |r^1|; `momenta`: p. With `squared` all four and the result are squares, (N s)^2. `believed`: of larger
+/// impulses no rounding is allowed for, since they may have grown until all is rounding.
+double natural_map_scale(double maps, double impulses, double alone, double momenta, bool squared = false,
+                         double believed = infinity);
+
+/// Sum of the speeds of both bodies of a contact, rims included, m/s.
+template <int D>
+double meeting_speed(const GrainContact<D>& contact, GrainVelocities<D> v);
+
+/// What a contact adds to the scale of its step, at the velocities V_free.
+template <int D>
+ImpulseScale impulse_scale(const ContactLaw& law, const GrainContact<D>& contact, GrainVelocities<D> free);
+
+}  // namespace nscdd

@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What residuals are measured against: no noise, and nothing that grows with the fault. Right values come from the
+// momentum of the grains and from closed forms of sweeps; a change of units changes no bit.
+#include "mechanics/impulse_scale.hpp"
+
+#include "../support/granular.hpp"
+#include "../support/spheres.hpp"
+#include "simulation/contact_solver_step.hpp"
+#include "study/predicted_observed.hpp"
+#include "study/rate_at_solution.hpp"
+#include <nscdd/mechanics/friction_solver.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace nscdd;
+using namespace nscdd::testing;
+
+namespace {
+
+// Units in which a scene is told: kg, m, s.
+struct Units {
+  double mass = 1, length = 1, time = 1;
+  double speed() const { return length / time; }
+};
+// Powers of two: 10^-9 and 10^12 kg, grains of a micrometre and of a kilometre.
+const Units scales[] = {{},
+                        {std::ldexp(1, -30), 1, 1},
+                        {std::ldexp(1, 40), 1, 1},
+                        {1, std::ldexp(1, -20), 1},
+                        {1, std::ldexp(1, 10), std::ldexp(1, 5)},
+                        {std::ldexp(1, -30), std::ldexp(1, -20), std::ldexp(1, -10)}};
+
+Dynamics dynamics_of(const std::string& algorithm, const Units& units = {}) {
+  Dynamics dynamics;
+  dynamics.time.gravity = {0, 0};
+  dynamics.time.step = 0.005 * units.time;
+  dynamics.interaction.friction = 0.3;
+  dynamics.solver.algorithm = algorithm;
+  return dynamics;
+}
+
+Grain in(const Units& units, Grain one) {
+  return {one.x * units.length,  one.y * units.length,           one.radius * units.length,
+          one.mass * units.mass, one.velocity_x * units.speed(), one.velocity_y * units.speed(),
+          one.spin / units.time};
+}
+
+// Takes steps; returns the reports.
+std::vector<StepReport> run(Simulation simulation, Index steps, GranularState* end = nullptr) {
+  std::vector<StepReport> reports;
+  in_dimension(simulation.system, [&](auto dimension) {
+    for (Index k = 0; k < steps; ++k) {
+      const auto step = solve_step<dimension()>(simulation);
+      REQUIRE_FALSE(step.report.broke_down());
+      reports.push_back(take_step(simulation, step));
+    }
+  });
+  if (end != nullptr) *end = simulation.state;
+  return reports;
+}
+
+// A disk between two walls, of which the right one closes.
+Simulation closing_walls(const std::string& algorithm, const Units& units = {}, double gravity = 9.81,
+                         double friction = 0.3, double room = 0) {
+  Dynamics dynamics = dynamics_of(algorithm, units);
+  dynamics.time.gravity = {0, -gravity * units.length / (units.time * units.time)};
+  dynamics.interaction.friction = friction;
+  const double l = units.length, right = 0.5 + room;
+  dynamics.boundaries.push_back(wall("left", {-0.5 * l, 5 * l}, {-0.5 * l, -5 * l}));
+  dynamics.boundaries.push_back(
+      wall("right", {right * l, -5 * l}, {right * l, 5 * l}, moving({.x = -0.1 * units.speed()}, {right * l, 0})));
+  return simulation_of({in(units, {.x = 0, .y = 0.5})}, dynamics);
+}
+
+// A row of two contacts that ask for impulses that cancel: after k sweeps from zero r = (2 k - 1, 2 k) N s, u = (-2,
+// 0).
+LocalFrictionProblem squeezed(double scale = 1) {
+  LocalFrictionProblem problem;
+  problem.w = Matrix((Matrix(4, 4) << 1, 0, -1, 0, 0, 1, 0, 1, -1, 0, 1, 0, 0, 1, 0, 1).finished()).sparseView();
+  problem.q = scale * (Vector(4) << -1, 0, -1, 0).finished();
+  problem.friction = Vector::Constant(2, 0.3);
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("scale of natural maps: the larger of |r| and |r^1|, neither noise nor without bound") {
+  CHECK(natural_map_scale(0.1, 2, 1, 1) == 2);
+  CHECK(natural_map_scale(0.1, 1, 2, 1) == 2);
+  CHECK(natural_map_scale(0.1, 1e-17, 2, 3) == 2);
+  CHECK(natural_map_scale(0.1, 5, 0, 0) == 5);                                 // nothing drives the step
+  CHECK(natural_map_scale(1e-16, 1e-16, 1e-16, 1) == 1);                       // rounding of the momenta
+  CHECK(natural_map_scale(2e-14, 1e-13, 1e-16, 1) == doctest::Approx(1e-13));  // above it
+  CHECK(natural_map_scale(1e-16, 1, 1e-18, 1e-18) == 1);                       // rounding of the impulses
+  CHECK(natural_map_scale(0.5, 1e12, 1, 1) == 1e5);                            // they grew with the fault
+  CHECK(natural_map_scale(0.25, 1e24, 1, 1, true) == 1e10);                    // of squares
+  CHECK(natural_map_scale(1e-32, 1e-32, 1e-32, 1, true) == 1);
+  CHECK(natural_map_scale(0.5, 1e15, 1, 1) == 1e15);  // rounding, unless they are not believed
+  CHECK(natural_map_scale(0.5, 1e15, 1, 1, false, 1e8) == 1e5);
+  CHECK(std::isnan(not_a_number / natural_map_scale(not_a_number, 1, 1, 1)));
+}
+
+TEST_CASE("two grains that go on together after an impact: impulses are rounding, and so is every residual") {
+  for (const std::string algorithm : {"auto", "continuation", "newton", "nlgs", "admm", "apgd", "generic"})
+    for (const double friction : {0.3, 0.0}) {
+      std::vector<StepReport> first;
+      for (const Units& units : scales) {
+        CAPTURE(algorithm);
+        CAPTURE(units.mass);
+        CAPTURE(units.length);
+        Dynamics dynamics = dynamics_of(algorithm, units);
+        dynamics.interaction.friction = friction;
+        GranularState end;
+        const std::vector<StepReport> reports =
+            run(simulation_of({in(units, {.y = 0.5, .velocity_x = 1}), in(units, {.x = 1.001, .y = 0.5})}, dynamics), 6,
+                &end);
+        for (const double v : end.velocity_x) CHECK(v == doctest::Approx(0.5 * units.speed()).epsilon(1e-8));
+        for (const StepReport& report : reports) {
+          CHECK(report.status == SolverStatus::converged);
+          CHECK(report.residual.relative_natural_map() <= 1e-8);
+          CHECK(report.residual.quad_dv() <= 1e-6);
+          CHECK(std::abs(report.residual.mean_dv_over_r()) <= 1e-5);
+          CHECK_FALSE(report.no_room);
+          CHECK_FALSE(report.doubtful);
+        }
+        if (first.empty()) first = reports;
+        for (std::size_t k = 0; k < reports.size(); ++k) {
+          CHECK(reports[k].last.iteration == first[k].last.iteration);
+          CHECK(reports[k].residual.relative_natural_map() == first[k].residual.relative_natural_map());
+          CHECK(reports[k].driven_residual() == first[k].driven_residual());
+          CHECK(reports[k].residual.quad_dv() == first[k].residual.quad_dv());
+          CHECK(reports[k].residual.mean_dv_over_r() == first[k].residual.mean_dv_over_r());
+        }
+      }
+    }
+}
+
+TEST_CASE("relatives: at rest without gravity, rolling, touching and separating, falling together, a pile at rest") {
+  Dynamics weightless = dynamics_of("auto"), heavy = dynamics_of("auto"), rough = dynamics_of("auto");
+  heavy.time.gravity = rough.time.gravity = {0, -g};
+  heavy.boundaries.push_back(floor_wall());
+  rough.boundaries.push_back(floor_wall());
+  std::vector<Grain> falling, pile;
+  for (int k = 0; k < 40; ++k) falling.push_back({.x = 3.0 * k, .y = 100, .velocity_x = 7.1 * k, .velocity_y = -300});
+  falling.push_back({.x = 1, .y = 100, .velocity_y = -300});  // touches the first one, at its velocity
+  for (int k = 0; k < 10; ++k) pile.push_back({.x = 0, .y = 0.5 + k});
+  const std::pair<const char*, Simulation> scenes[] = {
+      {"at rest", simulation_of({Grain{.y = 0.5}, Grain{.x = 1, .y = 0.5}}, weightless)},
+      {"rolling", simulation_of({Grain{.y = 0.5, .velocity_x = 1, .spin = -2}}, rough)},
+      {"separating", simulation_of({Grain{.velocity_x = -1e-3}, Grain{.x = 1, .velocity_x = 1e3}}, weightless)},
+      {"drifting", simulation_of({Grain{.velocity_x = 1.0 / 3, .velocity_y = 0.1},
+                                  Grain{.x = 0.6, .y = 0.8, .velocity_x = 1.0 / 3, .velocity_y = 0.1}},
+                                 weightless)},
+      {"falling", simulation_of(falling, dynamics_of("auto"))},
+      {"pile", simulation_of(pile, heavy)}};
+  for (const auto& [name, scene] : scenes) {
+    CAPTURE(name);
+    for (const StepReport& report : run(scene, 5)) {
+      CHECK(report.status == SolverStatus::converged);
+      CHECK(report.residual.relative_natural_map() <= 1e-8);
+      CHECK(report.residual.quad_dv() <= 1e-5);
+      CHECK_FALSE(report.no_room);
+    }
+  }
+}
+
+TEST_CASE("a heavy grain far away does not hide what light ones do") {
+  // 10^12 kg at 1 m/s touch another as heavy; two of a milligram meet head on, from zero impulses by sweeps to zeta.
+  for (const std::string criterion : {"zeta", "natural_map"}) {
+    Dynamics dynamics = dynamics_of("nlgs");
+    dynamics.solver.criterion = criterion;
+    GranularState end;
+    run(simulation_of({Grain{.radius = 0.5, .mass = 1e12, .velocity_x = 1},
+                       Grain{.x = 10, .mass = 1e-6, .velocity_x = 1}, Grain{.x = 11.001, .mass = 1e-6}},
+                      dynamics),
+        3, &end);
+    CHECK(end.velocity_x[1] == doctest::Approx(0.5).epsilon(1e-12));
+    CHECK(end.velocity_x[2] == doctest::Approx(0.5).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("criterion and table have one scale") {
+  for (const std::string law : {"coulomb", "frictionless", "cohesive"}) {
+    CAPTURE(law);
+    Dynamics dynamics = dynamics_of("nlgs");
+    dynamics.interaction.law = law;
+    dynamics.interaction.cohesion = law == "cohesive" ? 50 : 0;
+    dynamics.solver.criterion = "none";
+    dynamics.solver.maximum_iterations = 7;
+    dynamics.solver.order = "natural";
+    dynamics.solver.warm_start = false;
+    const SolvedStep<2> step = solve_step(shaken_lattice(6, 5, dynamics));
+    const LocalFrictionProblem problem = contact_problem(step.problem, shaken_lattice(6, 5, dynamics).system);
+    Vector shifted(2 * problem.contacts());
+    for (Index c = 0; c < problem.contacts(); ++c) {
+      const GrainContact<2>& contact = step.contacts[at(c)];
+      shifted[2 * c] = contact.impulse.n + contact.pull;
+      shifted[2 * c + 1] = contact.impulse.t;
+    }
+    const FrictionState state = friction_state(problem, shifted);
+    const ContactResidual& residual = step.report.residual;
+    CHECK(std::sqrt(residual.impulses) == doctest::Approx(shifted.norm()).epsilon(1e-13));
+    CHECK(residual.relative_natural_map() > 1e-4);
+    if (law != "cohesive") CHECK(residual.relative_natural_map() == doctest::Approx(state.residual).epsilon(1e-10));
+    double alone = 0;  // literally: each contact by itself, from V_free
+    for (const GrainContact<2>& c : step.problem.contacts) {
+      const LocalVector<2> v = relative_velocity(c, GrainVelocities<2>(step.problem.free)) + c.bias;
+      const double n = std::max(0.0, c.pull - c.inverse_w.inverse_n * v.n), edge = c.friction * n;
+      const double t = law == "frictionless" ? 0 : std::clamp(-c.inverse_w.inverse_t * v.t, -edge, edge);
+      alone += n * n + t * t;
+    }
+    CHECK(residual.scale.alone == doctest::Approx(alone).epsilon(1e-13));
+    CHECK(residual.scale.momenta >= 0);
+  }
+}
+
+TEST_CASE("what ends a run is the residual that was asked for; a doubt is said beside it") {
+  for (const double tolerance : {0.3, 3e-2, 3e-3, 3e-4}) {
+    CAPTURE(tolerance);
+    const FrictionSolution found =
+        solve_friction(squeezed(), {.algorithm = FrictionAlgorithm::nlgs, .tolerance = tolerance, .check_every = 1});
+    const auto residual = [](Index k) {
+      return 2 / std::hypot(2.0 * static_cast<double>(k) - 1, 2.0 * static_cast<double>(k));
+    };
+    Index first = 1;
+    while (residual(first) > tolerance) ++first;
+    CHECK(found.status == FrictionStatus::converged);
+    CHECK(found.sweeps == first);
+    CHECK(found.state.residual == doctest::Approx(residual(first)).epsilon(1e-12));
+    CHECK(found.state.driven_residual == doctest::Approx(std::sqrt(2)).epsilon(1e-12));
+    CHECK_FALSE(found.credible);
+  }
+  // A problem with a solution is believed.
+  LocalFrictionProblem resting = squeezed();
+  resting.w = Matrix((Matrix(4, 4) << 2, 0, -1, 0, 0, 1, 0, 0, -1, 0, 2, 0, 0, 0, 0, 1).finished()).sparseView();
+  const FrictionSolution found = solve_friction(resting, {.tolerance = 1e-10});
+  CHECK(found.status == FrictionStatus::converged);
+  CHECK(found.credible);
+  CHECK(found.impulses[0] == doctest::Approx(1));
+  CHECK(found.state.driven_residual <= 1e-9);
+}
+
+TEST_CASE("impulses that grow do not make the residual small: by default no solver takes them for a solution") {
+  for (const FrictionAlgorithm algorithm :
+       {FrictionAlgorithm::automatic, FrictionAlgorithm::continuation, FrictionAlgorithm::newton,
+        FrictionAlgorithm::nlgs, FrictionAlgorithm::admm, FrictionAlgorithm::apgd})
+    for (const double scale : {1.0, std::ldexp(1, -60), std::ldexp(1, 60)}) {
+      CAPTURE(to_string(algorithm));
+      CAPTURE(scale);
+      const LocalFrictionProblem problem = squeezed(scale);
+      const FrictionSolution found = solve_friction(problem, {.algorithm = algorithm, .maximum_sweeps = 20'000});
+      CHECK(found.status != FrictionStatus::converged);
+      CHECK(found.state.driven_residual >= 0.1);
+      // Nor from what grew in a run before: a guess gives no leave to grow further.
+      Vector guess(4);
+      guess << 1e7 * scale, 0, 1e7 * scale, 0;
+      const FrictionSolution again = solve_friction(problem, {.algorithm = algorithm, .maximum_sweeps = 20'000}, guess);
+      CHECK(again.status != FrictionStatus::converged);
+      CHECK(again.impulses.norm() <= 2e8 * scale);
+    }
+}
+
+TEST_CASE("self-stress of a network at rest is a solution, however small what drives it") {
+  for (const double driving : {0.0, 1e-17, 1e-12}) {
+    CAPTURE(driving);
+    LocalFrictionProblem problem = squeezed();
+    problem.q << driving, 0, -driving, 0;
+    Vector guess(4);
+    guess << 3, 0, 3, 0;
+    const FrictionSolution found = solve_friction(problem, {}, guess);
+    CHECK(found.status == FrictionStatus::converged);
+    CHECK(found.state.residual <= 1e-8);
+    CHECK(std::isfinite(found.state.driven_residual));
+    if (driving < 1e-15) CHECK(found.credible);
+  }
+}
+
+TEST_CASE("closing walls: no residual is small, and every step says that there may be no room") {
+  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic", "two_stage_newton"}) {
+    std::vector<StepReport> first;
+    for (const Units& units : scales)
+      for (const double friction : {0.3, 0.0}) {
+        CAPTURE(algorithm);
+        CAPTURE(friction);
+        const std::vector<StepReport> reports = run(closing_walls(algorithm, units, 9.81, friction), 12);
+        for (const StepReport& report : reports) {
+          CHECK(report.status != SolverStatus::converged);
+          CHECK(report.residual.relative_natural_map() > 1e-8);
+          CHECK(report.driven_residual() > 0.1);
+          CHECK(report.no_room);
+        }
+        if (first.empty()) first = reports;
+        if (friction == 0.3)
+          for (std::size_t k = 0; k < reports.size(); ++k)
+            CHECK(reports[k].residual.relative_natural_map() == first[k].residual.relative_natural_map());
+      }
+  }
+}
+
+TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres between planes, and walls that stop") {
+  std::vector<std::pair<const char*, Simulation>> scenes;
+  scenes.emplace_back("weightless", closing_walls("auto", {}, 0));
+  Dynamics corner = dynamics_of("auto");
+  corner.time.gravity = {0, -g};
+  corner.boundaries = {floor_wall(), wall("left", {-0.5, 5}, {-0.5, -5}),
+                       wall("slope", {0.5, -1}, {0.5, 5}, moving({.x = -0.2}, {0.5, 0}))};
+  scenes.emplace_back("three walls", simulation_of({Grain{.y = 0.5}}, corner));
+  Dynamics space = dynamics_of("auto");
+  space.time.gravity = {0, 0, -g};
+  space.boundaries = {plane("floor", {0, 0, 0}, {0, 0, 1}),
+                      plane("lid", {0, 0, 1}, {0, 0, -1}, moving_in_space({0, 0, -0.1}, {0, 0, 0}, {0, 0, 1}))};
+  scenes.emplace_back("planes", simulation_of({Ball{.centre = {0, 0, 0.5}}}, space));
+  Dynamics column = dynamics_of("auto");
+  column.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}),
+                       wall("right", {3.5, -5}, {3.5, 5}, moving({.x = -0.1}, {3.5, 0}))};
+  scenes.emplace_back("row of disks", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, column));
+  for (const auto& [name, scene] : scenes) {
+    CAPTURE(name);
+    for (const StepReport& report : run(scene, 8)) {
+      CHECK(report.no_room);
+      CHECK(report.status != SolverStatus::converged);
+    }
+  }
+  // The walls stop after two steps. Without gravity what is overlapped then stays, and nothing closes any more.
+  Simulation stops = closing_walls("auto", {}, 0);
+  stops.system.boundaries[1].motion.time = {0, 0.01};
+  stops.system.boundaries[1].motion.velocity = {{.x = -0.1}, {}};
+  const std::vector<StepReport> reports = run(stops, 6);
+  CHECK(reports[0].no_room);
+  for (std::size_t k = 3; k < reports.size(); ++k) {
+    CHECK_FALSE(reports[k].no_room);
+    CHECK_FALSE(reports[k].doubtful);
+  }
+}
+
+TEST_CASE("room enough: walls that close in on grains that can get out of the way raise no alarm") {
+  for (const std::string algorithm : {"auto", "nlgs", "generic"}) {
+    CAPTURE(algorithm);
+    for (const StepReport& report : run(closing_walls(algorithm, {}, 0, 0.3, 0.05), 8)) CHECK_FALSE(report.no_room);
+    Dynamics dynamics = dynamics_of(algorithm);
+    dynamics.time.gravity = {0, -g};
+    dynamics.solver.maximum_iterations = 30;  // far from converged
+    Simulation piston = box_of_grains(60, dynamics);
+    for (const StepReport& report : run(piston, 40)) CHECK_FALSE(report.no_room);
+  }
+}
+
+TEST_CASE("copies of a grain that fly together, or rest under self-stress, are glued, whatever the criterion") {
+  for (const std::string criterion :
+       {"zeta", "interface_change", "gluing", "natural_map", "quad_dv", "mean_dv_over_r"}) {
+    CAPTURE(criterion);
+    Dynamics dynamics = dynamics_of("generic");
+    dynamics.solver.criterion = criterion;
+    dynamics.solver.tolerance = 1e-4;
+    std::vector<Grain> row;
+    for (int k = 0; k < 4; ++k) row.push_back({.x = k * 0.6, .y = k * 0.8, .velocity_x = 1.0 / 3, .velocity_y = 0.1});
+    for (const StepReport& report : run(simulation_of(row, dynamics, {2, 1}), 4)) {
+      CHECK(report.status == SolverStatus::converged);
+      CHECK(report.residual.relative_natural_map() <= 1e-8);
+    }
+    dynamics.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}), wall("right", {3.5, -5}, {3.5, 5})};
+    Simulation rest = simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, dynamics, {2, 1});
+    for (const auto& [a, b] : {std::pair(0, 1), std::pair(0, 4), std::pair(1, 2), std::pair(2, 3), std::pair(3, 5)})
+      rest.state.impulses.push_back({a, b, {1.0 / 3, 0, 0}});
+    for (const StepReport& report : run(rest, 4)) {
+      CHECK(report.status == SolverStatus::converged);
+      CHECK(report.last.gluing <= 0.01);
+      CHECK_FALSE(report.no_room);
+    }
+  }
+}
+
+TEST_CASE("other quotients whose denominator may vanish") {
+  CHECK(relative_gap(1, 1) == 0);
+  CHECK(relative_gap(0.9, 1) == infinity);
+  CHECK(relative_gap(0.9, 0.8) == doctest::Approx(0.5));
+  CHECK(rates_agree(1, 1, 0));
+  CHECK(std::isnan(relative_gap(not_a_number, 0.5)));
+  GranularSystem driven;
+  driven.radius = driven.mass = {1};
+  driven.driven_by = {0};
+  CHECK(mean_speed(driven, 0) == 0);
+  // Nothing moves, nothing carries: there is no rate to observe, and nothing drifts.
+  Dynamics dynamics = dynamics_of("generic");
+  const RateAtSolution none =
+      rate_at_solution(simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}}, dynamics, {2, 1}));
+  CHECK(none.drift == 0);
+  CHECK(std::isnan(none.observed));
+  CHECK_FALSE(none.converged);
+  CHECK_FALSE(std::isinf(none.margin));
+  // Two bodies that fly together at 1 000 m/s: q is what rounding leaves, `speeds` what cancels in it.
+  GlobalFrictionProblem bodies;
+  bodies.mass = Matrix(Matrix::Identity(6, 6)).sparseView();
+  bodies.h = Matrix((Matrix(6, 2) << -1, 0, 0, -1, 0, -1, 1, 0, 0, 1, 0, -1).finished()).sparseView();
+  bodies.f = (Vector(6) << 1000, 0, 0, 1000, 0, 0).finished();
+  bodies.w = Vector::Zero(2);
+  bodies.friction = Vector::Constant(1, 0.3);
+  const LocalFrictionProblem local = reduce(bodies);
+  CHECK(local.q.norm() == 0);
+  CHECK(local.speeds[0] == doctest::Approx(2000));
+}
