@@ -65,8 +65,8 @@ struct MapRadius {
   std::string failure = {};  ///< if not converged: why each solver failed
 };
 
-/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. A fallback is taken if
-/// a solver does not converge, or if ARPACK meets a unit eigenvalue where these are counted.
+/// Dense eigenvalues or ARPACK's nonsymmetric driver, matrix-free, as choose_inexact_solver says. A fallback is taken
+/// if a solver does not converge, or if ARPACK meets a unit eigenvalue where these are counted.
 MapRadius map_radius(Index n, const LinearMap& map, const SpectralOptions& options, UnitEigenvalues units);
 MapRadius map_radius(const Matrix& map, const SpectralOptions& options, UnitEigenvalues units);
 
