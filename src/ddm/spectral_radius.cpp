@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ddm/continuation.hpp"
+#include "ddm/first_answer.hpp"
 #include "ddm/stiffest.hpp"
 #include "linalg/krylov.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/threads.hpp"
 
 #include <Eigen/Cholesky>
-#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
@@ -193,24 +193,6 @@ SolverChoice choose_inexact_solver(Index size, const SpectralOptions& options) {
 
 namespace {
 
-bool answers(const SpectralRadius& radius, const SpectralOptions& options) {
-  return radius.converged && (!options.certify || radius.certified);
-}
-
-// What kept a solver from the answer, if it has not said so itself.
-std::string reason(const SpectralRadius& radius, const SpectralOptions& options) {
-  if (!radius.failure.empty()) return radius.failure;
-  if (!accurate(radius, options.tolerance))
-    return fmt::format("residual {:.1e} above the tolerance {:.1e}", radius.residual, options.tolerance);
-  return radius.converged ? "no inertia count proves it" : "it has not converged";
-}
-
-// Of two spectra without the answer that was asked for, whether the second one says more.
-bool says_more(const SpectralRadius& first, const SpectralRadius& second) {
-  if (first.converged != second.converged) return second.converged;
-  return second.residual < first.residual || (std::isnan(first.residual) && !std::isnan(second.residual));
-}
-
 SpectralRadius radius_by(SpectralSolver solver, const Contraction& b, const SpectralOptions& options,
                          Continuation& memory) {
   if (solver == SpectralSolver::dense) return dense_radius(b, options);
@@ -229,22 +211,13 @@ SpectralRadius spectral_radius(const Contraction& b, const SpectralOptions& opti
     empty.certified = options.certify;  // no eigenvalue can be missed
     return empty;
   }
-  Continuation local;
   const SolverChoice choice = choose_solver(n, options, b.system.parts().interface.processes().alone());
-  SpectralRadius best = radius_by(choice.solver, b, options, memory != nullptr ? *memory : local);
-  if (answers(best, options)) return relaxed(best, b.relaxation, options.tolerance);
-  std::string tried = best.solver, failures = fmt::format("{}: {}", best.solver, reason(best, options));
-  for (const SpectralSolver solver : choice.fallbacks) {
+  const auto solve = [&](SpectralSolver solver) {
     Continuation none;  // what a fallback finds does not depend on the points before
-    SpectralRadius next = radius_by(solver, b, options, none);
-    if (answers(next, options)) return relaxed(next, b.relaxation, options.tolerance);
-    tried += "+" + next.solver;
-    failures += fmt::format("; {}: {}", next.solver, reason(next, options));
-    if (says_more(best, next)) best = std::move(next);
-  }
-  if (!best.converged) best.solver = tried;
-  best.failure = failures;
-  return relaxed(best, b.relaxation, options.tolerance);
+    return radius_by(solver, b, options, memory != nullptr && solver == choice.solver ? *memory : none);
+  };
+  const auto answers = [&](const SpectralRadius& one) { return one.converged && (!options.certify || one.certified); };
+  return relaxed(first_answer(choice, options.tolerance, solve, answers), b.relaxation, options.tolerance);
 }
 
 }  // namespace nscdd

@@ -2,11 +2,10 @@
 #include "ddm/two_stage.hpp"
 
 #include "core/fail.hpp"
+#include "ddm/first_answer.hpp"
 #include "linalg/pencil.hpp"
 #include "linalg/sparse_cholesky.hpp"
 #include "linalg/threads.hpp"
-
-#include <fmt/format.h>
 
 namespace nscdd {
 namespace {
@@ -147,27 +146,9 @@ MapRadius map_radius(Index n, const LinearMap& given, const SpectralOptions& opt
     for (Index j = 0; j < n; ++j) columns.col(j) = map(Vector::Unit(n, j));
     return map_radius(columns, options, units);
   };
-  const auto reason = [&](const MapRadius& one) {
-    return one.failure.empty()
-               ? fmt::format("residual {:.1e} above the tolerance {:.1e}", one.residual, options.tolerance)
-               : one.failure;
-  };
+  // ARPACK may meet unit eigenvalues that it does not count.
   const auto answers = [](const MapRadius& one) { return one.converged && !std::isnan(one.subdominant); };
-  const SolverChoice choice = choose_inexact_solver(n, options);
-  MapRadius best = radius_by(choice.solver);
-  if (answers(best)) return best;
-  std::string tried = best.solver, failures = fmt::format("{}: {}", best.solver, reason(best));
-  for (const SpectralSolver solver : choice.fallbacks) {
-    MapRadius next = radius_by(solver);
-    if (answers(next)) return next;
-    tried += "+" + next.solver;
-    failures += fmt::format("; {}: {}", next.solver, reason(next));
-    if (!best.converged && (next.converged || !(next.residual >= best.residual))) best = std::move(next);
-  }
-  if (best.converged) return best;  // by ARPACK, with unit eigenvalues that it has not counted
-  best.solver = tried;
-  best.failure = failures;
-  return best;
+  return first_answer(choose_inexact_solver(n, options), options.tolerance, radius_by, answers);
 }
 
 MapRadius inexact_radius(const TwoStageIteration& iteration, const SpectralOptions& options) {
