@@ -53,7 +53,7 @@ void print_network(const Model& model, const Inspection& found, Index ranks_up_t
 // Nothing where no contact depends on it.
 void print_rounding(const RoundingDoubt& doubt) {
   if (doubt.decided.size + doubt.open.size == 0) return;
-  fmt::print("digits               {} (gaps are known to {:.2g} of the smaller radius)\n", doubt.digits,
+  fmt::print("\ndigits               {} (gaps are known to {:.2g} of the smaller radius)\n", doubt.digits,
              doubt.uncertainty);
   fmt::print("  contacts by them   {} (beyond the tolerances, within the digits)\n", doubt.decided.size);
   fmt::print("  pairs in doubt     {} ({})\n", doubt.open.size,
