@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/options.hpp"
-#include "app/simulate_output.hpp"
+#include "app/run_summary.hpp"
 #include "core/text.hpp"
 #include "files/csv.hpp"
 #include "formats/case_file.hpp"

@@ -137,64 +137,6 @@ void require_same_start(const std::string& path, const GranularState& asked) {
   }
 }
 
-Index steps_that(const RunTotals& totals, SolverStatus status) {
-  const auto found = totals.statuses.find(to_string(status));
-  return found == totals.statuses.end() ? 0 : found->second;
-}
-
-// What to do about steps that did not converge. Where there may be no solution, nothing that a solver is given helps.
-std::string advice(const RunTotals& totals, const StepSolver& solver) {
-  if (totals.no_room > 0) return "check first that the boundaries leave room";
-  const Index stalled = steps_that(totals, SolverStatus::stalled);
-  const std::string more = fmt::format("--iterations allows more than {}", solver.maximum_iterations);
-  if (stalled == 0) return more;
-  const std::string other = "another --algorithm, a smaller dynamics.step or a larger --tolerance may help";
-  if (stalled == totals.steps - totals.converged)
-    return fmt::format("they stalled, so more iterations do not help; {}", other);
-  return fmt::format("{} of them stalled: {}; for the others {}", stalled, other, more);
-}
-
-std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
-  const StepSolver& solver = dynamics.solver;
-  std::string text;
-  if (const std::string words = lack_of_room(totals); !words.empty()) text += fmt::format("attention: {}\n", words);
-  if (totals.relative_overlap > notable_overlap)
-    text += fmt::format(
-        "attention: bodies overlap by up to {:.3g} of the smaller radius: a packing that begins with overlaps, "
-        "boundaries that leave no room, or a step or tolerance too coarse\n",
-        totals.relative_overlap);
-  const Index open = totals.steps - totals.converged;
-  if (open > 0 && (solver.criterion != Criterion::none || is_contact_solver(solver.algorithm)))
-    text +=
-        fmt::format("attention: {} of {} steps ended before {} fell to {}{}; {}\n", open, totals.steps,
-                    to_string(is_contact_solver(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),
-                    solver.tolerance, totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
-                    advice(totals, solver));
-  if (totals.doubtful > 0)
-    text += fmt::format(
-        "attention: {} of {} steps converged relative to impulses that are large beside what drives the step: see the "
-        "column driven_residual of /summary\n",
-        totals.doubtful, totals.steps);
-  if (totals.gluing > solver.gluing_tolerance && open == 0 && solver.criterion != Criterion::none)
-    text += fmt::format(
-        "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
-        "not iterate on them\n",
-        totals.gluing, solver.gluing_tolerance);
-  // Every run pushes some overlaps apart; only a notable gain is worth a line, and none that is rounding.
-  constexpr double notable_gain = 0.01, rounding = 1e-12;
-  const double energies =
-      totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation);
-  if (!(totals.gain > std::max(notable_gain * energies, rounding * totals.contact_energy))) return text;
-  const bool pushes = totals.relative_overlap > 0 && dynamics.interaction.restitution == 0 &&
-                      dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
-  std::vector<std::string_view> reasons;
-  if (pushes) reasons.push_back("overlaps pushed apart (dynamics.maximum_push_speed)");
-  if (open > 0) reasons.push_back("steps that had not converged");
-  if (reasons.empty()) reasons.push_back("a step or tolerance too coarse");
-  return text + fmt::format("attention: contacts added {:.3g} J in {} steps: {}\n", totals.gain, totals.gaining_steps,
-                            fmt::join(reasons, ", or "));
-}
-
 }  // namespace
 
 RunSoFar run_so_far(const std::string& path) {
@@ -292,48 +234,6 @@ void RunOutput::end(const RunOutcome& outcome) {
     if (table_ && outcome.end == RunEnd::stopped) table_->leave();
     if (table_ && outcome.end != RunEnd::stopped) table_->finish();
   });
-}
-
-std::string lack_of_room(const RunTotals& totals) {
-  if (totals.no_room == 0) return "";
-  return fmt::format(
-      "in {} of {} steps, at first in step {}, contacts close although their impulses have grown far beyond what "
-      "drives "
-      "the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do not help "
-      "(work of the boundaries in the run: {:.3g} J)",
-      totals.no_room, totals.steps, totals.first_no_room, totals.boundary_work);
-}
-
-std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome) {
-  const Index free = simulation.system.free_disks();
-  std::vector<std::string> statuses;
-  for (const auto& [status, number] : totals.statuses) statuses.push_back(fmt::format("{} {}", number, status));
-  std::string text =
-      fmt::format("{}: {} steps in this run, {} of {} in all, t = {:.6g} s\n", to_string(outcome.end), totals.steps,
-                  simulation.state.step, simulation.dynamics.time.steps, simulation.state.time);
-  const StepAlgorithm algorithm = simulation.dynamics.solver.algorithm;
-  const bool undivided = is_contact_solver(algorithm) && !decomposes(algorithm);  // whatever the partition
-  text += fmt::format("{}s: {} free, {} driven; {} contacts, {}\n", shape_of_grains(simulation.system.dimension), free,
-                      simulation.system.disks() - free, totals.last.contacts,
-                      undivided ? fmt::format("solved undivided by {}", to_string(algorithm))
-                                : fmt::format("interface of {} unknowns", totals.last.interface_size));
-  if (totals.steps == 0) return text;
-  text += fmt::format("steps: {}\n", fmt::join(statuses, ", "));
-  text +=
-      fmt::format("iterations: {} in all, {:.4g} per step, {} at most\n", totals.iterations,
-                  static_cast<double>(totals.iterations) / static_cast<double>(totals.steps), totals.most_iterations);
-  text += fmt::format("worst residual of the contact law: {:.3g} in step {}; largest overlap {:.3g} m\n",
-                      totals.natural_map, totals.worst_step, totals.overlap);
-  if (totals.last.interface_size > 0)
-    text += fmt::format("largest jump at the interface: {:.3g} of the speeds there\n", totals.gluing);
-  text += fmt::format(
-      "energy: kinetic {:.6g} J at the end; boundary work {:.6g} J, dissipation {:.6g} J, numerical {:.3g} J\n",
-      totals.last.energy.kinetic, totals.boundary_work, totals.dissipation, totals.numerical);
-  text +=
-      fmt::format("time: {:.4g} s of iterations, {:.4g} s of setting up", totals.solve_seconds, totals.setup_seconds);
-  if (totals.visits > 0 && (algorithm == StepAlgorithm::nlgs || algorithm == StepAlgorithm::generic))
-    text += fmt::format("; {:.3g} ns per contact and sweep", 1e9 * totals.solve_seconds / totals.visits);
-  return text + "\n" + warnings(totals, simulation.dynamics);
 }
 
 }  // namespace nscdd::app

@@ -68,10 +68,4 @@ class RunOutput {
   std::vector<Row> rows_;
 };
 
-/// Words about steps whose boundaries may leave no room, see no_room; empty if there is none.
-std::string lack_of_room(const RunTotals& totals);
-
-/// The lines at the end of a run, among them warnings that a reader of the numbers must know.
-std::string report_text(const RunTotals& totals, const Simulation& simulation, const RunOutcome& outcome);
-
 }  // namespace nscdd::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "app/counts_table.hpp"
 #include "app/options.hpp"
+#include "app/run_summary.hpp"
 #include "app/simulate_output.hpp"
 #include "core/text.hpp"
 #include "files/output_file.hpp"

@@ -96,6 +96,7 @@ class NearPairs {
   void add_beyond(const Contact& contact, double smaller, bool overlaps) {
     const Uncertainty of_gap = gap_uncertainty(precision_, p_, contact);
     const double certain = of_gap.certain / smaller, decimal = of_gap.decimal / smaller;
+    if (certain > coarsest) refuse_coarse(contact, certain);
     const bool surely = decimal <= surely_rounded || std::abs(contact.gap) <= of_gap.certain;
     const bool maybe = surely || decimal <= coarsest;
     const Near near{contact, contact.gap / smaller,
@@ -157,6 +158,14 @@ class NearPairs {
   [[noreturn]] void refuse_same_centre(const Contact& contact) const {
     const auto [i, j] = bodies({contact, 0, 0});
     fail("grains {} and {} have the same centre: {} and {}", i, j, described(p_, i), described(p_, j));
+  }
+  [[noreturn]] void refuse_coarse(const Contact& contact, double worth) const {
+    const auto [i, j] = bodies({contact, 0, 0});
+    fail(
+        "grains {} and {}: expected coordinates that tell gaps to {} of the smaller radius, met {}, which tells this "
+        "gap "
+        "to {:.2g} of it: {} and {}; move the origin nearer to the grains, or write coordinates in double precision",
+        i, j, coarsest, precision_.text(), worth, described(p_, i), described(p_, j));
   }
   [[noreturn]] void refuse_overlap(const Near& near) const {
     const auto [i, j] = bodies(near);

@@ -252,3 +252,17 @@ TEST_CASE("an overlap tolerance that leaves gaps of the same size apart is told"
   for (double& radius : shrunk.radius) radius = 0.3333333 * (1 + 1e-15);
   CHECK(detect_contacts(shrunk).rounding.one_sided.size == 161);
 }
+
+TEST_CASE("coordinates that cannot tell a tenth of a radius are refused, with the way out") {
+  Packing row;  // grains of 1 mm far from the origin: a float there is worth 0.5 mm, a double at 10^13 m 2 mm
+  for (Index i = 0; i < 8; ++i) {
+    row.x.push_back(static_cast<float>(5000 + 1e-3 * static_cast<double>(i)));
+    row.y.push_back(0);
+    row.radius.push_back(5e-4);
+  }
+  CHECK_THROWS_WITH_AS(
+      detect_contacts(row),
+      doctest::Contains("expected coordinates that tell gaps to 0.1 of the smaller radius, met single"), Error);
+  for (Index i = 0; i < 8; ++i) row.x[at(i)] = 1e13 + 1.3e-3 * static_cast<double>(i);
+  CHECK_THROWS_AS(detect_contacts(row), Error);
+}
