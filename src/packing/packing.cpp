@@ -109,12 +109,10 @@ class NearPairs {
     if (!overlaps && !within && near.gap <= worth_a_word) apart_.push_back(near);
   }
 
-  // Rounding leaves overlaps, which nobody writes, or gaps that differ.
+  // Rounding leaves overlaps, which nobody writes. Gaps alone may be meant.
   bool shows_rounding() const {
-    if (within_.empty()) return false;
-    const auto [low, high] = std::ranges::minmax(within_);
-    const bool differ = high - low > 0.1 * std::max(high, -low);
-    return (low < 0 && high > 0) || (count(within_) >= pairs_that_show && (low < 0 || differ || precision_.long_radii));
+    const Index overlaps = std::ranges::count_if(within_, [](double gap) { return gap < 0; });
+    return overlaps >= pairs_that_show || (overlaps > 0 && overlaps < count(within_));
   }
 
   void keep(const Contact& contact) {
@@ -129,11 +127,11 @@ class NearPairs {
     if (!rounded)
       if (const Near* deepest = first_overlap(pairs)) refuse_overlap(*deepest);
     for (const Near& near : pairs) {
+      doubt_.uncertainty = std::max(doubt_.uncertainty, near.uncertainty);
       if (rounded ? !touches(near) : !(near.gap <= std::min(near.uncertainty, worth_naming))) {
         if (rounded) open_.push_back(near);
         continue;
       }
-      doubt_.uncertainty = std::max(doubt_.uncertainty, near.uncertainty);
       if (rounded) keep(near.contact);
       (rounded ? decided_ : open_).push_back(near);
       doubt_.used = doubt_.used && rounded;
@@ -161,11 +159,14 @@ class NearPairs {
   }
   [[noreturn]] void refuse_coarse(const Contact& contact, double worth) const {
     const auto [i, j] = bodies({contact, 0, 0});
+    const char* format = p_.half_digit > 0               ? "the digits of its file"
+                         : precision_.single_coordinates ? "single precision"
+                                                         : "double precision";
     fail(
-        "grains {} and {}: expected coordinates that tell gaps to {} of the smaller radius, met {}, which tells this "
+        "grains {} and {}: expected coordinates that tell gaps to {} of the smaller radius, met {}, which tell this "
         "gap "
-        "to {:.2g} of it: {} and {}; move the origin nearer to the grains, or write coordinates in double precision",
-        i, j, coarsest, precision_.text(), worth, described(p_, i), described(p_, j));
+        "to {:.2g} of it: {} and {}; move the origin nearer to the grains, or write more digits",
+        i, j, coarsest, format, worth, described(p_, i), described(p_, j));
   }
   [[noreturn]] void refuse_overlap(const Near& near) const {
     const auto [i, j] = bodies(near);

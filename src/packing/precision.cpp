@@ -86,8 +86,6 @@ std::optional<Precision> decimal_precision(const Packing& packing, Digits digits
   precision.radii = precision.coordinates;
   for (const double radius : packing.radius) {
     const Decimal own = digits(radius);
-    precision.long_radii |= own.digits >= 3 && (own.behind_point() >= precision.coordinates.decimals.value_or(1000) ||
-                                                own.digits >= precision.coordinates.significant.value_or(1000));
     if (auto& decimals = precision.radii.decimals) decimals = std::max(*decimals, own.behind_point());
     if (auto& significant = precision.radii.significant) significant = std::max(*significant, own.digits);
   }
@@ -117,28 +115,30 @@ Precision from_numbers(const Packing& packing) {
   return decimal_precision(packing, shortest, 16).value_or(Precision{});
 }
 
-// Half a unit of the last digit.
-double half_unit(const Precision::Digits& digits, double value) {
-  double half = digits.decimals ? 0.5 * std::pow(10.0, -*digits.decimals) : 0;
-  if (digits.significant && value != 0)
-    half = std::max(half, 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(value))) - *digits.significant + 1));
-  return half;
-}
-
 // A unit in the last place, or two: the arithmetic behind a number has rounded, too.
 double unit_of(double value, bool single) {
   return std::abs(value) *
          (single ? double{std::numeric_limits<float>::epsilon()} : std::numeric_limits<double>::epsilon());
 }
 
+// Half a unit of the last digit; none of a number that has more digits than the others, and is known better.
+double half_unit(const Precision::Digits& digits, double value, bool single) {
+  double unit = digits.decimals ? std::pow(10.0, -*digits.decimals) : 0;
+  if (digits.significant && value != 0)
+    unit = std::max(unit, std::pow(10.0, std::floor(std::log10(std::abs(value))) - *digits.significant + 1));
+  if (unit == 0) return 0;
+  const double noise = 0.01 * unit + 2 * unit_of(value, single);  // that a change of units may leave
+  return std::abs(value - unit * std::round(value / unit)) > noise ? 0 : 0.5 * unit;
+}
+
 }  // namespace
 
 Uncertainty Precision::of_coordinate(double value) const {
-  return {std::max(half_digit, unit_of(value, single_coordinates)), half_unit(coordinates, value)};
+  return {std::max(half_digit, unit_of(value, single_coordinates)), half_unit(coordinates, value, single_coordinates)};
 }
 
 Uncertainty Precision::of_radius(double value) const {
-  return {std::max(half_digit, unit_of(value, single_radii)), half_unit(radii, value)};
+  return {std::max(half_digit, unit_of(value, single_radii)), half_unit(radii, value, single_radii)};
 }
 
 std::string Precision::text() const {
@@ -221,10 +221,12 @@ std::vector<std::string> rounding_remarks(const ContactNetwork& network, const s
         "{}: {}: {} of {} contacts have a gap or an overlap of that size, beyond the tolerances (grains {})", name,
         worth, doubt.decided.size, network.size(), named(doubt.decided)));
   if (!doubt.used && doubt.open.size > 0)
-    remarks.push_back(fmt::format(
-        "{}: {}: {} {} apart by less and count{} as apart; --tolerance {:.1g} (contacts.tolerance) makes contacts of "
-        "them",
-        name, worth, pairs_of(doubt.open), apart, doubt.open.size == 1 ? "s" : "", 1.5 * doubt.uncertainty));
+    remarks.push_back(
+        fmt::format("{}{}: {}: {} {} apart by less and count{} as apart, as no overlap shows that numbers were "
+                    "rounded; if they were, "
+                    "--tolerance {:.1g} (contacts.tolerance) makes contacts of them",
+                    doubt.ambiguous() ? "warning: " : "", name, worth, pairs_of(doubt.open), apart,
+                    doubt.open.size == 1 ? "s" : "", 1.5 * doubt.uncertainty));
   else if (doubt.ambiguous())
     remarks.push_back(fmt::format(
         "warning: {}: the contacts are ambiguous: {}, and {} are apart by at most three times that: which grains touch "

@@ -24,8 +24,6 @@ struct Precision {
   };
   Digits coordinates, radii;                              ///< radii have no fewer
   bool single_coordinates = false, single_radii = false;  ///< floats, whatever their decimal digits
-  /// Radii have as many digits as coordinates, and three at least: no round numbers.
-  bool long_radii = false;
   double half_digit = 0;  ///< that the reader knows, m; see Packing
 
   /// How far a coordinate or a radius of that value may be off, m.
