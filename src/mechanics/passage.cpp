@@ -92,9 +92,9 @@ struct Followed {
 // Whether bodies were deepest in each other when a boundary turned back, and are less so now: what it did to the other
 // before is over when contacts are found, and velocities do not show it. `small`: the smaller radius, m.
 bool turned_back(const Followed& found, double small) {
-  constexpr double notable = 0.02;  // of the radius, more than chords of arcs are off by
-  return found.at_bend > notable * small && found.at_bend >= found.deepest && found.deepest > found.before &&
-         found.at_bend > found.at_end;
+  constexpr double notable = 0.02;      // of the radius, more than chords of arcs are off by
+  const bool apart = found.before < 0;  // bodies that touched when contacts were found last are a contact since then
+  return apart && found.at_bend > notable * small && found.at_bend >= found.deepest && found.at_bend > found.at_end;
 }
 
 // Bodies with a line of centres: follows it from place to place. `limit`: the overlap whose time is wanted.

@@ -109,6 +109,12 @@ void check_overlaps(const GranularSystem& system, const GranularState& state, co
   // Now it is worth following all pairs.
   std::vector<DeepOverlap> deep = deep_overlaps<D>(system, whole_path<D>(system, state, scheme, false));
   if (deep.empty()) deep = found;
+  // A boundary that turned back from a contact that was known has done no harm.
+  std::erase_if(deep, [&](const DeepOverlap& one) {
+    return one.overlap <= largest_overlap * smaller_radius(system, one.a, one.b) &&
+           !is_of_step(one, system, state, interaction, scheme);
+  });
+  if (deep.empty()) return;
   sort(deep);
   for (const DeepOverlap& one : deep)
     if (!is_of_step(one, system, state, interaction, scheme))
