@@ -5,11 +5,33 @@
 #include "packing/grain_grid.hpp"
 
 namespace nscdd {
+namespace {
+
+// Two grains that move by more than this relative to each other in a step, times the smaller radius, do not meet with
+// the normal that they have when contacts are found. Below it that normal is off by half of this, rad, at the most.
+constexpr double far_in_a_step = 0.5;
+
+// The line of centres of two grains, over its length, where they touch within a step at constant velocities; none if
+// they do not. `line`: from one centre to the other; `move`: its change in a second.
+template <int D>
+std::optional<Direction<D>> normal_where_they_meet(const Direction<D>& line, const Direction<D>& move, double touch,
+                                                   double step) {
+  const double a = dot<D>(move, move), b = dot<D>(line, move), c = dot<D>(line, line) - touch * touch;
+  const double root = b * b - a * c;
+  if (!(b < 0) || !(root >= 0)) return std::nullopt;
+  const double time = c / (-b + std::sqrt(root));
+  if (!(time <= step)) return std::nullopt;
+  Direction<D> normal = moved_along<D>(line, time, move);
+  for (double& one : normal) one /= touch;
+  return normal;
+}
+
+}  // namespace
 
 template <int D>
 void for_each_contact(const GranularSystem& system, const Path<D>& path,
                       const std::function<Direction<D>(Index)>& velocity, const TimeStepping& scheme,
-                      double least_alert, const std::function<void(const StepContact&)>& visit,
+                      double least_alert, bool foresees, const std::function<void(const StepContact&)>& visit,
                       const std::function<void(const DeepOverlap&)>& deep) {
   const Configuration<D>& where = path.places.back();
   double fastest = 0;
@@ -25,7 +47,22 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
     if (met) return visit({a, b, widened<D>(*met), widened<D>(point), std::min(gap, 0.0)});
     const auto closing = [&] { return dot<D>(normal, moved_along<D>(velocity_of_b(), -1, velocity(a))); };
     const bool far = gap > alert && gap + scheme.step * closing() > alert;
-    if (!far && within) visit({a, b, widened<D>(normal), widened<D>(point), gap});
+    if (far || !within) return;
+    StepContact contact{a, b, widened<D>(normal), widened<D>(point), gap};
+    if (foresees && gap > alert && b < system.disks() &&
+        scheme.step * length<D>(moved_along<D>(velocity_of_b(), -1, velocity(a))) >
+            far_in_a_step * smaller_radius(system, a, b)) {
+      // Of grains that move far until they meet the line of centres turns. Those that miss each other are no contact.
+      const Direction<D> line = moved_along<D>(where.centre(at(b)), -1, where.centre(at(a)));
+      const Direction<D> move = moved_along<D>(velocity_of_b(), -1, velocity(a));
+      const auto meeting = normal_where_they_meet<D>(line, move, length<D>(line) - gap, scheme.step);
+      if (!meeting) return;
+      if (dot<D>(normal, *meeting) < std::cos(largest_turn)) {
+        contact.normal = widened<D>(*meeting);
+        contact.gap = 0;
+      }
+    }
+    visit(contact);
   };
   const GrainGrid grid({where.x, where.y, where.z}, system.radius, 1, range);
   grid.for_each_pair([&](Index a, Index b) {
@@ -65,10 +102,10 @@ void for_each_contact(const GranularSystem& system, const Path<D>& path,
 }
 
 template void for_each_contact<2>(const GranularSystem&, const Path<2>&, const std::function<Direction<2>(Index)>&,
-                                  const TimeStepping&, double, const std::function<void(const StepContact&)>&,
+                                  const TimeStepping&, double, bool, const std::function<void(const StepContact&)>&,
                                   const std::function<void(const DeepOverlap&)>&);
 template void for_each_contact<3>(const GranularSystem&, const Path<3>&, const std::function<Direction<3>(Index)>&,
-                                  const TimeStepping&, double, const std::function<void(const StepContact&)>&,
+                                  const TimeStepping&, double, bool, const std::function<void(const StepContact&)>&,
                                   const std::function<void(const DeepOverlap&)>&);
 
 }  // namespace nscdd

@@ -179,6 +179,7 @@ ConsideredContacts for_each_step_contact(const GranularSystem& system, const Gra
   const double hold = pulls ? touching_gap * *std::max_element(system.radius.begin(), system.radius.end()) : 0;
   for_each_contact<D>(
       system, path, [&](Index grain) { return velocity_of<D>(velocity(grain)); }, scheme, hold,
+      interaction.restitution == 0,
       [&](const StepContact& c) {
         // With restitution a contact acts once it touches: the predicted gap would swallow the impact.
         if (interaction.restitution > 0 && c.gap > 0 && !(pulls && touches(system, c))) return;

@@ -486,3 +486,44 @@ TEST_CASE("passages: overlaps of the packing itself are told from those that a s
   CHECK(refusal({{.velocity_x = 2}, {.x = 0.755}}, 0.01).find("dynamics.step: expected at most ") == 0);
   CHECK(refusal({{.velocity_x = 2}, {.x = 0.8}}, 0.01) == "");
 }
+
+TEST_CASE("passages: without restitution grains that miss each other are no contact, however fast they are") {
+  for (const double speed : {40.0, 130.0, 400.0})
+    for (const double clearance : {1e-3, 0.2, 0.5}) {
+      CAPTURE(speed);
+      CAPTURE(clearance);
+      Simulation s = simulation_of({{.x = -6.3, .radius = 0.5, .velocity_x = speed},
+                                    {.x = 6.3, .y = 1 + clearance, .radius = 0.5, .velocity_x = -speed}},
+                                   free_flight(0.01, 0));
+      s.dynamics.time.steps = 8;
+      CHECK(run_simulation(s, {}).reason == "");
+      CHECK(s.state.velocity_x[0] == speed);
+      CHECK(s.state.velocity_x[1] == -speed);
+      CHECK(s.state.velocity_y[0] == 0);
+    }
+}
+
+// A plastic impact without friction takes the relative velocity along the line of centres at the meeting, at once.
+TEST_CASE("passages: an oblique impact within a long step has the direction of the meeting") {
+  int hit = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double speed = 20 + 5 * (k % 7), offset = -0.9 + 0.03 * k, start = -3.1 - 0.11 * (k % 5);
+    CAPTURE(k);
+    Simulation s = simulation_of({{.x = start, .radius = 0.5, .velocity_x = speed}, {.y = offset, .radius = 0.5}},
+                                 free_flight(0.02, 0));
+    s.dynamics.time.steps = 15;
+    try {
+      if (run_simulation(s, {}).end == RunEnd::broke_down) continue;
+    } catch (const Error&) {
+      continue;  // the step is too long
+    }
+    ++hit;
+    const double along = std::sqrt(1 - offset * offset);  // of the line of centres where they meet, from 0 to 1
+    const double m0 = s.system.mass[0], m1 = s.system.mass[1];
+    const double impulse = m0 * m1 / (m0 + m1) * speed * along;
+    // The normal may be off by 0.1 rad; the program had 0.4 of the speed.
+    CHECK(std::abs(s.state.velocity_x[1] - impulse / m1 * along) < 0.1 * speed);
+    CHECK(std::abs(s.state.velocity_y[1] - impulse / m1 * offset) < 0.1 * speed);
+  }
+  CHECK(hit > 20);
+}
