@@ -15,6 +15,7 @@ auto first_answer(const SolverChoice& choice, double tolerance, Solve&& solve, A
   const auto reason = [&](const auto& one) -> std::string {
     if (!one.failure.empty()) return one.failure;
     if (one.converged) return "its answer is not proved";
+    if (one.residual <= tolerance * std::max(1.0, std::abs(one.value))) return "it has not converged";
     return fmt::format("residual {:.1e} above the tolerance {:.1e}", one.residual, tolerance);
   };
   const auto says_more = [](const auto& first, const auto& second) {

@@ -115,6 +115,8 @@ struct PencilSide {
   void polish(const ShiftedPencil& pencil);
   bool extend_list(const ShiftedPencil& pencil);
   Added add_to_list(const ShiftedPencil& pencil, Index wanted);
+  double disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
+                     const Vector& known);
   double just_outside(double lambda) const { return lambda - inward(1e-3 * lambda); }
 };
 

@@ -62,23 +62,51 @@ bool PencilSide::extend_list(const ShiftedPencil& pencil) {
     return counted - std::count_if(result.values.begin(), result.values.end(),
                                    [&](double lambda) { return inward(lambda - outside->shift()) < 0; });
   };
-  while (missing() > 0)
-    if (!add_to_list(pencil, missing()).any) return false;
+  // Copies of the last values, or of those before a gap: from where the others came from, then from next to the last.
+  bool next_to_last = false;
+  while (missing() > 0) {
+    if (add_to_list(nearer ? *nearer : pencil, missing()).any || (nearer && add_to_list(pencil, missing()).any))
+      continue;
+    if (next_to_last) return false;
+    next_to_last = true;
+    nearer = factorise(just_outside(last));
+    if (!nearer) return false;
+  }
   if (missing() < 0) return false;
   result.values.conservativeResize(wanted);
   result.vectors.conservativeResize(Eigen::NoChange, wanted);
   return true;
 }
 
+// In second order, by how much an eigenvalue is off because the locked vectors are those of their own values only
+// nearly: the image y of its vector under (S - sigma P)^-1 P then has parts c along them. With nu = 1 / (lambda -
+// sigma) it is the sum of c^2 / |nu - nu_j|, over nu^2.
+double PencilSide::disturbance(const ShiftedPencil& pencil, const Vector& x, double lambda, const Matrix& locked,
+                               const Vector& known) {
+  ++result.solves;
+  const Vector image = p.apply(pencil.solve(p.apply(x))), parts = (locked.transpose() * image).cwiseAbs();
+  const double nu = 1 / (lambda - pencil.shift());
+  double sum = 0;
+  for (Index j = 0; j < parts.size(); ++j)
+    if (parts[j] > 0) sum += parts[j] * parts[j] / std::max(parts[j], std::abs(nu - 1 / (known[j] - pencil.shift())));
+  return sum / (nu * nu);
+}
+
 // Looks for more eigenvalues, orthogonal to those of the list.
 PencilSide::Added PencilSide::add_to_list(const ShiftedPencil& pencil, Index wanted) {
   constexpr Index list_steps = 300;  // of Lanczos
   const Matrix locked = result.vectors;
+  const Vector known = result.values;
   const ShiftInvertResult run =
       lanczos(pencil, end, wanted, {.maximum_steps = list_steps, .tolerance = 0.1 * options.tolerance}, {}, locked);
+  // The rounding of the matrix grows with the distance from the shift, over that of the nearest eigenvalue.
+  double nearest = run.values.size() > 0 ? std::abs(run.values[0] - pencil.shift()) : 0;
+  for (const double value : known) nearest = std::min(nearest, std::abs(value - pencil.shift()));
   for (Index k = 0; k < run.values.size(); ++k) {
     const double lambda = run.values[k];
-    const double error = run.bounds[k] + pencil.solution_error() * std::abs(lambda - pencil.shift());
+    const double error = run.bounds[k] + pencil.solution_error() * std::abs(lambda - pencil.shift()) +
+                         disturbance(pencil, run.vectors.col(k), lambda, locked, known) +
+                         rounding(lambda) * std::max(1.0, std::abs(lambda - pencil.shift()) / nearest);
     if (error > tolerance(lambda)) continue;
     // A long list from the largest eigenvalues inwards may reach the zeros of the rigid limit.
     if (point.kernel > 0 && lambda <= 10 * (error + rounding(lambda))) continue;

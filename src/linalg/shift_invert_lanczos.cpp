@@ -41,7 +41,6 @@ class Basis {
     return length;
   }
 
-  Index rows() const { return q_.rows(); }
   auto image() const { return mq_.col(size_ - 1); }  // M q of the last vector
   Matrix combine(const Matrix& s) const { return q_.leftCols(s.rows()) * s; }
 
@@ -51,14 +50,6 @@ class Basis {
   Matrix locked_image_, q_, mq_;
   Index size_ = 0;
 };
-
-// Appends a random direction; false if none is left. Where eigenvalues are multiple, an earlier run from the same
-// random vectors has found all that is in their span. It is then locked, so one of the next vectors has to do.
-bool append_any(Basis& basis, RandomStream& random) {
-  for (Index tries = 0; tries <= basis.rows(); ++tries)
-    if (basis.append(random.normal_vector(basis.rows())) > 0) return true;
-  return false;
-}
 
 // Ritz values nu of the tridiagonal matrix on the side looked at, from the largest modulus on.
 struct RitzPairs {
@@ -118,12 +109,13 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
   if (n < arpack_smallest_size) fail("Lanczos: expected a problem of size >= {}, met {}", arpack_smallest_size, n);
   ShiftInvertResult result;
   const Index capacity = std::min(n - locked.cols(), std::max(options.maximum_steps, wanted + 1));
-  RandomStream random(fixed_seed);
+  // Where eigenvalues are multiple, the runs before have found all that is in the span of their random vectors.
+  RandomStream random(fixed_seed + static_cast<std::uint64_t>(locked.cols()));
   Basis basis(n, capacity, m, locked);
   Vector first = random.normal_vector(n);
   if (start.size() == n && start.norm() > 0)
     first = start / start.norm() + share_of_fixed_vector * first / first.norm();
-  if (capacity < 1 || (basis.append(first) == 0 && !append_any(basis, random))) return result;
+  if (capacity < 1 || basis.append(first) == 0) return result;
   std::vector<double> alpha, beta;
   RitzPairs pairs;
   for (Index steps = 1;; ++steps) {
@@ -132,7 +124,7 @@ ShiftInvertResult shift_invert_lanczos(Index n, const LinearMap& solve, const Li
     ++result.applications;
     alpha.push_back(mq.dot(w));
     beta.push_back(basis.append(w));
-    const bool spent = beta.back() == 0 && (steps == capacity || !append_any(basis, random));
+    const bool spent = beta.back() == 0 && (steps == capacity || basis.append(random.normal_vector(n)) == 0);
     const bool last = steps == capacity || spent;
     if (!last && steps > every_step && steps % 10 != 0) continue;
     pairs = ritz_pairs(alpha, beta, end == SpectrumEnd::smallest, wanted);

@@ -131,7 +131,7 @@ SmallProblem small_problem(std::uint64_t seed) {
                           etas[] = {infinity, infinity, 1e-2, 1, 1e3, 1e-4, 1e6};
   small.epsilon = epsilons[one_of(random, 7)];
   small.eta = etas[one_of(random, 7)];
-  small.eigenvalues = random.uniform() < 0.5 ? 1 : 1 + one_of(random, 5);
+  small.eigenvalues = random.uniform() < 0.5 ? 1 : 1 + one_of(random, 8);
   return small;
 }
 
