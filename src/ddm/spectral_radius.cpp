@@ -164,7 +164,10 @@ SpectralRadius relaxed(const SpectralRadius& plain, double omega, double toleran
     for (double& mu : *interval) mu = shift(mu);
   result.residual = omega * plain.residual;
   // What the solver found is as good as before; the accuracy asked for may be another.
-  result.converged = plain.converged ? accurate(result, tolerance) : false;
+  result.converged = plain.converged && accurate(result, tolerance);
+  if (plain.converged && !result.converged)
+    result.failure =
+        fmt::format("{}: the relaxation {} brings the residual to {:.1e}", plain.solver, omega, result.residual);
   return result;
 }
 

@@ -114,7 +114,11 @@ class Curve {
     work_.memory.forget_ends();
     for (const Index k : {position - 1, position})  // the neighbours, between which the ends are interpolated
       if (k >= 0 && k < count(points_) && points_[at(k)].ends) memory.visited.push_back(*points_[at(k)].ends);
-    const SpectralRadius plain = spectral_radius(b, work_.options, &work_.memory);
+    SpectralRadius plain = spectral_radius(b, work_.options, &work_.memory);
+    if (plain.solver == "arpack") {  // near the ends, which bounds nothing
+      plain.converged = false;
+      plain.failure = "arpack: its ends are not proved";
+    }
     if (!memory.visited.empty()) {
       const PencilMemory::Visited& last = memory.visited.back();
       if (last.epsilon == result.point.epsilon && last.eta == result.point.eta) known.ends = last;
