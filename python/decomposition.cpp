@@ -5,6 +5,7 @@
 #include "long_work.hpp"
 #include "module.hpp"
 #include "study/case.hpp"
+#include "study/inspection.hpp"
 #include <nscdd/study/sweep.hpp>
 
 namespace nscdd::python {
@@ -53,7 +54,7 @@ Shared built(Case one, const std::optional<Subdomains>& subdomains, const py::ob
     model->parts = decompose(model->problem, model->partition);
     return model;
   });
-  warn_of_rounding(built_model->network, built_model->name);
+  warn_of(remarks_on(*built_model, one.spec.partition));
   return built_model;
 }
 

@@ -19,9 +19,9 @@ void bind_tables(pybind11::module_& module);
 void bind_friction(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 
-/// Warns of contacts that depend on rounding (UserWarning), in the name of who called the Python function. Throws
-/// error_already_set where warnings are errors.
-void warn_of_rounding(const ContactNetwork& network, const std::string& name);
+/// Warns (UserWarning) in the name of who called the Python function. Throws error_already_set where warnings are
+/// errors.
+void warn_of(const std::vector<std::string>& remarks);
 
 /// How spectra are computed, from keyword arguments. Throws Error naming the argument.
 SpectralOptions spectral_options(const std::string& solver, double tolerance, Index eigenvalues, bool certify);

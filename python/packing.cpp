@@ -128,9 +128,9 @@ void bind_network(py::module_& module) {
 
 }  // namespace
 
-void warn_of_rounding(const ContactNetwork& network, const std::string& name) {
+void warn_of(const std::vector<std::string>& remarks) {
   constexpr py::ssize_t caller = 2;  // of the function in python/nscdd/
-  for (const std::string& remark : rounding_remarks(network, name))
+  for (const std::string& remark : remarks)
     if (PyErr_WarnEx(PyExc_UserWarning, remark.c_str(), caller) != 0) throw py::error_already_set();
 }
 
@@ -180,7 +180,7 @@ void bind_packing(py::module_& module) {
         override_field(detection, "overlap_tolerance", field_text(overlap_tolerance), "overlap_tolerance");
         const auto found =
             LongWork().run(0, [&] { return std::make_shared<ContactNetwork>(detect_contacts(packing, detection)); });
-        warn_of_rounding(*found, "packing");
+        warn_of(rounding_remarks(*found, "packing"));
         return found;
       },
       py::arg("packing"), py::arg("tolerance"), py::arg("overlap_tolerance"));

@@ -227,8 +227,8 @@ std::string find_study(const std::string& name) {
 Case resolve_case(const CaseSpec& spec, const std::vector<std::string>& outputs) {
   require_no_input(outputs, files_behind(spec));
   Case one = resolve_nested(spec, {});
-  one.made = [told = std::make_shared<std::set<std::string>>()](const Model& model) {
-    for (const std::string& remark : remarks_on(model))
+  one.made = [partitioner = spec.partition, told = std::make_shared<std::set<std::string>>()](const Model& model) {
+    for (const std::string& remark : remarks_on(model, partitioner))
       if (told->insert(remark).second) note("{}", remark);  // a study makes many models of one packing
   };
   return one;

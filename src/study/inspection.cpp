@@ -79,12 +79,12 @@ std::string why_empty(const Model& model) {
   return why;
 }
 
-std::vector<std::string> remarks_on(const Model& model) {
+std::vector<std::string> remarks_on(const Model& model, const Partitioner& partitioner) {
   std::vector<std::string> remarks = rounding_remarks(model.network, model.name);
   const Index subdomains = model.partition.subdomains, contacts = model.contacts();
-  if (subdomains > contacts && contacts > 0)
-    remarks.push_back(fmt::format("{}: {} contacts cannot fill {} subdomains: {} or more of these are empty",
-                                  model.name, contacts, subdomains, subdomains - contacts));
+  if (std::holds_alternative<MetisPartitioner>(partitioner) && subdomains > contacts)
+    remarks.push_back(fmt::format("{}: {} contacts cannot fill {} subdomains: {} of these are empty", model.name,
+                                  contacts, subdomains, subdomains - contacts));
   return remarks;
 }
 

@@ -50,9 +50,9 @@ Case with_overlaps_of_motion(Case one);
 /// partition leaves whole; "" for an interface that is not empty.
 std::string why_empty(const Model& model);
 
-/// Sentences about what a model leaves in doubt, for a user: contacts that depend on rounding, and subdomains for which
-/// there are too few contacts. None for most models.
-std::vector<std::string> remarks_on(const Model& model);
+/// Sentences about what a model leaves in doubt, for a user: contacts that depend on rounding, and parts of METIS for
+/// which there are too few contacts. None for most models.
+std::vector<std::string> remarks_on(const Model& model, const Partitioner& partitioner);
 
 /// Ranks are those of H, which are those of W, by `rigid_rank`.
 Inspection inspect(const Model& model, Index ranks_up_to = ranks_up_to_by_default);
