@@ -71,8 +71,10 @@ std::string lack_of_room(const RunTotals& totals) {
   return fmt::format(
       "in {} of {} steps, at first in step {}, contacts close although their impulses have grown far beyond what "
       "drives "
-      "the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do not help "
-      "(work of the boundaries in the run: {:.3g} J)",
+      "the step: the boundaries may leave no room, and then no impulses are a solution and more iterations do not "
+      "help; "
+      "or these steps ended far from their solution, which a smaller --tolerance tells (work of the boundaries in the "
+      "run: {:.3g} J)",
       totals.no_room, totals.steps, totals.first_no_room, totals.boundary_work);
 }
 
