@@ -49,11 +49,12 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         "attention: grains were left with jumps of {:.3g} of the speeds at the interface, above {}: this scheme does "
         "not iterate on them\n",
         totals.gluing, solver.gluing_tolerance);
-  // Every run pushes some overlaps apart; only a notable gain is worth a line, and none that is rounding.
-  constexpr double notable_gain = 0.01, rounding = 1e-12;
+  // Every run pushes some overlaps apart; only a notable gain is worth a line. In a packing at rest all energies are
+  // what the tolerance leaves of r W r.
+  constexpr double notable_gain = 0.01;
   const double energies =
       totals.last.energy.kinetic + std::abs(totals.boundary_work) + std::max(0.0, totals.dissipation);
-  if (!(totals.gain > std::max(notable_gain * energies, rounding * totals.contact_energy))) return text;
+  if (!(totals.gain > std::max(notable_gain * energies, solver.tolerance * totals.contact_energy))) return text;
   const bool pushes = totals.relative_overlap > 0 && dynamics.interaction.restitution == 0 &&
                       dynamics.time.penetration_correction > 0 && dynamics.time.maximum_push_speed != 0;
   std::vector<std::string_view> reasons;

@@ -46,7 +46,7 @@ void RunTotals::add(const StepReport& report) {
   numerical += report.energy.numerical;
   gain += std::max(0.0, -report.energy.dissipation);
   gaining_steps += report.energy.dissipation < 0;
-  contact_energy = std::max(contact_energy, report.residual.scale_work);
+  contact_energy += report.residual.scale_work;
   if (report.no_room && no_room++ == 0) first_no_room = report.step;
   doubtful += report.doubtful;
   setup_seconds += report.setup_seconds;

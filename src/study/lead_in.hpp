@@ -25,7 +25,7 @@ struct RunTotals {
   double boundary_work = 0, dissipation = 0, numerical = 0;  ///< energies, J
   double gain = 0;                                           ///< energy that contacts added, J
   Index gaining_steps = 0;                                   ///< in which they did
-  double contact_energy = 0;                                 ///< the largest r W r of any step, J
+  double contact_energy = 0;                                 ///< the sum of r W r, J
   Index no_room = 0, first_no_room = 0;  ///< steps whose boundaries may leave no room; the first one
   Index doubtful = 0;                    ///< steps, see StepReport
   double setup_seconds = 0, solve_seconds = 0;

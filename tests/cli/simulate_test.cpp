@@ -490,3 +490,26 @@ TEST_CASE("simulate: walls that leave no room are named in the summary, the file
   CHECK(contains(few.standard_error, "in 3 of 3 steps, at first in step 1"));
   CHECK_FALSE(contains(few.standard_output, "--iterations allows more"));
 }
+
+TEST_CASE("simulate: contacts of a packing at rest add no energy beyond what the tolerance leaves") {
+  const Session session;
+  std::string pile = "x,y,radius,mass\n";  // a triangle of 21 grains between two walls, every contact closed
+  int row = 0;
+  for (const std::string height : {"0.5", "1.3660254037844386", "2.2320508075688772", "3.0980762113533158",
+                                   "3.9641016151377544", "4.830127018922193"}) {
+    for (int k = 0; k < 6 - row; ++k) pile += std::to_string(k + 0.5 * row + 0.5) + "," + height + ",0.5,1\n";
+    ++row;
+  }
+  session.file("pile.csv", pile);
+  session.file("pile.toml", case_of("pile.csv",
+                                    "[dynamics]\nstep = 0.005\nsteps = 20\n"
+                                    "[[boundary]]\nname = \"floor\"\nshape = \"wall\"\nfrom = [0, 0]\nto = [1, 0]\n"
+                                    "[[boundary]]\nname = \"left\"\nshape = \"wall\"\nfrom = [0, 5]\nto = [0, -5]\n"
+                                    "[[boundary]]\nname = \"right\"\nshape = \"wall\"\nfrom = [6, -5]\nto = [6, 5]\n"));
+  for (const std::string tolerance : {"1e-6", "1e-8", "1e-10"}) {
+    CAPTURE(tolerance);
+    const std::string text = answer(session, "simulate pile.toml --force -o pile.h5 --tolerance " + tolerance);
+    CHECK(contains(text, "steps: 20 converged"));
+    CHECK_FALSE(contains(text, "contacts added"));
+  }
+}
