@@ -83,6 +83,43 @@ TEST_CASE("run: a study by its folder or its file or from within") {
   CHECK(session.has("within/study/study.h5"));
 }
 
+TEST_CASE(
+    "run: what a switched step of grains that fly together differs by is rounding, and without contacts nothing") {
+  const Session session;
+  session.file("row.csv", "x,y,radius,mass\n0,0,0.5,1\n0.6,0.8,0.5,1\n1.2,1.6,0.5,1\n1.8,2.4,0.5,1\n");
+  session.file("apart.csv", "x,y,radius,mass\n0,0,0.5,1\n3,0,0.5,1\n6,0,0.5,1\n9,0,0.5,1\n");
+  // The last bits of two velocities differ: interface impulses are 10^-17 N s, and so is their change by the switch.
+  const auto flying = [](const std::string& packing) {
+    return "[packing]\nfile = \"" + packing +
+           "\"\n[masses]\nmodel = \"given\"\n[partition]\ngrid = [2, 1]\n[interaction]\nfriction = 0.3\n"
+           "[dynamics]\nstep = 0.005\nsteps = 3\ngravity = [0, 0]\n"
+           "[solver]\nalgorithm = \"generic\"\ncriterion = \"none\"\nmaximum_iterations = 8\n"
+           "switch = \"linear\"\nswitch_after = 3\nswitch_flexibility = \"1e-8 W\"\n"
+           "[[prescribed]]\ngrain = 0\nvelocity = [0.33333333333333337, 0.1]\n"
+           "[[prescribed]]\ngrain = 1\nvelocity = [0.3333333333333333, 0.10000000000000002]\n"
+           "[[prescribed]]\ngrain = 2\nvelocity = [0.3333333333333333, 0.1]\n"
+           "[[prescribed]]\ngrain = 3\nvelocity = [0.3333333333333333, 0.1]\n";
+  };
+  session.file("study/row.toml", flying("../row.csv"));
+  session.file("study/apart.toml", flying("../apart.csv"));
+  session.file("study/study.toml",
+               "title = \"flying\"\n[[table]]\nname = \"switch\"\nobservable = \"switching\"\n"
+               "cases = [\"row.toml\", \"apart.toml\"]\nsteps = [1, 2, 3]\n");
+  answer(session, "run study");
+  const CsvTable rows = read_table(session.read("results/study/switch.csv"));
+  REQUIRE(rows.rows.size() == 6);
+  double largest = 0;
+  for (std::size_t k = 0; k < 6; ++k) {
+    CAPTURE(k);
+    CHECK(rows.number(k, "impulse_error") <= 1e-4);
+    CHECK(rows.number(k, "velocity_error") <= 1e-14);
+    CHECK(rows.number(k, "natural_map") <= 1e-14);
+    largest = std::max(largest, rows.number(k, "impulse_error"));
+    if (k >= 3) CHECK(rows.number(k, "share") == 0);
+  }
+  CHECK(largest > 0);
+}
+
 TEST_CASE("run --check: exit code 0 where the baseline is met") {
   const Session session;
   write_study(session);

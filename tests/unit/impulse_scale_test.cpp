@@ -47,6 +47,16 @@ Grain in(const Units& units, Grain one) {
           one.spin / units.time};
 }
 
+// A touching row that flies together, but for the last bits of two velocities.
+std::vector<Grain> flying_row(const Units& units) {
+  std::vector<Grain> row;
+  for (int k = 0; k < 4; ++k) row.push_back({.x = k * 0.6, .y = k * 0.8, .velocity_x = 1.0 / 3, .velocity_y = 0.1});
+  row[0].velocity_x = std::nextafter(1.0 / 3, 1);
+  row[1].velocity_y = std::nextafter(0.1, 1);
+  for (Grain& one : row) one = in(units, one);
+  return row;
+}
+
 // Takes steps; returns the reports.
 std::vector<StepReport> run(Simulation simulation, Index steps, GranularState* end = nullptr) {
   std::vector<StepReport> reports;
@@ -100,6 +110,42 @@ TEST_CASE("scale of natural maps: the larger of |r| and |r^1|, neither noise nor
   CHECK(natural_map_scale(0.5, 1e15, 1, 1) == 1e15);  // rounding, unless they are not believed
   CHECK(natural_map_scale(0.5, 1e15, 1, 1, false, 1e8) == 1e5);
   CHECK(std::isnan(not_a_number / natural_map_scale(not_a_number, 1, 1, 1)));
+}
+
+TEST_CASE("scale of a contact: its impulse alone, and the speeds of both bodies, rims included") {
+  const std::vector<GrainVelocity<2>> v{{.x = 3, .inverse_mass = 1}, {.x = -4, .rim = 2, .inverse_mass = 0.5}};
+  GrainContact<2> contact;
+  contact.a = 0;
+  contact.b = 1;
+  contact.inverse_w = grain_delassus(v[0], v[1]);
+  contact.friction = 0.3;
+  const double mass = 1 / 1.5, speed = 3 + (4 + 2);
+  for (const bool exchanged : {false, true}) {
+    if (exchanged) std::swap(contact.a, contact.b);
+    if (exchanged) contact.normal = {-1, 0};
+    const ImpulseScale scale = impulse_scale<2>(ContactLaw(Coulomb{}), contact, v);
+    CHECK(scale.speeds == doctest::Approx(speed * speed));
+    CHECK(scale.momenta == doctest::Approx(speed * speed * mass * mass));
+    CHECK(scale.energies == doctest::Approx(speed * speed * mass));
+    // They close at 7 m/s and roll on each other at 2 m/s, where W_tt = 3 W_nn: friction holds.
+    CHECK(scale.alone == doctest::Approx(mass * mass * (7 * 7 + 4.0 / 9)));
+  }
+}
+
+TEST_CASE("LMGC90's criteria: rounding of the velocities is relative to what the bodies bring") {
+  ContactResidual noise{.violation = 1e-32, .work = 1e-32, .scale_work = 1e-32, .scale_velocity = 1e-32};
+  CHECK(noise.quad_dv() == doctest::Approx(1));
+  CHECK(noise.mean_dv_over_r() == doctest::Approx(1));
+  noise.scale = {.speeds = 4, .energies = 4};
+  CHECK(noise.quad_dv() == doctest::Approx(0.5e-16));
+  CHECK(noise.mean_dv_over_r() == doctest::Approx(0.25e-32));
+  const ContactResidual clear{.violation = 1e-20,
+                              .work = -1e-20,
+                              .scale_work = 1e-20,
+                              .scale_velocity = 1e-20,
+                              .scale = {.speeds = 4, .energies = 4}};
+  CHECK(clear.quad_dv() == doctest::Approx(1));
+  CHECK(clear.mean_dv_over_r() == doctest::Approx(-1));
 }
 
 TEST_CASE("two grains that go on together after an impact: impulses are rounding, and so is every residual") {
@@ -370,6 +416,75 @@ TEST_CASE("copies of a grain that fly together, or rest under self-stress, are g
       CHECK_FALSE(report.no_room);
     }
   }
+}
+
+TEST_CASE("interface impulses that are rounding of the momenta are no change") {
+  // F is 10^-17 N s, and so is its first change.
+  for (const std::string algorithm : {"generic", "enriched"})
+    for (const Units& units : scales) {
+      CAPTURE(algorithm);
+      Dynamics dynamics = dynamics_of(algorithm, units);
+      dynamics.solver.criterion = "interface_change";
+      dynamics.solver.tolerance = 1e-4;
+      const SolvedStep<2> step = solve_step(simulation_of(flying_row(units), dynamics, {2, 1}));
+      CHECK(step.interface_impulses.norm() > 0);
+      CHECK(step.interface_impulses.norm() <= 1e-16 * units.mass * units.speed());
+      CHECK(step.report.status == SolverStatus::converged);
+      CHECK(step.report.last.iteration == 1);
+      CHECK(step.report.last.interface_change <= 1e-4);
+      CHECK(step.report.last.interface_second_change <= 1e-4);
+    }
+}
+
+TEST_CASE("a linear subdomain of grains that fly together is no further from the law than rounding of their momenta") {
+  // F and the distance of the model are both 10^-17 N s.
+  for (const double flexibility : {1e-8, 1e-4})
+    for (const Units& units : scales) {
+      Dynamics dynamics = dynamics_of("generic", units);
+      dynamics.solver.criterion = "none";
+      dynamics.solver.maximum_iterations = 8;
+      dynamics.solver.model = SwitchedModel::linear;
+      dynamics.solver.switch_after = 3;
+      dynamics.solver.switch_flexibility = Flexibility(flexibility, true);
+      Simulation simulation = simulation_of(flying_row(units), dynamics, {2, 1});
+      double apart = 0;
+      for (int k = 0; k < 3; ++k) {
+        const SolvedStep<2> step = solve_step(simulation);
+        for (const RememberedModel& model : step.models) {
+          apart = std::max(apart, model.velocity_distance);
+          CHECK(model.impulse_distance <= 1e-3);
+        }
+        take_step(simulation, step);
+      }
+      CHECK(apart > 0);
+    }
+}
+
+TEST_CASE("jumps of copies at rest are relative to what rounding leaves of their impulses") {
+  // An oblique row between two walls under self-stress, without loads: after the first step V is 10^-17 m/s, and so are
+  // the jumps of its copies, while F over the mass of a copy is 0.2 m/s.
+  for (const std::string algorithm : {"generic", "enriched"})
+    for (const std::string criterion : {"interface_change", "natural_map", "gluing"}) {
+      CAPTURE(algorithm);
+      CAPTURE(criterion);
+      Dynamics dynamics = dynamics_of(algorithm);
+      dynamics.solver.criterion = criterion;
+      dynamics.solver.tolerance = 1e-4;
+      dynamics.boundaries = {wall("left", {-1.1, 0.2}, {0.5, -1}), wall("right", {2.9, 2.2}, {1.3, 3.4})};
+      std::vector<Grain> row;
+      for (int k = 0; k < 4; ++k) row.push_back({.x = k * 0.6, .y = k * 0.8});
+      row[1].mass = 0.7;
+      row[2].mass = 1.7;
+      Simulation rest = simulation_of(row, dynamics, {2, 1});
+      for (const auto& [a, b] : {std::pair(0, 1), std::pair(0, 4), std::pair(1, 2), std::pair(2, 3), std::pair(3, 5)})
+        rest.state.impulses.push_back({a, b, {1.0 / 3, 0, 0}});
+      const std::vector<StepReport> reports = run(rest, 4);
+      for (std::size_t k = 1; k < reports.size(); ++k) {
+        CHECK(reports[k].status == SolverStatus::converged);
+        CHECK(reports[k].last.iteration <= 5);
+        CHECK(reports[k].last.gluing <= 0.01);
+      }
+    }
 }
 
 TEST_CASE("other quotients whose denominator may vanish") {
