@@ -84,6 +84,23 @@ Simulation closing_walls(const std::string& algorithm, const Units& units = {}, 
   return simulation_of({in(units, {.x = 0, .y = 0.5})}, dynamics);
 }
 
+// A boundary of one grain of the packing, and its velocity.
+BoundarySpec driven(Index grain, const RigidVelocity& velocity) {
+  BoundarySpec spec;
+  spec.name = "grain " + std::to_string(grain);
+  spec.shape = BoundaryShape::grains;
+  spec.first = spec.last = grain;
+  spec.motion = moving(velocity);
+  return spec;
+}
+
+// A row of three touching disks along x. The outer ones are driven at these speeds.
+Simulation between_driven_disks(const std::string& algorithm, double left, double right, const Units& units = {}) {
+  Dynamics dynamics = dynamics_of(algorithm, units);
+  dynamics.boundaries = {driven(0, {.x = left * units.speed()}), driven(2, {.x = right * units.speed()})};
+  return simulation_of({in(units, {}), in(units, {.x = 1}), in(units, {.x = 2})}, dynamics);
+}
+
 // A row of two contacts that ask for impulses that cancel: after k sweeps from zero r = (2 k - 1, 2 k) N s, u = (-2,
 // 0).
 LocalFrictionProblem squeezed(double scale = 1) {
@@ -379,6 +396,56 @@ TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres 
     CHECK_FALSE(reports[k].no_room);
     CHECK_FALSE(reports[k].doubtful);
   }
+}
+
+TEST_CASE("driven disks that close on a free one leave no room, like walls") {
+  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic"})
+    for (const Units& units : scales)
+      for (const auto& [left, right] : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
+        CAPTURE(algorithm);
+        CAPTURE(left);
+        for (const StepReport& report : run(between_driven_disks(algorithm, left, right, units), 4)) {
+          CHECK(report.no_room);
+          CHECK(report.status != SolverStatus::converged);
+          CHECK(report.driven_residual() > 0.1);
+        }
+      }
+  Dynamics dynamics = dynamics_of("auto");
+  dynamics.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}), driven(2, {.x = -0.1})};
+  std::vector<std::pair<const char*, Simulation>> scenes;
+  scenes.emplace_back("a wall and a disk", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}}, dynamics));
+  dynamics.boundaries = {driven(0, {}), driven(3, {.x = -0.1})};
+  scenes.emplace_back("two free disks",
+                      simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, dynamics));
+  dynamics.boundaries = {driven(0, {.z = 0.1}), driven(2, {.z = -0.1})};
+  const auto ball = [](double z) { return Ball{.centre = {0, 0, z}}; };
+  scenes.emplace_back("spheres", simulation_of({ball(0), ball(1), ball(2)}, dynamics));
+  for (const auto& [name, scene] : scenes) {
+    CAPTURE(name);
+    for (const StepReport& report : run(scene, 4)) CHECK(report.no_room);
+  }
+}
+
+TEST_CASE("driven disks that go apart, along, or after each other leave room, and the free one takes their speed") {
+  struct Pair {
+    double left, right, free;  // m/s; that of the free disk: what the disk has that pushes it, or none
+  };
+  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic"})
+    for (const Units& units : scales)
+      for (const Pair& one : {Pair{-0.1, 0.1, 0}, {0.1, 0.1, 0.1}, {-0.1, -0.1, -0.1}, {0.1, 0.3, 0.1}, {0, 0, 0}}) {
+        CAPTURE(algorithm);
+        CAPTURE(one.left);
+        CAPTURE(one.right);
+        Simulation scene = between_driven_disks(algorithm, one.left, one.right, units);
+        scene.dynamics.time.penetration_correction = 0;  // what moves half a step would push
+        GranularState end;
+        for (const StepReport& report : run(scene, 4, &end)) {
+          CHECK_FALSE(report.no_room);
+          CHECK_FALSE(report.doubtful);
+          CHECK(report.status == SolverStatus::converged);
+        }
+        CHECK(std::abs(end.velocity_x[1] / units.speed() - one.free) <= 1e-6);
+      }
 }
 
 TEST_CASE("room enough: walls that close in on grains that can get out of the way raise no alarm") {
