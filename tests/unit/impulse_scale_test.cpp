@@ -218,9 +218,9 @@ TEST_CASE("relatives: at rest without gravity, rolling, touching and separating,
                                  weightless)},
       {"falling", simulation_of(falling, dynamics_of("auto"))},
       {"pile", simulation_of(pile, heavy)}};
-  for (const auto& [name, scene] : scenes) {
-    CAPTURE(name);
-    for (const StepReport& report : run(scene, 5)) {
+  for (const auto& one : scenes) {
+    CAPTURE(one.first);
+    for (const StepReport& report : run(one.second, 5)) {
       CHECK(report.status == SolverStatus::converged);
       CHECK(report.residual.relative_natural_map() <= 1e-8);
       CHECK(report.residual.quad_dv() <= 1e-5);
@@ -379,9 +379,9 @@ TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres 
   column.boundaries = {wall("left", {-0.5, 5}, {-0.5, -5}),
                        wall("right", {3.5, -5}, {3.5, 5}, moving({.x = -0.1}, {3.5, 0}))};
   scenes.emplace_back("row of disks", simulation_of({Grain{}, Grain{.x = 1}, Grain{.x = 2}, Grain{.x = 3}}, column));
-  for (const auto& [name, scene] : scenes) {
-    CAPTURE(name);
-    for (const StepReport& report : run(scene, 8)) {
+  for (const auto& one : scenes) {
+    CAPTURE(one.first);
+    for (const StepReport& report : run(one.second, 8)) {
       CHECK(report.no_room);
       CHECK(report.status != SolverStatus::converged);
     }
@@ -401,10 +401,10 @@ TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres 
 TEST_CASE("driven disks that close on a free one leave no room, like walls") {
   for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic"})
     for (const Units& units : scales)
-      for (const auto& [left, right] : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
+      for (const auto& speeds : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
         CAPTURE(algorithm);
-        CAPTURE(left);
-        for (const StepReport& report : run(between_driven_disks(algorithm, left, right, units), 4)) {
+        CAPTURE(speeds.first);
+        for (const StepReport& report : run(between_driven_disks(algorithm, speeds.first, speeds.second, units), 4)) {
           CHECK(report.no_room);
           CHECK(report.status != SolverStatus::converged);
           CHECK(report.driven_residual() > 0.1);
@@ -420,9 +420,9 @@ TEST_CASE("driven disks that close on a free one leave no room, like walls") {
   dynamics.boundaries = {driven(0, {.z = 0.1}), driven(2, {.z = -0.1})};
   const auto ball = [](double z) { return Ball{.centre = {0, 0, z}}; };
   scenes.emplace_back("spheres", simulation_of({ball(0), ball(1), ball(2)}, dynamics));
-  for (const auto& [name, scene] : scenes) {
-    CAPTURE(name);
-    for (const StepReport& report : run(scene, 4)) CHECK(report.no_room);
+  for (const auto& one : scenes) {
+    CAPTURE(one.first);
+    for (const StepReport& report : run(one.second, 4)) CHECK(report.no_room);
   }
 }
 
