@@ -12,12 +12,16 @@ Index steps_that(const RunTotals& totals, SolverStatus status) {
 }
 
 // What to do about steps that did not converge. Where there may be no solution, nothing that a solver is given helps.
-std::string advice(const RunTotals& totals, const StepSolver& solver) {
+std::string advice(const RunTotals& totals, const Dynamics& dynamics) {
   if (totals.no_room > 0) return "check first that the boundaries leave room";
+  const bool bounded = !dynamics.boundaries.empty();
   const Index stalled = steps_that(totals, SolverStatus::stalled);
-  const std::string more = fmt::format("--iterations allows more than {}", solver.maximum_iterations);
+  const std::string more = fmt::format("--iterations allows more than {}{}", dynamics.solver.maximum_iterations,
+                                       bounded ? ", which helps unless the boundaries leave no room" : "");
   if (stalled == 0) return more;
-  const std::string other = "another --algorithm, a smaller dynamics.step or a larger --tolerance may help";
+  const std::string other =
+      fmt::format("another --algorithm, a smaller dynamics.step or a larger --tolerance may help{}",
+                  bounded ? ", unless the boundaries leave no room" : "");
   if (stalled == totals.steps - totals.converged)
     return fmt::format("they stalled, so more iterations do not help; {}", other);
   return fmt::format("{} of them stalled: {}; for the others {}", stalled, other, more);
@@ -38,7 +42,7 @@ std::string warnings(const RunTotals& totals, const Dynamics& dynamics) {
         fmt::format("attention: {} of {} steps ended before {} fell to {}{}; {}\n", open, totals.steps,
                     to_string(is_contact_solver(solver.algorithm) ? Choice(Criterion::natural_map) : solver.criterion),
                     solver.tolerance, totals.interface ? fmt::format(" and jumps to {}", solver.gluing_tolerance) : "",
-                    advice(totals, solver));
+                    advice(totals, dynamics));
   if (totals.doubtful > 0)
     text += fmt::format(
         "attention: {} of {} steps converged relative to impulses that are large beside what drives the step: see the "
