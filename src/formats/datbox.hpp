@@ -113,14 +113,14 @@ enum class DatboxDisks {
 };
 
 /// The disks or spheres in the order of the files, with masses and with half of the last digit of their places. Planks
-/// are no grains. Throws Error for a free body of several disks, one whose inertia is not that of a full disk or sphere,
-/// and a packing without grains.
+/// are no grains. Throws Error for a free body of several disks, one whose inertia is not that of a full disk or
+/// sphere, and a packing without grains.
 Packing datbox_packing(const Datbox& datbox, DatboxDisks which);
 
 /// The packing of a folder as a case: the velocities at the beginning are prescribed. With `moving`, also laws, gravity
 /// and boundaries: planks as straight walls, driven disks as grains of a boundary. The steps are those of TimeStepping,
-/// as the files know none. Throws Error as datbox_packing, and with `moving` for a free disk that spins at the beginning
-/// and for all else that is not modelled: see docs/formats.md.
+/// as the files know none. Throws Error as datbox_packing, and with `moving` for a free disk that spins at the
+/// beginning and for all else that is not modelled: see docs/formats.md.
 CaseSpec case_of_datbox(const std::string& path, bool moving);
 
 /// The moving part of it.

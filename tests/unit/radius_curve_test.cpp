@@ -129,7 +129,7 @@ TEST_CASE("curve: the error of a slope covers what an inexact mode is off, on ea
           });
           const double of_high =
               derivative([&](const X& s, const X& p) { return g.dot(p.apply(g)) / g.dot(s.apply(g)); });
-          const auto& [low, high] = *point.ends;
+          const CurveEnd &low = (*point.ends)[0], &high = (*point.ends)[1];
           const double rounding = 1e-10;  // of the differences
           CHECK(std::abs(low.slope - of_low) <= low.slope_error + rounding);
           CHECK(std::abs(-high.slope / (high.lambda * high.lambda) - of_high) <=
