@@ -342,7 +342,8 @@ TEST_CASE("self-stress of a network at rest is a solution, however small what dr
 }
 
 TEST_CASE("closing walls: no residual is small, and every step says that there may be no room") {
-  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic", "two_stage_newton"}) {
+  const std::vector<std::string> algorithms{"auto", "newton", "nlgs", "admm", "apgd", "generic", "two_stage_newton"};
+  for (const std::string& algorithm : watched(algorithms)) {
     std::vector<StepReport> first;
     for (const Units& units : watched(scales))
       for (const double friction : {0.3, 0.0}) {
@@ -400,7 +401,8 @@ TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres 
 }
 
 TEST_CASE("driven disks that close on a free one leave no room, like walls") {
-  for (const std::string algorithm : {"auto", "newton", "nlgs", "admm", "apgd", "generic"})
+  for (const std::string& algorithm :
+       watched(std::vector<std::string>{"auto", "newton", "nlgs", "admm", "apgd", "generic"}))
     for (const Units& units : watched(scales))
       for (const auto& speeds : {std::pair(0.0, -0.1), std::pair(0.1, -0.1), std::pair(0.3, 0.1)}) {
         CAPTURE(algorithm);
