@@ -341,7 +341,8 @@ TEST_CASE("self-stress of a network at rest is a solution, however small what dr
   }
 }
 
-TEST_CASE("closing walls: no residual is small, and every step says that there may be no room") {
+TEST_CASE("closing walls: no residual is small, and every step says that there may be no room" *
+          doctest::skip(sanitized)) {  // minutes
   const std::vector<std::string> algorithms{"auto", "newton", "nlgs", "admm", "apgd", "generic", "two_stage_newton"};
   for (const std::string& algorithm : watched(algorithms)) {
     std::vector<StepReport> first;
@@ -400,7 +401,7 @@ TEST_CASE("closing walls: without gravity, three of them, driven disks, spheres 
   }
 }
 
-TEST_CASE("driven disks that close on a free one leave no room, like walls") {
+TEST_CASE("driven disks that close on a free one leave no room, like walls" * doctest::skip(sanitized)) {  // minutes
   for (const std::string& algorithm :
        watched(std::vector<std::string>{"auto", "newton", "nlgs", "admm", "apgd", "generic"}))
     for (const Units& units : watched(scales))
