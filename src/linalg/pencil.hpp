@@ -10,8 +10,8 @@ namespace nscdd {
 
 /// Both ends of the spectrum of a symmetric definite pencil, A x = lambda P x.
 struct PencilEnds {
-  std::string_view failure = {};  ///< why there are no eigenvalues; empty if there are
-  Vector low, high;      ///< k eigenvalues from each end inwards: ascending, descending
+  std::string_view failure = {};     ///< why there are no eigenvalues; empty if there are
+  Vector low, high;                  ///< k eigenvalues from each end inwards: ascending, descending
   Matrix low_vectors, high_vectors;  ///< n x k, their eigenvectors, x^T P x = 1
   /// Largest ||A x - lambda P x||_{P^-1} / ||x||_P of these pairs: an eigenvalue lies as near as this to each value.
   double residual = not_a_number;

@@ -24,7 +24,7 @@ struct Precision {
   };
   Digits coordinates, radii;                              ///< radii have no fewer
   bool single_coordinates = false, single_radii = false;  ///< floats, whatever their decimal digits
-  double half_digit = 0;  ///< that the reader knows, m; see Packing
+  double half_digit = 0;                                  ///< that the reader knows, m; see Packing
 
   /// How far a coordinate or a radius of that value may be off, m.
   Uncertainty of_coordinate(double value) const;
