@@ -74,7 +74,7 @@ struct BothEnds {
   SymmetricEigen low, high;
 };
 
-// The k first and last pairs. If bisection fails, all pairs are computed by the QR iteration, of which none is missing.
+// The k first and last pairs. If bisection fails, the QR iteration computes all pairs.
 BothEnds both_ends(const Tridiagonal& t, lapack_int k) {
   const auto n = static_cast<lapack_int>(t.diagonal.size());
   BothEnds ends{some_pairs(t, 1, k), some_pairs(t, n - k + 1, n)};

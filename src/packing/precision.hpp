@@ -23,7 +23,7 @@ struct Precision {
     std::optional<int> decimals, significant;
   };
   Digits coordinates, radii;                              ///< radii have no fewer
-  bool single_coordinates = false, single_radii = false;  ///< floats, whatever their decimal digits
+  bool single_coordinates = false, single_radii = false;  ///< the numbers are floats
   double half_digit = 0;                                  ///< that the reader knows, m; see Packing
 
   /// How far a coordinate or a radius of that value may be off, m.
