@@ -96,7 +96,7 @@ class NearPairs {
   void add_beyond(const Contact& contact, double smaller, bool overlaps) {
     const Uncertainty of_gap = gap_uncertainty(precision_, p_, contact);
     const double certain = of_gap.certain / smaller, decimal = of_gap.decimal / smaller;
-    if (certain > coarsest) refuse_coarse(contact, certain);
+    if (certain > coarsest && std::abs(contact.gap) <= 3 * of_gap.certain) refuse_coarse(contact, certain);
     const bool surely = decimal <= surely_rounded || std::abs(contact.gap) <= of_gap.certain;
     const bool maybe = surely || decimal <= coarsest;
     const Near near{contact, contact.gap / smaller,
